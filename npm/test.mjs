@@ -50,7 +50,7 @@ const listed = (folder) =>
         .sort();
 
 // Mathematical functions of the platforms differ by a rounding, which moves few half floats.
-const MOST = 1e-5;
+const MAX = 1e-5;
 const error = (a, b) =>
     Math.max(...JSON.parse(octagloss('compare', a, b, '--json')).levels.map((level) => level.rel_rmse));
 
@@ -70,8 +70,8 @@ async function compare(name, input, words, args, chains) {
         const most = error(join(ours, chain), join(theirs, chain));
         report(
             `${name}: ${chain} agrees`,
-            most <= MOST,
-            `relative RMS error ${most.toExponential(1)} (at most ${MOST})`,
+            most <= MAX,
+            `relative RMS error ${most.toExponential(1)} (at most ${MAX})`,
         );
     }
     return { baked, ours, theirs };
@@ -160,7 +160,7 @@ try {
         sharper,
     );
     const turned = error(join(three.ours, 'sky_pmrem.ktx2'), join(sharper, 'sky_pmrem.ktx2'));
-    report('a bake that is turned by 1 degree is seen', turned > 10 * MOST, turned.toExponential(1));
+    report('a bake that is turned by 1 degree is seen', turned > 10 * MAX, turned.toExponential(1));
 
     // A second bake, in the same instance.
     const again = await bake(bytes, { input: 'sky.exr', name: 'sky', target: 'three', size: 64 });

@@ -12,6 +12,7 @@
 #include "common/quad.wgsl"
 #include "common/rows.wgsl"
 #include "common/source_pieces.wgsl"
+#include "common/tints.wgsl"
 
 const LANES = 16u;
 const GROUP_SIZE = 64u;
@@ -218,15 +219,10 @@ fn visit_cell(quad: u32, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> 
     let tints = vec3<f32>(red, -(red * LUMINANCE.r + blue * LUMINANCE.b) / LUMINANCE.g, blue);
     let spreads = weights * (visit.leaf.energy * trace + tints);
     let spread = max(spreads.r, max(spreads.g, spreads.b)) / max(weight, 1e-37);
+    let light_trace = min(max(spread, trace), radius * radius);
     visit.error = weight
-        * expected_error(
-            kernel(), length(visit.leaf.offset), radius, packet_radius, min(max(spread, trace), radius * radius));
+        * expected_error(kernel(), length(visit.leaf.offset), radius, packet_radius, light_trace);
     return visit;
-}
-
-// Three numbers of cell `k` from field `name` on.
-fn tint_vector(quad: u32, name: u32, k: u32) -> vec3<f32> {
-    return vec3<f32>(field(quad, name, k), field(quad, name + 1u, k), field(quad, name + 2u, k));
 }
 
 // The spread's density on [a, b], 0 <= a <= b, along one axis: its mass, and two nodes that match its first
@@ -408,50 +404,6 @@ struct Sums {
     // Energy at s above 1/4 and not beyond the horizon.
     grazing: vec3<f32>,
     count: u32,
-}
-
-// A tint with a smaller share of its channel's energy is rounding error.
-const NEGLIGIBLE_TINT = 1.0f / 1048576.0f;
-
-// What the tint at field `name` of `cell` adds to a channel.
-fn tint_share(cell: u32, name: u32, apart: vec3<f32>, slope: f32, bend: f32) -> f32 {
-    let quad = (cell - 1u) >> 2u;
-    let k = (cell - 1u) & 3u;
-    let diagonal = tint_vector(quad, name + 3u, k);
-    let mixed = tint_vector(quad, name + 6u, k);
-    let first = 0.5 * dot(tint_vector(quad, name, k), apart) + 0.25 * (diagonal.x + diagonal.y + diagonal.z);
-    let second = 0.25 * dot(diagonal, apart * apart) + 0.5 * dot(mixed, apart.yzx * apart.zxy);
-    return slope * first + bend * second;
-}
-
-// Error of a dipole, over its channel's energy times the cell's reach.
-const TINT_ROUNDING = 1.0f / 524288.0f;
-
-// Adds the tints of `leaf`, a cell.
-fn add_tints(leaf: Leaf, apart: vec3<f32>, mean: Interval, sums: ptr<function, Sums>) {
-    let cell = leaf.cell;
-    let quad = (cell - 1u) >> 2u;
-    let k = (cell - 1u) & 3u;
-    let red_variation = field(quad, FIELD_RED_TINT + TINT_FIELDS - 1u, k);
-    let blue_variation = field(quad, FIELD_BLUE_TINT + TINT_FIELDS - 1u, k);
-    if red_variation <= NEGLIGIBLE_TINT * leaf.energy.r && blue_variation <= NEGLIGIBLE_TINT * leaf.energy.b {
-        return;
-    }
-    let useful = mean.rest >= 0.0;
-    let slope = select(0.0, mean.slope, useful);
-    let bend = select(0.0, mean.bend, useful);
-    let rest = select(2.0 * mean.spread, min(mean.rest, 2.0 * mean.spread), useful);
-    // Truth lies within: clipping brings the series nearer to it, and within twice that.
-    let most = mean.spread * vec2<f32>(red_variation, blue_variation);
-    let red = clamp(tint_share(leaf.cell, FIELD_RED_TINT, apart, slope, bend), -most.x, most.x);
-    let blue = clamp(tint_share(leaf.cell, FIELD_BLUE_TINT, apart, slope, bend), -most.y, most.y);
-    let rounding = TINT_ROUNDING * leaf.radius * abs(slope);
-    let red_off = rest * red_variation + rounding * leaf.energy.r;
-    let blue_off = rest * blue_variation + rounding * leaf.energy.b;
-    // The luminance's tint is zero.
-    let per_green = LUMINANCE / LUMINANCE.g;
-    (*sums).radiance += vec3<f32>(red, -(red * per_green.r + blue * per_green.b), blue);
-    (*sums).off += vec3<f32>(red_off, red_off * per_green.r + blue_off * per_green.b, blue_off);
 }
 
 fn sum_leaf(leaf: Leaf, direction: vec3<f32>, sums: ptr<function, Sums>) {

@@ -87,7 +87,8 @@ fn centre(all: ptr<function, Union>) {
 // Adds the tint of a part, whose covariance is `diagonal` and `mixed`, whose centroid is `apart` from the
 // whole's, and whose energy exceeds its share of the whole's, by luminance, by `excess`.
 fn absorb_tint(
-    tint: ptr<function, Tint>, part: Tint, diagonal: vec3<f32>, mixed: vec3<f32>, apart: vec3<f32>, excess: f32,
+    tint: ptr<function, Tint>, part: Tint, diagonal: vec3<f32>, mixed: vec3<f32>, apart: vec3<f32>,
+    excess: f32,
 ) {
     (*tint).dipole += part.dipole + apart * excess;
     (*tint).diagonal += part.diagonal + 2.0 * apart * part.dipole + (diagonal + apart * apart) * excess;

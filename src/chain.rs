@@ -1,6 +1,7 @@
 //! Prefiltered chains, produced by a bake and read and written by `io`.
 
 use crate::environment::{Layout, Rgb};
+use crate::names::named;
 use crate::sphere::cube::Face;
 
 /// One level of a chain.
@@ -55,26 +56,9 @@ pub enum ChainKind {
 /// for error between them. A third, rounded up for roughnesses that files store as float32.
 const SHARP: f64 = 0.334;
 
+named!(ChainKind { Sampled = "sampled", Solved = "solved", Mixed = "mixed" });
+
 impl ChainKind {
-    /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Sampled, Self::Solved, Self::Mixed];
-
-    /// Name on the command line, in reports and in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sampled => "sampled",
-            Self::Solved => "solved",
-            Self::Mixed => "mixed",
-        }
-    }
-
-    /// The kind called `name`.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-
     /// Index of the first solved level of levels with `roughness`, sharpest first; their number if none is.
     /// Level 0 is never solved, and the first glossy level of a mixed chain never is.
     pub fn first_solved(self, roughness: impl ExactSizeIterator<Item = f64>) -> usize {

@@ -21,15 +21,15 @@ pub struct LevelLookup {
 }
 
 /// Maximum texels per look-up.
-pub(crate) const MOST_TAPS: usize = 4;
+pub(crate) const MAX_TAPS: usize = 4;
 
 /// Texels of one look-up and their weights, which sum to 1; unused entries have weight 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taps {
     /// Indices of a level's texels.
-    pub texels: [u32; MOST_TAPS],
+    pub texels: [u32; MAX_TAPS],
     /// Their weights.
-    pub weights: [f64; MOST_TAPS],
+    pub weights: [f64; MAX_TAPS],
     /// Number of used entries.
     pub count: usize,
 }
@@ -86,7 +86,7 @@ impl LevelLookup {
         ];
         let missing: f64 =
             square.iter().filter(|(i, j, _)| corner(*i, *j)).map(|(_, _, weight)| weight).sum();
-        let mut taps = Taps { texels: [0; MOST_TAPS], weights: [0.0; MOST_TAPS], count: 0 };
+        let mut taps = Taps { texels: [0; MAX_TAPS], weights: [0.0; MAX_TAPS], count: 0 };
         for (i, j, weight) in square.into_iter().filter(|(i, j, _)| !corner(*i, *j)) {
             taps.texels[taps.count] = self.indices[(face.index() * side + j) * side + i];
             taps.weights[taps.count] = weight + missing / 3.0;
@@ -158,7 +158,7 @@ pub(crate) fn bilinear(x: f64, y: f64, texel: impl Fn(i64, i64) -> u32) -> Taps 
     Taps {
         texels: [texel(i, j), texel(i + 1, j), texel(i, j + 1), texel(i + 1, j + 1)],
         weights: [(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b],
-        count: MOST_TAPS,
+        count: MAX_TAPS,
     }
 }
 

@@ -147,7 +147,7 @@ impl Layout {
 
 /// Most degrees that front ends turn an environment by, either way; far more would leave doubles no fine
 /// angles.
-pub const MOST_DEGREES: f64 = 1e6;
+pub const MAX_DEGREES: f64 = 1e6;
 
 /// Rotation about +Y that maps +Z to +X for 90 degrees. Quarter turns are exact.
 #[must_use]
@@ -228,8 +228,8 @@ impl Environment {
         Self { texels, ..*self }
     }
 
-    /// Rotates the environment about +Y: +90 degrees maps +Z to +X. Bakes and reflectors refuse an environment
-    /// that was rotated by NaN or infinity.
+    /// Rotates the environment about +Y: +90 degrees maps +Z to +X. Bakes and reflectors refuse an
+    /// environment that was rotated by NaN or infinity.
     #[must_use]
     pub fn rotated_y(mut self, degrees: f64) -> Self {
         // A world direction is looked up where the rotation took it from.

@@ -104,13 +104,13 @@ impl Error {
 }
 
 /// Longest message that quotes a file, in bytes.
-const MOST_MESSAGE: usize = 1000;
+const MAX_MESSAGE: usize = 1000;
 
 /// Escapes control characters and truncates long text.
 pub(crate) fn printable(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for character in text.chars() {
-        if plain.len() > MOST_MESSAGE {
+        if plain.len() > MAX_MESSAGE {
             plain += "...";
             break;
         }

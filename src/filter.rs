@@ -12,13 +12,13 @@ use crate::sat::Scan;
 /// tolerance. Measured with hdr/studio.hdr at roughness 0.5, the certified bound falls until E = 1e-6 and
 /// rises below, where additional leaves add more rounding than they remove; the answers have an error of 7e-6
 /// at 1e-6 and of 1e-5 at 3e-7.
-const LEAST_ERROR: f64 = 1e-6;
+const MIN_ERROR: f64 = 1e-6;
 
 /// Method of evaluating a lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
     /// Adaptive quadrature with a certified bound; the value is the target relRMSE over the sphere, in
-    /// [`LEAST_ERROR`, 1).
+    /// [`MIN_ERROR`, 1).
     Adaptive(f64),
     /// The real-time tier: 1, 2, 4 or 8 soft boxes and a harmonic term, fitted to GGX; see
     /// [`crate::realtime::tables`]. Irradiance uses [`Filter::Adaptive`] with 0.005.
@@ -66,8 +66,8 @@ impl Filter {
     pub fn check(self, lobe: Lobe, inner: Option<u32>) -> Result<()> {
         let wrong = |message: String| Err(Error::Parameter(message));
         match self {
-            Self::Adaptive(error) if !(LEAST_ERROR..1.0).contains(&error) => wrong(format!(
-                "adaptive:{error} is outside [{LEAST_ERROR:e}, 1): smaller errors are below float32 precision"
+            Self::Adaptive(error) if !(MIN_ERROR..1.0).contains(&error) => wrong(format!(
+                "adaptive:{error} is outside [{MIN_ERROR:e}, 1): smaller errors are below float32 precision"
             )),
             Self::Box if lobe == Lobe::Charlie => {
                 wrong("the box filter does not support Charlie; use `filter` adaptive:E".to_owned())
@@ -98,9 +98,9 @@ pub fn parsed(text: &str) -> Result<Filter, String> {
     match (name, value) {
         ("adaptive", None) => Ok(Filter::Adaptive(0.005)),
         ("adaptive", Some(value)) => match value.parse() {
-            Ok(error) if (LEAST_ERROR..1.0).contains(&error) => Ok(Filter::Adaptive(error)),
+            Ok(error) if (MIN_ERROR..1.0).contains(&error) => Ok(Filter::Adaptive(error)),
             _ => Err(format!(
-                "the error of adaptive:E must be at least {LEAST_ERROR:e}, the float32 limit, and below 1"
+                "the error of adaptive:E must be at least {MIN_ERROR:e}, the float32 limit, and below 1"
             )),
         },
         ("fitted", count) => fitted_count(count).map(Filter::Fitted),

@@ -4,6 +4,7 @@ mod look_up_error;
 
 use crate::environment::Map;
 use crate::lobe::Lobe;
+use crate::names::named;
 
 /// Roughness as a function of the level's index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,27 +21,9 @@ pub enum Ladder {
     Babylon,
 }
 
+named!(Ladder { Linear = "linear", Filament = "filament", Unity = "unity", Babylon = "babylon" });
+
 impl Ladder {
-    /// All ladders.
-    pub const ALL: [Self; 4] = [Self::Linear, Self::Filament, Self::Unity, Self::Babylon];
-
-    /// Name on the command line and in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Filament => "filament",
-            Self::Unity => "unity",
-            Self::Babylon => "babylon",
-        }
-    }
-
-    /// The ladder called `name`.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|ladder| ladder.name() == name)
-    }
-
     /// Perceptual roughness of level `level` of `levels`, with `size` texels along an edge of level 0; levels
     /// beyond the last have the last one's.
     #[must_use]

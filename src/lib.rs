@@ -134,7 +134,6 @@ mod light_scale;
 mod lobe;
 #[cfg(feature = "mesh")]
 mod mesh;
-#[cfg(feature = "gpu")]
 mod names;
 mod oem;
 mod percent;
@@ -159,7 +158,7 @@ pub use bake::{
     Bake, BakeSettings, LevelStats, OnProgress, Processor, Progress, Skybox, bake, bake_all, unwatched,
 };
 pub use chain::{Chain, ChainKind, Level, LevelSpec};
-pub use environment::{Environment, LUMINANCE, Layout, MOST_DEGREES, Map, Rgb, luminance};
+pub use environment::{Environment, LUMINANCE, Layout, MAX_DEGREES, Map, Rgb, luminance};
 pub use error::{Error, Result};
 pub use export::write::WriteOptions;
 pub use filter::{Answer, Bound, Filter};
@@ -211,7 +210,7 @@ pub mod queries {
 pub mod read {
     pub use crate::io::provenance::{Provenance, TakenSun};
     pub use crate::io::{
-        LayoutChoice, Loaded, Pad, ReadOptions, Repairs, read, read_chain, read_faces, read_from_memory,
+        InputLayout, Loaded, Pad, ReadOptions, Repairs, read, read_chain, read_faces, read_from_memory,
     };
 }
 

@@ -5,6 +5,7 @@ pub mod kernel;
 pub(crate) mod profiles;
 pub(crate) mod radial;
 
+use crate::names::named;
 use std::f64::consts::PI;
 
 /// A family of lobes; the roughness selects one member.
@@ -23,12 +24,12 @@ pub enum Lobe {
     /// Charlie, the sheen of Estevez and Kulla 2017, with N = V = R: D(theta/2) * cos(theta), D =
     /// sin^(1/alpha), a band towards the horizon. Khronos's sampler draws half vectors with density D cos,
     /// which makes directions with density D/4, and weights them by cos(theta) (lib/shaders/filter.frag):
-    /// this kernel. Below `LEAST_CHARLIE_ROUGHNESS` the kernel of that roughness applies.
+    /// this kernel. Below `MIN_CHARLIE_ROUGHNESS` the kernel of that roughness applies.
     Charlie,
 }
 
 /// Every lobe.
-pub const LOBES: [Lobe; 5] = [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Cosine, Lobe::Charlie];
+pub const LOBES: [Lobe; 5] = Lobe::ALL;
 
 /// The key under which outputs name their lobe.
 pub const LOBE_KEY: &str = "octaglossLobe";
@@ -36,27 +37,11 @@ pub const LOBE_KEY: &str = "octaglossLobe";
 /// The least roughness of a Charlie lobe, four degrees across: level 1 of nine. At 0 it would be the
 /// horizon's circle, which no texel resolves. The sampler's level 0 is black: none of its half vectors has
 /// light above the horizon.
-pub(crate) const LEAST_CHARLIE_ROUGHNESS: f64 = 0.125;
+pub(crate) const MIN_CHARLIE_ROUGHNESS: f64 = 0.125;
+
+named!(Lobe { Ggx = "ggx", Phong = "phong", Cone = "cone", Cosine = "cosine", Charlie = "charlie" });
 
 impl Lobe {
-    /// Name on the command line and in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Ggx => "ggx",
-            Self::Phong => "phong",
-            Self::Cone => "cone",
-            Self::Cosine => "cosine",
-            Self::Charlie => "charlie",
-        }
-    }
-
-    /// The lobe named `name`.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        LOBES.into_iter().find(|lobe| lobe.name() == name)
-    }
-
     /// Whether it narrows to a mirror at roughness 0.
     #[must_use]
     pub const fn has_mirror(self) -> bool {
@@ -67,7 +52,7 @@ impl Lobe {
     #[must_use]
     pub const fn served_roughness(self, roughness: f64) -> f64 {
         match self {
-            Self::Charlie => roughness.max(LEAST_CHARLIE_ROUGHNESS),
+            Self::Charlie => roughness.max(MIN_CHARLIE_ROUGHNESS),
             _ => roughness,
         }
     }
@@ -102,7 +87,7 @@ pub(crate) fn phong_exponent(alpha: f64) -> f64 {
 /// angle.
 #[must_use]
 pub(crate) fn charlie_power(alpha: f64) -> f64 {
-    0.5 / alpha.max(LEAST_CHARLIE_ROUGHNESS * LEAST_CHARLIE_ROUGHNESS)
+    0.5 / alpha.max(MIN_CHARLIE_ROUGHNESS * MIN_CHARLIE_ROUGHNESS)
 }
 
 /// Kernel value at `s` = sin^2(theta/2) for `alpha` in (0, 1], in double precision: the definition.

@@ -1,16 +1,29 @@
-//! Names of an enum's values: the same in options, in the viewer's panels and on the page.
+//! Names of an enum's values: the same in options, files, reports, the viewer's panels and on the page.
 
-/// Implements `NAMES`, [`std::fmt::Display`] and [`std::str::FromStr`] for an enum.
+/// Gives an enum `ALL`, `name` and `named`, and implements [`std::fmt::Display`] and [`std::str::FromStr`].
 macro_rules! named {
     ($type:ident { $($value:ident = $name:literal),+ $(,)? }) => {
+        #[allow(dead_code, unreachable_pub, reason = "not every enum is public and needs all of them")]
         impl $type {
-            /// All values with their names.
-            pub(crate) const NAMES: &[(Self, &str)] = &[$((Self::$value, $name)),+];
+            /// All values.
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$value),+];
+
+            /// Name on the command line, in reports and in files.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$value => $name),+ }
+            }
+
+            /// The value called `name`.
+            #[must_use]
+            pub fn named(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|value| value.name() == name)
+            }
         }
 
         impl std::fmt::Display for $type {
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str(match self { $(Self::$value => $name),+ })
+                f.write_str(self.name())
             }
         }
 
@@ -19,22 +32,15 @@ macro_rules! named {
             type Err = String;
 
             fn from_str(text: &str) -> std::result::Result<Self, String> {
-                $crate::names::value_named(Self::NAMES, text)
+                Self::named(text).ok_or_else(|| $crate::names::unknown(&[$($name),+]))
             }
         }
     };
 }
 pub(crate) use named;
 
-/// The value called `text`.
-///
-/// # Errors
-/// All names, if there is none.
-pub(crate) fn value_named<T: Copy>(names: &[(T, &str)], text: &str) -> Result<T, String> {
-    let found = names.iter().find(|(_, name)| *name == text);
-    found.map(|(value, _)| *value).ok_or_else(|| {
-        let names: Vec<&str> = names.iter().map(|(_, name)| *name).collect();
-        let (last, others) = names.split_last().expect("an enum has values");
-        format!("must be {} or {last}", others.join(", "))
-    })
+/// The message for a value that is none of `names`.
+pub(crate) fn unknown(names: &[&str]) -> String {
+    let (last, others) = names.split_last().expect("an enum has values");
+    format!("must be {} or {last}", others.join(", "))
 }

@@ -20,7 +20,7 @@ use crate::realtime::emitters::{self, Emitter};
 use crate::realtime::tables::Table;
 use crate::sat::{Sat, Scan};
 use crate::sh;
-use crate::table_bytes::{LIMIT, SOURCE, Served, Tables, at_most, largest_oem, largest_that};
+use crate::table_bytes::{LIMIT, LobeRequest, SOURCE, Tables, at_most, largest_oem, largest_that};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -39,8 +39,8 @@ pub struct ReflectorSettings {
     pub border: Option<u32>,
     /// How the summed-area table is scanned; every choice gives the same bits.
     pub scan: Scan,
-    /// The least roughness above 0 of later [`Filter::Adaptive`] queries, in \[0, 1\]: much finer cells are not
-    /// kept.
+    /// The least roughness above 0 of later [`Filter::Adaptive`] queries, in \[0, 1\]: much finer cells are
+    /// not kept.
     pub sharpest: f64,
     /// Whether [`Filter::Fitted`] will be used: rounds the default size up to a power of two.
     pub fitted: bool,
@@ -88,7 +88,7 @@ impl ReflectorSettings {
         &self,
         what: &str,
         layout: Layout,
-        served: &[Served],
+        served: &[LobeRequest],
         limit: u64,
     ) -> Result<()> {
         let bytes = |settings: &Self| {
@@ -113,7 +113,7 @@ impl ReflectorSettings {
     }
 
     /// The largest OEM that takes at most `limit` bytes with the tables of the lobes `served` together.
-    pub(crate) fn largest_oem(&self, layout: Layout, served: &[Served], limit: u64) -> Option<u32> {
+    pub(crate) fn largest_oem(&self, layout: Layout, served: &[LobeRequest], limit: u64) -> Option<u32> {
         let source = layout.texel_count() as u64 * SOURCE;
         largest_oem(self.fitted, |size| {
             let settings = Self { oem_size: Some(size), ..*self };
@@ -344,7 +344,7 @@ impl<'a> Reflector<'a> {
         }
         filter.check(lobe, Some(self.size.inner))?;
         let settings = ReflectorSettings { oem_size: Some(self.size.inner), ..self.settings };
-        let served = [Served { lobe, roughness, filter }];
+        let served = [LobeRequest { lobe, roughness, filter }];
         settings.check_memory("this reflector", self.environment.layout(), &served, LIMIT)?;
         let alpha = roughness * roughness;
         let mirror = lobe.has_mirror() && alpha < MIRROR_ALPHA;

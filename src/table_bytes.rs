@@ -31,7 +31,7 @@ const CELL_MAKING: u64 = 70;
 const RUN: u64 = 12 + 16;
 /// A lobe to evaluate.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Served {
+pub(crate) struct LobeRequest {
     pub(crate) lobe: Lobe,
     pub(crate) roughness: f64,
     pub(crate) filter: Filter,
@@ -47,12 +47,12 @@ pub(crate) struct Tables {
 
 impl Tables {
     /// Those over a source of `layout`.
-    pub(crate) fn of(layout: Layout, size: OemSize, block: u32, scan: Scan, served: &[Served]) -> Self {
+    pub(crate) fn of(layout: Layout, size: OemSize, block: u32, scan: Scan, served: &[LobeRequest]) -> Self {
         let square = |side: u32| u64::from(side) * u64::from(side);
         let (inner, bordered) = (square(size.inner), square(size.bordered()));
         let border = if size.border > 0 { OEM * bordered } else { 0 };
         let (mut bilinear, mut source, mut boxes, mut fitted) = (false, false, false, false);
-        for &Served { lobe, roughness, filter } in served {
+        for &LobeRequest { lobe, roughness, filter } in served {
             match filter {
                 Filter::Adaptive(_) if lobe.has_mirror() && roughness == 0.0 => {}
                 Filter::Adaptive(_) => {

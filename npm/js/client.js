@@ -1,7 +1,7 @@
 // Runs calls in workers. A call is cancelled by ending its worker.
 
 // Instances with more memory end after their call, for WebAssembly's memory never shrinks.
-const MOST_KEPT = 256 * 1024 * 1024;
+const MAX_KEPT = 256 * 1024 * 1024;
 
 // JSON has no NaN and Infinity; as texts they are refused by name.
 const finite = (_, value) => (typeof value === 'number' && !Number.isFinite(value) ? String(value) : value);
@@ -92,7 +92,7 @@ export function client(spawn, load) {
                 answer({ progress, result, error, memory }) {
                     if (progress !== undefined) onProgress?.(progress);
                     else if (error) settle(error.ended, () => reject(new Error(error.message)));
-                    else settle(memory > MOST_KEPT, () => resolve({ result, memory }));
+                    else settle(memory > MAX_KEPT, () => resolve({ result, memory }));
                 },
                 fail: (error) => settle(true, () => reject(error)),
             };

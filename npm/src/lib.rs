@@ -171,7 +171,7 @@ pub fn info(input: &str, bytes: Vec<u8>, options: &str) -> Result<String, JsErro
         // Counts NaN and Inf, unless repairs are errors.
         reading.options.sanitize = !reading.options.strict;
         let Opened { environment, loaded, warnings, bytes, .. } = reading.open(input, &bytes)?;
-        let statistics = Statistics::of(&environment);
+        let statistics = Statistics::new(&environment);
         let share = statistics.sun_share();
         let is_sun = |sun: &&Sun| sun.kind == Brightest::Sun;
         let info = Info {

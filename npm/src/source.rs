@@ -4,9 +4,9 @@ use crate::given::{Given, wrong};
 use octagloss::internals::analysis::extraction::Suns;
 use octagloss::internals::bake::report::SunReport;
 use octagloss::internals::bake::turned::Turn;
-use octagloss::internals::environment::MOST_DEGREES;
+use octagloss::internals::environment::MAX_DEGREES;
 use octagloss::internals::io::provenance::Provenance;
-use octagloss::internals::io::{self, LayoutChoice, Loaded, Pad, ReadOptions};
+use octagloss::internals::io::{self, InputLayout, Loaded, Pad, ReadOptions};
 use octagloss::{Environment, Result};
 use std::path::Path;
 
@@ -43,7 +43,7 @@ fn extract_sun(given: &mut Given) -> Result<Option<Suns>> {
 
 impl Reading {
     pub(crate) fn of(given: &mut Given) -> Result<Self> {
-        let layouts = LayoutChoice::CHOICES.map(|layout| (layout.name(), layout));
+        let layouts = InputLayout::ALL.map(|layout| (layout.name(), layout));
         let reading = Self {
             options: ReadOptions {
                 layout: given.choice("layout", &layouts)?.unwrap_or_default(),
@@ -59,9 +59,9 @@ impl Reading {
             extract_sun: extract_sun(given)?,
         };
         let ReadOptions { layout, sanitize, strict, scale, crop, pad, .. } = &reading.options;
-        if reading.rotate_y.abs() > MOST_DEGREES {
+        if reading.rotate_y.abs() > MAX_DEGREES {
             let degrees = reading.rotate_y;
-            return wrong(format!("`rotateY` is {degrees}; it must be at most {MOST_DEGREES} either way"));
+            return wrong(format!("`rotateY` is {degrees}; it must be at most {MAX_DEGREES} either way"));
         }
         if *scale <= 0.0 {
             return wrong(format!("`scale` is {scale}; it must be above 0"));
@@ -69,7 +69,7 @@ impl Reading {
         if *strict && *sanitize {
             return wrong("`strict` and `sanitize` contradict each other; omit one");
         }
-        let is_panorama = matches!(layout, LayoutChoice::Auto | LayoutChoice::Equirect);
+        let is_panorama = matches!(layout, InputLayout::Auto | InputLayout::Equirect);
         if (*crop || pad.is_some()) && !is_panorama {
             return wrong("`pad` and `crop` are for panoramas; omit `layout`");
         }
@@ -81,7 +81,8 @@ impl Reading {
         let mut loaded = io::read_from_memory(Path::new(input), bytes, &self.options)?;
         let nothing = Environment::new(octagloss::Layout::Cube { size: 1 }, vec![[0.0; 3]; 6])?;
         let environment = std::mem::replace(&mut loaded.environment, nothing);
-        let turn = Turn { mirror: self.mirror, rotate_y: self.rotate_y, extract_sun: self.extract_sun.clone() };
+        let turn =
+            Turn { mirror: self.mirror, rotate_y: self.rotate_y, extract_sun: self.extract_sun.clone() };
         let turned = turn.applied(environment, &self.options);
         let mut warnings = std::mem::take(&mut loaded.warnings);
         warnings.extend(turned.warnings);

@@ -6,7 +6,7 @@ use octagloss::internals::bake::dfg::DfgForm;
 use octagloss::internals::bake::overflow::Overflow;
 use octagloss::internals::chain::ChainKind;
 use octagloss::internals::filter;
-use octagloss::internals::io::{LayoutChoice, Pad};
+use octagloss::internals::io::{InputLayout, Pad};
 use octagloss::internals::lobe::LOBES;
 use octagloss::internals::sh::scale::ShScale;
 use octagloss::internals::sh::window::{self, ShWindow};
@@ -75,8 +75,8 @@ pub(crate) fn array_layout(text: &str) -> PyResult<Map> {
 }
 
 /// Layout of a file.
-pub(crate) fn file_layout(text: &str) -> PyResult<LayoutChoice> {
-    choice("layout", text, &LayoutChoice::CHOICES.map(|layout| (layout.name(), layout)))
+pub(crate) fn file_layout(text: &str) -> PyResult<InputLayout> {
+    choice("layout", text, &InputLayout::ALL.map(|layout| (layout.name(), layout)))
 }
 
 pub(crate) fn pad(text: &str) -> PyResult<Pad> {

@@ -10,7 +10,7 @@ use numpy::PyArrayDyn;
 use octagloss::internals::analysis::extraction::{Suns, extract};
 use octagloss::internals::analysis::sun::Sun as FoundSun;
 use octagloss::internals::bake::report::{RepairReport, SunReport};
-use octagloss::internals::environment::{LUMINANCE, MOST_DEGREES, luminance};
+use octagloss::internals::environment::{LUMINANCE, MAX_DEGREES, luminance};
 use octagloss::internals::io::provenance::{Provenance, TakenSun};
 use octagloss::internals::io::{self, ReadOptions, Repairs};
 use octagloss::internals::sh::scale::scaled;
@@ -324,8 +324,8 @@ impl Environment {
     /// over the sphere), fitted:K (the real-time tier, 1, 2, 4 or 8 boxes), box, or reference (exhaustive
     /// integration).
     ///
-    /// bounds: return (radiance, bounds), where bounds (..., 4) certify the errors of luminance, red, green and
-    /// blue. They need adaptive:E. Mirrors are look-ups without bounds: theirs are infinite.
+    /// bounds: return (radiance, bounds), where bounds (..., 4) certify the errors of luminance, red, green
+    /// and blue. They need adaptive:E. Mirrors are look-ups without bounds: theirs are infinite.
     ///
     /// oem_size, border: edge and border of the octahedral map. sharpest: the least roughness above 0 that
     /// the tables are made for; by default the least of roughness. Tables are kept until a call needs other
@@ -424,8 +424,8 @@ impl Environment {
     }
 
     /// Splits off the lights that `which` selects: (environment without them, list of Suns). `which` is their
-    /// number (those of the greatest irradiance), or text as for the command line's --extract-sun. Warns about
-    /// lights that stay.
+    /// number (those of the greatest irradiance), or text as for the command line's --extract-sun. Warns
+    /// about lights that stay.
     fn extract_suns(&self, py: Python<'_>, which: &Bound<'_, PyAny>) -> PyResult<(Self, Vec<Sun>)> {
         let text = which.str()?.to_string();
         let suns = Suns::parsed(&text).map_err(|needed| wrong(format!("`which` is {text:?}; {needed}")))?;
@@ -478,10 +478,10 @@ impl Environment {
 }
 
 fn check_degrees(name: &str, value: f64) -> PyResult<()> {
-    if value.abs() <= MOST_DEGREES {
+    if value.abs() <= MAX_DEGREES {
         return Ok(());
     }
-    Err(wrong(format!("`{name}` is {value}; it must be finite and at most {MOST_DEGREES} either way")))
+    Err(wrong(format!("`{name}` is {value}; it must be finite and at most {MAX_DEGREES} either way")))
 }
 
 fn exact_luminance(rgb: [f64; 3]) -> f64 {

@@ -267,7 +267,8 @@ impl Output {
     }
 
     fn circumstances(&self, plan: &TargetPlan, stored: Stored) -> Circumstances {
-        let Origin { input, layout, turned, suns, extract_sun, repaired, warnings: own, sanitize, strict } = &self.origin;
+        let Origin { input, layout, turned, suns, extract_sun, repaired, warnings: own, sanitize, strict } =
+            &self.origin;
         Circumstances {
             input: input.clone(),
             // Arrays have no files.

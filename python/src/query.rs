@@ -202,7 +202,9 @@ impl Environment {
                 let scaled = |value: f32| (f64::from(value) * factor) as f32;
                 let radiance: Vec<f32> =
                     answers.iter().flat_map(|answer| answer.radiance.map(scaled)).collect();
-                let bound = |answer: &Answer| answer.bound.map_or([f32::INFINITY; 4], |bound| bound.values().map(scaled));
+                let bound = |answer: &Answer| {
+                    answer.bound.map_or([f32::INFINITY; 4], |bound| bound.values().map(scaled))
+                };
                 let certified: Vec<f32> =
                     if bounds { answers.iter().flat_map(bound).collect() } else { Vec::new() };
                 Ok((radiance, certified))

@@ -15,7 +15,7 @@ use std::time::Duration;
 const INTERVAL: Duration = Duration::from_millis(50);
 
 /// Most threads of a pool, as on the command line.
-const MOST_THREADS: usize = 256;
+const MAX_THREADS: usize = 256;
 
 /// Whether the caller still waits for the work.
 #[derive(Clone, Debug, Default)]
@@ -111,8 +111,8 @@ fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
 #[pyo3(signature = (count=None))]
 pub(crate) fn set_threads(count: Option<usize>) -> PyResult<()> {
     match count {
-        Some(count) if !(1..=MOST_THREADS).contains(&count) => {
-            Err(wrong(format!("`count` is {count}; it must be 1 to {MOST_THREADS}")))
+        Some(count) if !(1..=MAX_THREADS).contains(&count) => {
+            Err(wrong(format!("`count` is {count}; it must be 1 to {MAX_THREADS}")))
         }
         count => pool(Some(count.unwrap_or(0))).map(drop),
     }

@@ -7,7 +7,7 @@ override SHEEN: bool = false;
 // Value lost where x^p is below the range of `power`.
 const NOTHING = 1e-30f;
 // Below it, quotients by powers of x leave the range of float32.
-const LEAST_X = 1e-12f;
+const MIN_X = 1e-12f;
 // Error of s over the distance: distances are in error by 2^-21, s by half of that times the distance, and by
 // four roundings.
 const ERROR_OF_S = 1.06e-6f;
@@ -39,14 +39,14 @@ fn charlie_value(kernel: Kernel, s: f32) -> f32 {
 // k'' / 4 at x = 2 s, with `rise` = x^p: p x^(p-2) (p - 1 - (p + 1) x).
 fn charlie_bend(kernel: Kernel, x: f32, rise: f32) -> f32 {
     let p = kernel.first;
-    let divisor = max(x, LEAST_X);
+    let divisor = max(x, MIN_X);
     return p * rise * ((p - 1.0) - (p + 1.0) * x) / (divisor * divisor);
 }
 
 // |k'''|/24, with the factor that vanishes kept away from zero.
 fn charlie_third(kernel: Kernel, s: f32) -> f32 {
     let p = kernel.first;
-    let x = max(2.0 * s, LEAST_X);
+    let x = max(2.0 * s, MIN_X);
     let third = p * (p - 1.0) * power(x, p) * (abs((p - 2.0) - (p + 1.0) * x) + 1.0);
     return abs(third / (3.0 * x * x * x));
 }
@@ -101,7 +101,7 @@ fn charlie_interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius
     let over = select(0.0, rise_b * excess, b > 1.0);
     let under = max(2.0 * beyond, 0.0);
     // The second derivative is unbounded at s = 0.
-    let sharp = a > LEAST_X;
+    let sharp = a > MIN_X;
     let greatest = max(select(crest, min(crest, upper + over), sharp), 0.0) + NOTHING;
     let least = clamp(select(trough, max(trough, lower + under), sharp) - NOTHING, 0.0, greatest);
 
@@ -116,7 +116,7 @@ fn charlie_interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius
     let slope = 2.0 * rise * (p - (p + 1.0) * front) / front + 2.0 * (1.0 - in_front);
     let estimate = clamp(max(at_mean, 0.0) + 0.25 * bend * along + gain, least, greatest);
     // The slope up to the horizon, where rise_t is 1; leaves beyond it have none.
-    let steepness = 2.0 * rise * abs(p / clamp(t, LEAST_X, 1.0) - (p + 1.0));
+    let steepness = 2.0 * rise * abs(p / clamp(t, MIN_X, 1.0) - (p + 1.0));
     let rounding = select(ERROR_OF_S * distance * steepness, 0.0, distance - radius > 1.415);
     let spread = 0.5 * (crest - trough);
     // In front of the horizon, the series' error is that of its bend.
@@ -124,6 +124,6 @@ fn charlie_interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius
     let radial_part =
         0.25 * max(abs(steepest), abs(flattest)) * radius * radius * radius * (distance + 0.25 * radius);
     let rest = 0.5 * (steepest - flattest) * farther * farther + radial_part + rounding;
-    let known = sharp && b <= 1.0 && rest < 1000.0 * spread;
-    return Interval(least, greatest, estimate, slope, bend, select(-1.0, rest, known), spread, rounding);
+    let known = sharp && b <= 1.0;
+    return Interval(least, greatest, estimate, slope, bend, select(3e38, rest, known), spread, rounding);
 }

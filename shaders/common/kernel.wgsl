@@ -176,12 +176,12 @@ struct Interval {
     least: f32,
     greatest: f32,
     estimate: f32,
-    // Slope and half the second derivative of k around the mean of s, faded out across the horizon; 0 for lobes
-    // that are not smooth.
+    // Slope and half the second derivative of k around the mean of s, faded out across the horizon; 0 for
+    // lobes that are not smooth.
     slope: f32,
     bend: f32,
     // What light of zero total can add at most per unit of its variation: to the terms of `slope` and `bend`,
-    // below 0 where the series is of no use, and without them.
+    // huge or not a number where the series is of no use, and without them.
     rest: f32,
     spread: f32,
     // Effect of an error of s, where `grazing_slope` does not count it.
@@ -260,8 +260,7 @@ fn interval(kernel: Kernel, squared: f32, trace: f32, along: f32, radius: f32) -
     // The quadrupole leaves out the radial part of the variance.
     let radial_part = 0.25 * bend * radius * radius * radius * (distance + 0.25 * radius);
     let rest = 0.5 * (max(loss, 0.0) + differing) + jump * max(high - 0.5, 0.0) + radial_part + 5e-7 * k_near;
-    return Interval(
-        least, greatest, estimate, falling, bend, select(-1.0, rest, rest < 1000.0 * spread), spread, 0.0);
+    return Interval(least, greatest, estimate, falling, bend, rest, spread, 0.0);
 }
 
 // Hinge at the horizon: slope -`bend` in front of it, 0 beyond.

@@ -2,7 +2,7 @@
 
 const EMITTERS = 127u;
 // Most environments that share buffers: their lights fit 64 KiB, WebGPU's least limit of a uniform.
-const MOST_LIGHTS = 14u;
+const MAX_LIGHTS = 14u;
 
 // A point emitter: `Emitter` of src/realtime/emitters.rs.
 struct OctaglossEmitter {

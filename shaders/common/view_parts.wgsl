@@ -1,6 +1,6 @@
 // Parts of moving scenes: src/view/scene/uniforms.rs. Group 1 has the tables of all probes.
 @group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
-@group(1) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, MOST_LIGHTS>;
+@group(1) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, MAX_LIGHTS>;
 @group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;
 @group(1) @binding(3) var<storage, read> octagloss_parameters: array<vec4<u32>>;
 @group(1) @binding(4) var octagloss_oems: texture_2d_array<f32>;

@@ -5,7 +5,7 @@
 #include "common/harmonics.wgsl"
 
 const BALLS = 9u;
-const MOST_LEVELS = 16u;
+const MAX_LEVELS = 16u;
 
 struct Ball {
     centre: vec3<f32>,
@@ -41,7 +41,7 @@ struct ViewFrame {
     levels_from_source: mat3x3<f32>,
     clip_from_world: mat4x4<f32>,
     // Roughness of the levels, four to a vector, ascending.
-    ladder: array<vec4<f32>, MOST_LEVELS / 4u>,
+    ladder: array<vec4<f32>, MAX_LEVELS / 4u>,
     // Unused spheres have radius 0.
     ball: array<Ball, BALLS>,
 }

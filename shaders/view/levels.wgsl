@@ -11,7 +11,7 @@ fn ladder_at(level: u32) -> f32 {
 // Fractional level for `roughness`, clamped to the first and last.
 fn level_of(roughness: f32) -> f32 {
     var level = 0.0;
-    for (var k = 0u; k + 1u < MOST_LEVELS; k++) {
+    for (var k = 0u; k + 1u < MAX_LEVELS; k++) {
         let low = ladder_at(k);
         // Unused levels have a roughness of 0.
         let width = ladder_at(k + 1u) - low;

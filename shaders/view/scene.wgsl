@@ -3,10 +3,10 @@
 // Lengths are in units of the scene; radiance is linear.
 #include "common/view_parts.wgsl"
 
-const MOST_PROBES = 8u;
+const MAX_PROBES = 8u;
 
 // The greatest half float.
-const MOST_RADIANCE = 65504.0f;
+const MAX_RADIANCE = 65504.0f;
 
 struct SceneFrame {
     clip_from_world: mat4x4<f32>,
@@ -21,7 +21,7 @@ struct SceneFrame {
     probes: u32,
     // Centre and radius of the proxy sphere.
     sphere: vec4<f32>,
-    centres: array<vec4<f32>, MOST_PROBES>,
+    centres: array<vec4<f32>, MAX_PROBES>,
 }
 
 @group(0) @binding(0) var<uniform> frame: SceneFrame;
@@ -55,7 +55,7 @@ fn matte_corner(
 }
 
 fn exposed(radiance: vec3<f32>) -> vec4<f32> {
-    return vec4<f32>(min(frame.exposure * radiance, vec3<f32>(MOST_RADIANCE)), 1.0);
+    return vec4<f32>(min(frame.exposure * radiance, vec3<f32>(MAX_RADIANCE)), 1.0);
 }
 
 @fragment
@@ -139,11 +139,11 @@ fn glossy(fragment: Glossy) -> @location(0) vec4<f32> {
     let position = fragment.position;
     let direction = reflect(normalize(position - frame.eye), normalize(fragment.normal));
     var sum = 0.0;
-    for (var k = 0u; k < MOST_PROBES; k++) {
+    for (var k = 0u; k < MAX_PROBES; k++) {
         sum += weight_of_probe(position, k);
     }
     var radiance = vec3<f32>();
-    for (var k = 0u; k < MOST_PROBES; k++) {
+    for (var k = 0u; k < MAX_PROBES; k++) {
         let blended = weight_of_probe(position, k) / sum;
         let share = select(blended, select(0.0, 1.0, k == part.probe), part.own == 1u);
         if share > 0.0 {

@@ -3,7 +3,7 @@
 //! An error of a channel is relative to that channel's mean; a channel that is nearly black is measured
 //! against the luminance.
 
-use crate::environment::exact_luminance;
+use crate::environment::{Rgb, exact_luminance};
 use crate::finite::finite;
 use serde::Serialize;
 
@@ -88,6 +88,23 @@ pub(crate) fn relative_to(over: [f64; 4], mean: [f64; 3]) -> Relative {
 pub(crate) fn differences(got: [f64; 3], expected: [f64; 3]) -> [f64; 4] {
     let [r, g, b] = std::array::from_fn(|c| got[c] - expected[c]);
     [exact_luminance(got) - exact_luminance(expected), r, g, b]
+}
+
+/// Errors as pictures show them: |difference| / (reference + 0.001 of its mean) at each place, of luminance
+/// or the channel where it is greatest.
+pub(crate) fn shown_errors(got: impl Iterator<Item = [f64; 3]>, reference: &[Rgb]) -> Vec<f64> {
+    let mut mean = [0.0; 3];
+    for texel in reference {
+        mean = [0, 1, 2].map(|c| mean[c] + f64::from(texel[c]) / reference.len() as f64);
+    }
+    let floor = scales(mean).map(|scale| 1e-3 * scale);
+    let error = |(got, expected): ([f64; 3], &Rgb)| {
+        let expected = expected.map(f64::from);
+        let (off, over) = (differences(got, expected), scales(expected));
+        let share = |k: usize| if off[k] == 0.0 { 0.0 } else { off[k].abs() / (over[k] + floor[k]) };
+        (0..4).map(share).fold(0.0, f64::max)
+    };
+    got.zip(reference).map(error).collect()
 }
 
 /// Weighted sums of errors.

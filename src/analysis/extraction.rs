@@ -15,7 +15,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
 
 /// Greatest number of lamps.
-pub const MOST_LAMPS: usize = 32;
+pub const MAX_LAMPS: usize = 32;
 
 /// Largest change of the irradiance on any surface by all lamps together, as a share of the greatest
 /// irradiance, in any channel. Below the promised 1 %, because the normals are sampled.
@@ -25,14 +25,14 @@ const IRRADIANCE_CHANGE: f64 = 0.0095;
 const TOWARDS_DEGREES: f64 = 10.0;
 
 /// Least share of the light for the strongest lamps.
-const LEAST_SHARE: f64 = 1e-3;
+const MIN_SHARE: f64 = 1e-3;
 
 /// Least share of the light of a region that is mentioned because it stays.
 const MENTIONED_SHARE: f64 = 0.01;
 
 /// Greatest number of peaks that are examined, and near a direction.
-const MOST_PEAKS: usize = 256;
-const MOST_PEAKS_TOWARDS: usize = 64;
+const MAX_PEAKS: usize = 256;
+const MAX_PEAKS_TOWARDS: usize = 64;
 
 /// A glow that stays is mentioned from this share of its lamp on.
 const MENTIONED_GLOW: f64 = 0.1;
@@ -237,7 +237,7 @@ impl<'a> Parting<'a> {
                 continue;
             }
             peaks += 1;
-            let peak = Peak::of(self.environment, at);
+            let peak = Peak::at(self.environment, at);
             let is_new = |at: usize| !owned[at] && self.luminances[at] >= peak.edge();
             let mut texels = self.grid.region(at, is_new);
             if peak.stands_out() {
@@ -253,7 +253,7 @@ impl<'a> Parting<'a> {
     fn strongest(&self, count: usize) -> Vec<Light> {
         let strength = |light: &Light| exact_luminance(light.region.irradiance);
         let largest = largest(self.environment.layout());
-        let least = LEAST_SHARE * self.energy;
+        let least = MIN_SHARE * self.energy;
         let mut order: Vec<usize> =
             (0..self.luminances.len()).filter(|at| self.luminances[*at] * largest >= least).collect();
         order.par_sort_unstable_by_key(|at| (Reverse(self.luminances[*at].to_bits()), *at));
@@ -263,7 +263,7 @@ impl<'a> Parting<'a> {
             };
             lights.iter().filter(stronger).count() >= count
         };
-        let mut lights = self.lights(&order, MOST_PEAKS, enough);
+        let mut lights = self.lights(&order, MAX_PEAKS, enough);
         lights.retain(|light| {
             light.peak.luminance >= SUN_CONTRAST * light.peak.surroundings && strength(light) >= least
         });
@@ -284,7 +284,7 @@ impl<'a> Parting<'a> {
             lights.iter().any(|light| luminance < 0.1 * SUN_CONTRAST * light.peak.surroundings)
         };
         let taken = |light: &Light| self.rest[light.peak.at] != self.environment.texels()[light.peak.at];
-        let mut lights = self.lights(&order, MOST_PEAKS_TOWARDS, enough);
+        let mut lights = self.lights(&order, MAX_PEAKS_TOWARDS, enough);
         lights.retain(|light| !taken(light));
         lights.into_iter().min_by(|a, b| {
             let rank = |light: &Light| {
@@ -418,8 +418,8 @@ impl<'a> Parting<'a> {
         texels.par_iter().map(continued).collect()
     }
 
-    /// Greatest change of the irradiance when `sun` replaces the radiance `removed` from texels, as a share of
-    /// the greatest irradiance of each channel.
+    /// Greatest change of the irradiance when `sun` replaces the radiance `removed` from texels, as a share
+    /// of the greatest irradiance of each channel.
     fn change_by(&self, removed: &[(usize, [f64; 3])], sun: &Sun) -> [f64; 3] {
         let direction = self.environment.source_from_world() * sun.direction;
         // A texel is a square; the mean of its cosines is that of four points, wherever a horizon cuts it.
@@ -477,7 +477,7 @@ impl Suns {
         }
         if let Ok(count) = text.parse::<usize>() {
             return match count {
-                1..=MOST_LAMPS => Ok(Self::Strongest(count)),
+                1..=MAX_LAMPS => Ok(Self::Strongest(count)),
                 _ => Err(NEEDED.to_owned()),
             };
         }
@@ -501,7 +501,7 @@ impl Suns {
         };
         let directions: Option<Vec<DVec3>> = text.split(':').map(direction).collect();
         match directions {
-            Some(directions) if directions.len() <= MOST_LAMPS => Ok(Self::Towards(directions)),
+            Some(directions) if directions.len() <= MAX_LAMPS => Ok(Self::Towards(directions)),
             _ => Err(NEEDED.to_owned()),
         }
     }
@@ -527,8 +527,8 @@ fn described(sun: &Sun, energy_share: f64) -> String {
     let rounded = |value: f64, digits: f64| (value * digits).round() / digits + 0.0;
     let [x, y, z] = sun.direction.to_array().map(|value| rounded(value, 1e4));
     format!(
-        "azimuth {:.1}, elevation {:.1} ({x:.4} {y:.4} {z:.4}), {:.2} % of the light, {:.2e} sr ({:.1} degrees \
-         across)",
+        "azimuth {:.1}, elevation {:.1} ({x:.4} {y:.4} {z:.4}), {:.2} % of the light, {:.2e} sr ({:.1} \
+         degrees across)",
         rounded(sun.azimuth_degrees(), 10.0),
         rounded(sun.elevation_degrees(), 10.0),
         100.0 * energy_share,
@@ -583,8 +583,8 @@ impl Extraction {
         let glowing = |lamp: &&Lamp| lamp.glow_share > MENTIONED_GLOW * lamp.energy_share;
         warnings.extend(self.lamps.iter().filter(glowing).map(|lamp| {
             format!(
-                "glow around the sun at azimuth {:.1}, elevation {:.1} stays, {:.2} % of the light: a sun covers \
-                 at most {SUN_SOLID_ANGLE} sr",
+                "glow around the sun at azimuth {:.1}, elevation {:.1} stays, {:.2} % of the light: a sun \
+                 covers at most {SUN_SOLID_ANGLE} sr",
                 lamp.sun.azimuth_degrees(),
                 lamp.sun.elevation_degrees(),
                 100.0 * lamp.glow_share,

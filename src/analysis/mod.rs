@@ -1,4 +1,5 @@
-//! Measurements: exhaustive integration, comparison, statistics, the sun and its extraction, the float32 table, maps of spheres.
+//! Measurements: exhaustive integration, comparison, statistics, the sun and its extraction, the float32
+//! table, maps of spheres.
 
 pub mod channels;
 pub mod compare;

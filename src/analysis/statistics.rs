@@ -32,7 +32,7 @@ pub struct HalfLoss {
 impl Statistics {
     /// Computes the statistics of `environment`.
     #[must_use]
-    pub fn of(environment: &Environment) -> Self {
+    pub fn new(environment: &Environment) -> Self {
         let limit = f16::MAX.to_f32();
         let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         let (mut energy, mut lost, mut texels) = ([0.0; 3], [0.0; 3], 0);
@@ -81,7 +81,7 @@ mod tests {
         let layout = Layout::Cube { size: 16 };
         let mut texels = vec![[0.5, 1.0, 2.0]; layout.texel_count()];
         texels[100] = [1e6, 1e6, 0.0];
-        let statistics = Statistics::of(&Environment::new(layout, texels).expect("valid"));
+        let statistics = Statistics::new(&Environment::new(layout, texels).expect("valid"));
         assert_eq!(statistics.min, [0.5, 1.0, 0.0]);
         assert_eq!(statistics.max, [1e6, 1e6, 2.0]);
         assert_eq!(statistics.half.texels, 1);

@@ -1,6 +1,7 @@
 //! Sun detection: finds the region that outshines its surroundings.
 
 use crate::environment::{Environment, Layout, Rgb, exact_luminance};
+use crate::names::named;
 use crate::sphere::{cube, equirect, octahedral};
 use glam::DVec3;
 use std::collections::VecDeque;
@@ -29,8 +30,8 @@ const SUN_TEXELS: f64 = 9.0;
 /// Maximum solid angle at any resolution: texels wider than this show no sun.
 const COARSE_SOLID_ANGLE: f64 = 0.2;
 
-/// A sun's region ends within this many times the radius of a disc of its maximum solid angle; longer ones are
-/// tubes and edges of windows.
+/// A sun's region ends within this many times the radius of a disc of its maximum solid angle; longer ones
+/// are tubes and edges of windows.
 const REACH: f64 = 2.0;
 
 /// Luminance threshold of the sun's region, as a fraction of the range from surroundings to peak.
@@ -77,16 +78,9 @@ pub enum Brightest {
     Region,
 }
 
-impl Brightest {
-    /// Name in `info` and in messages.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sun => "sun",
-            Self::Region => "brightest region",
-        }
-    }
+named!(Brightest { Sun = "sun", Region = "brightest region" });
 
+impl Brightest {
     fn of(layout: Layout, peak: &Peak, solid_angle: f64, radius: f64) -> Self {
         let is_small = solid_angle <= largest(layout) && radius <= REACH * disc_radius(largest(layout));
         let is_sun = is_small && peak.luminance >= SUN_CONTRAST * peak.surroundings;
@@ -117,10 +111,10 @@ impl Peak {
     pub(super) fn brightest(environment: &Environment) -> Option<Self> {
         let luminances = environment.texels().iter().map(|texel| exact_luminance(*texel)).enumerate();
         let (at, luminance) = luminances.reduce(|best, other| if other.1 > best.1 { other } else { best })?;
-        (luminance > 0.0).then(|| Self::of(environment, at))
+        (luminance > 0.0).then(|| Self::at(environment, at))
     }
 
-    pub(super) fn of(environment: &Environment, at: usize) -> Self {
+    pub(super) fn at(environment: &Environment, at: usize) -> Self {
         let surroundings = surroundings(environment, at);
         Self { at, luminance: exact_luminance(environment.texels()[at]), surroundings }
     }
@@ -211,8 +205,8 @@ impl Sun {
     }
 }
 
-/// Median luminance of the texels around texel `peak`, or of all texels if none is in range. Of large pictures
-/// an even selection.
+/// Median luminance of the texels around texel `peak`, or of all texels if none is in range. Of large
+/// pictures an even selection.
 fn surroundings(environment: &Environment, peak: usize) -> f64 {
     let grid = LayoutTexels(environment.layout());
     let begin = surroundings_begin(environment.layout());

@@ -1,8 +1,8 @@
 //! A quick measurement of what renderers read from a chain: the typical error of its trilinear look-ups.
 //!
-//! [`super::delivered`] measures tens of thousands of directions per roughness; this takes a few dozen, chosen
-//! where the error is: half of them evenly over the sphere, half in proportion to the light, so that small
-//! suns are hit. Each counts by the solid angle that it stands for.
+//! [`super::delivered`] measures tens of thousands of directions per roughness; this takes a few dozen,
+//! chosen where the error is: half of them evenly over the sphere, half in proportion to the light, so that
+//! small suns are hit. Each counts by the solid angle that it stands for.
 
 use super::compare::{direction_within, is_measurable};
 use super::delivered::default_roughnesses;
@@ -13,12 +13,12 @@ use crate::ladder::Ladder;
 use crate::lobe::Lobe;
 use glam::DVec3;
 
-/// Directions per roughness. With these, the typical error of default bakes of eight photographed panoramas and
-/// of `hdr/` is within a factor of 1.5 of that over 20,000 directions.
+/// Directions per roughness. With these, the typical error of default bakes of eight photographed panoramas
+/// and of `hdr/` is within a factor of 1.5 of that over 20,000 directions.
 const DIRECTIONS: usize = 64;
 
-/// Channels with less than this share of the mean luminance are nearly black: their errors are relative to the
-/// luminance.
+/// Channels with less than this share of the mean luminance are nearly black: their errors are relative to
+/// the luminance.
 const BLACK: f64 = 0.01;
 
 /// Directions at one roughness at which look-ups are compared with lobes.
@@ -34,8 +34,9 @@ pub(crate) struct Probe {
     means: [f64; 3],
 }
 
-/// Returns the probes of `chain`, lobes of `lobe` by `ladder` over a source in `layout`: at the roughnesses of
-/// [`default_roughnesses`] that the source resolves; those of the levels themselves if there are no others.
+/// Returns the probes of `chain`, lobes of `lobe` by `ladder` over a source in `layout`: at the roughnesses
+/// of [`default_roughnesses`] that the source resolves; those of the levels themselves if there are no
+/// others.
 pub(crate) fn probes(chain: &Chain, ladder: Ladder, lobe: Lobe, source: Layout) -> Vec<Probe> {
     let mut roughnesses = default_roughnesses(chain);
     if roughnesses.is_empty() {

@@ -151,8 +151,8 @@ impl<'a> Job<'a> {
         let asked = default_oem_size(source, 0, sharpest(self.roughnesses())).min(source_oem_size(source));
         if oem.inner < asked {
             warnings.push(format!(
-                "the octahedral map of {0} x {0} texels is coarser than the source; lobes sharper than its texels \
-                 are blurred. `oem_size` {asked} resolves them",
+                "the octahedral map of {0} x {0} texels is coarser than the source; lobes sharper than its \
+                 texels are blurred. `oem_size` {asked} resolves them",
                 oem.inner
             ));
         }

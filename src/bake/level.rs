@@ -7,6 +7,7 @@ use crate::filter::{Answer, Bound, Filter};
 use crate::geometry::footprints::footprints_over;
 use crate::geometry::tiling::{Tile, Tiling};
 use crate::lobe::Lobe;
+use crate::names::named;
 use crate::reflector::{Reflector, Workspace};
 use crate::sphere::cube::Face;
 use rayon::prelude::*;
@@ -20,16 +21,7 @@ pub enum Processor {
     Gpu,
 }
 
-impl Processor {
-    /// Name in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Cpu => "cpu",
-            Self::Gpu => "gpu",
-        }
-    }
-}
+named!(Processor { Cpu = "cpu", Gpu = "gpu" });
 
 /// A level to bake, possibly shared by several bakes.
 #[derive(Clone, Copy, PartialEq)]

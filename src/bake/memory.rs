@@ -16,7 +16,7 @@ use crate::reflector::ReflectorSettings;
 use crate::sphere::grid::Grid;
 use crate::sphere::registry::NamedMap;
 pub(crate) use crate::table_bytes::LIMIT;
-use crate::table_bytes::{SOURCE, Served, Tables, at_most, largest_oem, largest_that};
+use crate::table_bytes::{LobeRequest, SOURCE, Tables, at_most, largest_oem, largest_that};
 
 /// Bytes per texel of a finished level: radiance and bound.
 const TEXEL: u64 = 16;
@@ -46,7 +46,7 @@ pub(crate) fn check_query(
     roughness: f64,
     filter: Filter,
 ) -> Result<()> {
-    settings.check_memory("this query", layout, &[Served { lobe, roughness, filter }], LIMIT)
+    settings.check_memory("this query", layout, &[LobeRequest { lobe, roughness, filter }], LIMIT)
 }
 
 /// Checks that `what`, with `bytes_a_texel` per texel of a square of `size` texels along an edge, takes at
@@ -176,8 +176,11 @@ fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64
     let reflector = job.reflector_settings();
     let (size, block) = reflector.plan(environment.layout())?;
     let parts = job.levels();
-    let served =
-        |part: &LevelJob| Served { lobe: part.lobe, roughness: part.spec.roughness, filter: part.filter };
+    let served = |part: &LevelJob| LobeRequest {
+        lobe: part.lobe,
+        roughness: part.spec.roughness,
+        filter: part.filter,
+    };
     let served: Vec<_> = parts.iter().map(served).collect();
     let tables = Tables::of(environment.layout(), size, block, reflector.scan, &served);
     let (mut levels, mut baking, mut largest) = (0, 0, 0);
@@ -245,7 +248,7 @@ mod tests {
         let size: u32 = words.split(' ').nth(1).and_then(|word| word.parse().ok()).expect("a size");
         assert!(words.starts_with("`skybox` "), "{words}");
         check_bake(&environment, &[BakeSettings { skybox: Some(size), ..settings }], 8).expect("it fits");
-        // A small one is not what is too large.
+        // With a small skybox, the size is to blame.
         let settings = BakeSettings { size: 16_384, skybox: Some(4), ..BakeSettings::default() };
         assert!(remedy(check_bake(&environment, &[settings], 8)).starts_with("`size` "));
     }
@@ -279,7 +282,7 @@ mod tests {
 
     #[test]
     fn conversions_are_refused_with_the_largest_size_that_fits() {
-        let source = Source::of_environment(environment()).expect("2:1");
+        let source = Source::from_environment(environment()).expect("2:1");
         for map in &MAPS {
             for border in [0, 16] {
                 let check = |size| check_conversion(&source, map, size, border);
@@ -301,7 +304,7 @@ mod tests {
         };
         assert!(remedy(query(&settings, 0.05)).starts_with("`oem_size` "), "cells of one texel");
         query(&ReflectorSettings { sharpest: 0.5, ..settings }, 0.5).expect("coarse cells");
-        let served = Served { lobe: Lobe::Ggx, roughness: 0.5, filter: Filter::Box };
+        let served = LobeRequest { lobe: Lobe::Ggx, roughness: 0.5, filter: Filter::Box };
         let few = ReflectorSettings::default().check_memory("this query", layout, &[served], 100);
         assert_eq!(remedy(few), "scale the source down first");
     }

@@ -5,6 +5,7 @@ use crate::chain::Level;
 use crate::environment::{LUMINANCE, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::format::Pixel;
+use crate::names::named;
 use crate::sphere::cube::Face;
 
 /// Treatment of a texel with a channel above a pixel format's maximum.
@@ -64,20 +65,9 @@ fn level_clamped_share(level: &Level, pixel: Pixel) -> f64 {
     lost / whole
 }
 
+named!(Overflow { Clamp = "clamp", Compress = "compress", Error = "error" });
+
 impl Overflow {
-    /// Every treatment.
-    pub const ALL: [Self; 3] = [Self::Clamp, Self::Compress, Self::Error];
-
-    /// Name on the command line and in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Clamp => "clamp",
-            Self::Compress => "compress",
-            Self::Error => "error",
-        }
-    }
-
     /// Prepares every level of `bake` for `pixel`; returns the number of compressed texels. Leaves levels
     /// within the format's maximum unchanged, and all levels for [`Overflow::Clamp`], which the writers
     /// perform.

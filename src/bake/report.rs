@@ -41,7 +41,7 @@ pub struct Report {
     pub adapter: Option<String>,
     /// Size of the octahedral map.
     pub oem: OemReport,
-    /// What the levels' texels are: `sampled` or `solved`. Reports of version 0.2 have it not.
+    /// What the levels' texels are: `sampled` or `solved`. Reports of version 0.2 lack it.
     #[serde(default)]
     pub chain: String,
     /// The levels, the sharpest first.

@@ -24,7 +24,8 @@ pub struct LevelStats {
     pub error_bound_mean: Option<f64>,
     /// 99th percentile of the bounds, absolute luminance; `None` if the filter has none.
     pub error_bound_p99: Option<f64>,
-    /// Maximum certified bound of red, green and blue, absolute; `None` if the filter or a solved chain has none.
+    /// Maximum certified bound of red, green and blue, absolute; `None` if the filter or a solved chain has
+    /// none.
     pub error_bound_max_channels: Option<[f64; 3]>,
 }
 

@@ -20,10 +20,10 @@ pub enum Skybox {
 }
 
 /// Greatest edge of any level: bytes of larger ones are beyond 64 bits.
-const MOST_EDGE: u32 = 65_536;
+const MAX_EDGE: u32 = 65_536;
 
 /// Maximum edge of a skybox.
-const MAX_EDGE: u32 = 16_384;
+const MAX_SKYBOX: u32 = 16_384;
 
 impl Skybox {
     /// Parses an edge, or `source`.
@@ -34,8 +34,8 @@ impl Skybox {
         match text {
             "source" => Ok(Self::Source),
             _ => match text.parse() {
-                Ok(edge) if (1..=MAX_EDGE).contains(&edge) => Ok(Self::Edge(edge)),
-                _ => Err(format!("must be 1 to {MAX_EDGE}, or source")),
+                Ok(edge) if (1..=MAX_SKYBOX).contains(&edge) => Ok(Self::Edge(edge)),
+                _ => Err(format!("must be 1 to {MAX_SKYBOX}, or source")),
             },
         }
     }
@@ -45,7 +45,7 @@ impl Skybox {
     pub fn edge(self, layout: Layout) -> u32 {
         match self {
             Self::Edge(edge) => edge,
-            Self::Source => layout.face_edge().clamp(1, MAX_EDGE),
+            Self::Source => layout.face_edge().clamp(1, MAX_SKYBOX),
         }
     }
 }
@@ -119,16 +119,16 @@ impl BakeSettings {
     /// Size and roughness of every level.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a size of 0 or above 65,536, no levels, more levels than down to a size of 1, or a filter
-    /// that does not support the lobe or the scan.
+    /// [`Error::Parameter`] for a size of 0 or above 65,536, no levels, more levels than down to a size of 1,
+    /// or a filter that does not support the lobe or the scan.
     pub fn level_specs(&self) -> Result<Vec<LevelSpec>> {
         if self.size == 0 {
             return Err(Error::Parameter("`size` must be at least 1".to_owned()));
         }
         let edges = [("size", Some(self.size)), ("irradiance", self.irradiance), ("skybox", self.skybox)];
         for (name, edge) in edges {
-            if let Some(edge) = edge.filter(|edge| *edge > MOST_EDGE) {
-                return Err(Error::Parameter(format!("`{name}` {edge} is above {MOST_EDGE}")));
+            if let Some(edge) = edge.filter(|edge| *edge > MAX_EDGE) {
+                return Err(Error::Parameter(format!("`{name}` {edge} is above {MAX_EDGE}")));
             }
         }
         self.filter.check(self.lobe, self.oem_size)?;

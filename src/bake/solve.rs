@@ -47,7 +47,7 @@ impl Node {
 const TEXELS_PER_WIDTH: f64 = 3.5;
 
 /// Minimum edge of a node's cube.
-const LEAST_EDGE: u32 = 16;
+const MIN_EDGE: u32 = 16;
 
 /// Nodes and weights of Gauss quadratures over [0, 1], indexed by number of nodes minus 2.
 const QUADRATURES: [&[(f64, f64)]; 2] = [&TWO_NODES, &THREE_NODES];
@@ -55,7 +55,7 @@ const QUADRATURES: [&[(f64, f64)]; 2] = [&TWO_NODES, &THREE_NODES];
 /// Whether cubic interpolation on a cube of `edge` texels resolves a lobe of `roughness`.
 fn resolves(edge: u32, roughness: f64) -> bool {
     let width = full_width_at_half_maximum(Lobe::Ggx, roughness * roughness);
-    edge >= LEAST_EDGE && width * f64::from(edge) >= TEXELS_PER_WIDTH * FRAC_PI_2
+    edge >= MIN_EDGE && width * f64::from(edge) >= TEXELS_PER_WIDTH * FRAC_PI_2
 }
 
 /// Ratio of two levels' peaks above which three nodes are needed.
@@ -75,7 +75,7 @@ pub(crate) fn nodes(kind: ChainKind, size: u32, levels: u32, ladder: Ladder) -> 
             let edge = (0..32).map(|k| size >> k).take_while(|edge| resolves(*edge, roughness)).last();
             nodes.push(Node {
                 spec: LevelSpec {
-                    layout: Layout::Cube { size: edge.unwrap_or(size.max(LEAST_EDGE)) },
+                    layout: Layout::Cube { size: edge.unwrap_or(size.max(MIN_EDGE)) },
                     roughness,
                 },
                 weight: weight * (to - from),
@@ -88,7 +88,7 @@ pub(crate) fn nodes(kind: ChainKind, size: u32, levels: u32, ladder: Ladder) -> 
 }
 
 /// Lower bound of a solved value, relative to the sampled one.
-const LEAST_SHARE: f64 = 0.75;
+const MIN_SHARE: f64 = 0.75;
 
 /// The sharpest level of the equations along roughness, which its sampled value holds.
 #[derive(Clone, Copy)]
@@ -107,10 +107,10 @@ impl Held {
     fn of(kind: ChainKind, size: u32, mut roughness: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
         let first_solved = kind.first_solved(roughness.clone());
         if kind == ChainKind::Mixed {
-            return Self { level: first_solved - 1, first_solved, weight: FIXED, least: LEAST_SHARE };
+            return Self { level: first_solved - 1, first_solved, weight: FIXED, least: MIN_SHARE };
         }
         let is_coarse = roughness.nth(first_solved).is_some_and(|own| !resolves(size >> first_solved, own));
-        let (weight, least) = if is_coarse { (HELD_COARSE, LEAST_COARSE) } else { (HELD_FINE, LEAST_SHARE) };
+        let (weight, least) = if is_coarse { (HELD_COARSE, MIN_COARSE) } else { (HELD_FINE, MIN_SHARE) };
         Self { level: first_solved, first_solved, weight, least }
     }
 }
@@ -160,10 +160,10 @@ pub(crate) fn solve_bytes(size: u32, nodes: &[Node]) -> u64 {
 const REACH: usize = 2;
 
 /// Maximum levels of a window.
-const MOST_LEVELS: usize = 2 * REACH + 1;
+const MAX_LEVELS: usize = 2 * REACH + 1;
 
 /// Maximum aims of a window: three between each two levels, and the first level.
-const MOST_AIMS: usize = 3 * (MOST_LEVELS - 1) + 1;
+const MAX_AIMS: usize = 3 * (MAX_LEVELS - 1) + 1;
 
 /// Source of a value along a direction.
 #[derive(Clone, Copy)]
@@ -191,7 +191,7 @@ struct Window {
     /// Index of the solved level in the window.
     own: usize,
     /// Lower bounds of the levels' values, relative to the sampled ones.
-    least: [f64; MOST_LEVELS],
+    least: [f64; MAX_LEVELS],
     aims: Vec<Aim>,
     /// Normal equations: the diagonal and the off-diagonal.
     diagonal: Vec<f64>,
@@ -215,7 +215,7 @@ impl Window {
         if first == held.level {
             aims.push(Aim { origin: Origin::Level(first), weight: held.weight, low: 0, share: 0.0 });
         }
-        let least = std::array::from_fn(|k| if first + k == held.level { held.least } else { LEAST_SHARE });
+        let least = std::array::from_fn(|k| if first + k == held.level { held.least } else { MIN_SHARE });
         let count = end - first + 1;
         let (mut diagonal, mut off_diagonal) = (vec![0.0; count], vec![0.0; count]);
         for aim in &aims {
@@ -258,18 +258,18 @@ impl Window {
     /// Value of the solved level at `place`, from the window's `sampled` levels.
     fn target(&self, place: FacePoint, sampled: &[Smooth], between: &[Smooth]) -> [f64; 3] {
         let count = self.diagonal.len();
-        let mut own = [[0.0; 3]; MOST_LEVELS];
+        let mut own = [[0.0; 3]; MAX_LEVELS];
         for (k, own) in own.iter_mut().enumerate().take(count) {
             *own = sampled[k].read(place);
         }
-        let mut lobes = [[0.0; 3]; MOST_AIMS];
+        let mut lobes = [[0.0; 3]; MAX_AIMS];
         for (lobe, aim) in lobes.iter_mut().zip(&self.aims) {
             *lobe = match aim.origin {
                 Origin::Node(node) => between[node].read(place),
                 Origin::Level(level) => own[level - self.first],
             };
         }
-        let mut levels = [[0.0; 3]; MOST_LEVELS];
+        let mut levels = [[0.0; 3]; MAX_LEVELS];
         for (level, shares) in levels.iter_mut().zip(&self.shares) {
             for (share, lobe) in shares.iter().zip(&lobes) {
                 for (sum, value) in level.iter_mut().zip(lobe) {
@@ -277,7 +277,7 @@ impl Window {
                 }
             }
         }
-        let least: [[f64; 3]; MOST_LEVELS] =
+        let least: [[f64; 3]; MAX_LEVELS] =
             std::array::from_fn(|k| own[k].map(|value| self.least[k] * value));
         for c in 0..3 {
             if (0..count).any(|k| levels[k][c] < least[k][c]) {
@@ -290,7 +290,7 @@ impl Window {
     /// Solves channel `c` of `levels` with the lower bounds `least`, by relaxation.
     fn bounded(&self, c: usize, lobes: &[[f64; 3]], levels: &mut [[f64; 3]], least: &[[f64; 3]]) {
         let count = self.diagonal.len();
-        let mut right = [0.0; MOST_LEVELS + 1];
+        let mut right = [0.0; MAX_LEVELS + 1];
         for (aim, lobe) in self.aims.iter().zip(lobes) {
             right[aim.low] += aim.weight * (1.0 - aim.share) * lobe[c];
             right[aim.low + 1] += aim.weight * aim.share * lobe[c];
@@ -320,7 +320,7 @@ const HELD_COARSE: f64 = 0.018;
 
 /// Lower bound of such a level's values, relative to the sampled ones. Its sampled peaks are already too low
 /// between texels: below 0.9, the error of a sun at that level's roughness would be the greatest of all.
-const LEAST_COARSE: f64 = 0.9;
+const MIN_COARSE: f64 = 0.9;
 
 /// Weight that fixes a level.
 const FIXED: f64 = 1e6;
@@ -345,7 +345,7 @@ fn cubic(x: f64) -> [f64; 4] {
 }
 
 /// Minimum edge of a level for cubic interpolation.
-const LEAST_CUBIC: u32 = 4;
+const MIN_CUBIC: u32 = 4;
 
 /// Edge to which smaller levels are upsampled.
 const FINE: usize = 16;
@@ -353,7 +353,7 @@ const FINE: usize = 16;
 impl Smooth {
     /// Prepares cubic interpolation of a cube of `size` texels with the values `texel`.
     fn new(size: u32, texel: &dyn Fn(usize) -> [f64; 3]) -> Self {
-        if size < LEAST_CUBIC {
+        if size < MIN_CUBIC {
             // Too few texels for a cubic: interpolate linearly.
             let lookup = LevelLookup::new(size);
             let centre = |k: usize| (2 * k + 1) as f64 / FINE as f64 - 1.0;
@@ -420,7 +420,7 @@ impl Smooth {
 /// Least squares over direction for one level: normal equations of its texels.
 struct Fit {
     /// Per texel, the texels that share look-ups with it, including itself, and their weights.
-    partners: Vec<[(u32, f64); MOST_PARTNERS]>,
+    partners: Vec<[(u32, f64); MAX_PARTNERS]>,
     /// Right-hand side.
     right: Vec<[f64; 3]>,
     /// Weight of a deviation from the sampled texels.
@@ -428,12 +428,12 @@ struct Fit {
 }
 
 /// Maximum neighbours of a texel, including itself; also valid at cube edges.
-const MOST_PARTNERS: usize = 9;
+const MAX_PARTNERS: usize = 9;
 
 /// Weight of a deviation from the sampled texels, relative to the error of a look-up.
 const TETHER: f64 = 0.02;
 
-/// The weight for levels smaller than [`LEAST_CUBIC`]; in their wide bilinear squares a saddle could show as
+/// The weight for levels smaller than [`MIN_CUBIC`]; in their wide bilinear squares a saddle could show as
 /// a second maximum of more than 1 %.
 const SMALL_TETHER: f64 = 0.2;
 
@@ -450,7 +450,7 @@ impl Fit {
     /// Equations of a level of `size` texels for the look-up values `target`, at four points per texel, or
     /// more for small levels.
     fn new(size: u32, target: &(dyn Fn(FacePoint) -> [f64; 3] + Sync)) -> Self {
-        let edge = size * LEAST_EDGE.div_ceil(size).max(2);
+        let edge = size * MIN_EDGE.div_ceil(size).max(2);
         let lookup = LevelLookup::new(size);
         let (texel, scale) = (f64::from(size) / f64::from(edge), 2.0 / f64::from(edge));
         let point = |k: u32| {
@@ -463,9 +463,9 @@ impl Fit {
         };
         let texels = 6 * size as usize * size as usize;
         let mut fit = Self {
-            partners: vec![[(u32::MAX, 0.0); MOST_PARTNERS]; texels],
+            partners: vec![[(u32::MAX, 0.0); MAX_PARTNERS]; texels],
             right: vec![[0.0; 3]; texels],
-            tether: if size < LEAST_CUBIC { SMALL_TETHER } else { TETHER },
+            tether: if size < MIN_CUBIC { SMALL_TETHER } else { TETHER },
         };
         let count = 6 * edge * edge;
         for first in (0..count).step_by(BLOCK as usize) {
@@ -576,7 +576,7 @@ impl Fit {
 
     /// Multiplies `texels` by the normal equations.
     fn applied(&self, texels: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let row = |partners: &[(u32, f64); MOST_PARTNERS]| {
+        let row = |partners: &[(u32, f64); MAX_PARTNERS]| {
             let mut sum = [0.0; 3];
             for (texel, weight) in partners.iter().take_while(|(texel, _)| *texel != u32::MAX) {
                 for (sum, value) in sum.iter_mut().zip(texels[*texel as usize]) {

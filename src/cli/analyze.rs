@@ -6,10 +6,9 @@ use super::analyze_lobes;
 use super::figures;
 #[cfg(not(feature = "plot"))]
 use super::figures_absent as figures;
-use super::outcome::{Outcome, print, usage};
+use super::outcome::{Outcome, csv_text, print, usage};
 use crate::analysis::map_table::{Row, rows};
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 
 pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
     if !(args.table || args.csv || args.json || args.lobes || args.figures.plot) {
@@ -44,26 +43,9 @@ fn components(row: &Row) -> String {
 
 fn text_table(rows: &[Row]) -> String {
     let mut text = format!(
-        "{:<27}{:>13}{:>15}{:>12}{:>8}{:>14}{:>7}\n\
-         {:<27}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}\n",
-        "",
-        "Y",
-        "anisotropy",
-        "components",
-        "M",
-        "texels",
-        "used",
-        "",
-        "paper",
-        "ours",
-        "paper",
-        "ours",
-        "paper",
-        "ours",
-        "ours",
-        "least",
-        "most",
-        "%"
+        "{:39}Y     anisotropy  components       M        texels   used\n\
+         {:28}paper   ours   paper   ours paper  ours    ours  least   most      %\n",
+        "", ""
     );
     let mut notes = Vec::new();
     for row in rows {
@@ -78,9 +60,8 @@ fn text_table(rows: &[Row]) -> String {
             None => name.to_owned(),
         };
         let [least, greatest] = metrics.relative_solid_angle;
-        writeln!(
-            text,
-            "{name:<27}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}",
+        text += &format!(
+            "{name:<27}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}\n",
             paper[0],
             fixed(metrics.sampling, 2),
             paper[1],
@@ -91,40 +72,20 @@ fn text_table(rows: &[Row]) -> String {
             fixed(least, 3),
             fixed(greatest, 3),
             fixed(metrics.used * 100.0, 1),
-        )
-        .expect("writing to a string cannot fail");
+        );
     }
     for (number, note) in (1..).zip(notes) {
-        writeln!(text, "\n[{number}] {note}").expect("writing to a string cannot fail");
+        text += &format!("\n[{number}] {note}\n");
     }
     text
 }
 
 fn csv_table(rows: &[Row]) -> Outcome<String> {
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    let header = [
-        "name",
-        "title",
-        "source",
-        "sampling_printed",
-        "sampling",
-        "anisotropy_printed",
-        "anisotropy",
-        "components_printed",
-        "components",
-        "lattice",
-        "texel_least",
-        "texel_greatest",
-        "used",
-        "note",
-    ];
-    let mut write = |record: &[String]| csv.write_record(record).map_err(anyhow::Error::new);
-    write(&header.map(str::to_owned))?;
-    for row in rows {
+    let record = |row: &Row| {
         let metrics = &row.metrics;
         let paper = row.printed.map_or([""; 3], |p| [p.sampling, p.anisotropy, p.components]);
         let [least, greatest] = metrics.relative_solid_angle;
-        write(&[
+        vec![
             row.name.unwrap_or_default().to_owned(),
             row.title.to_owned(),
             row.source.to_owned(),
@@ -139,10 +100,11 @@ fn csv_table(rows: &[Row]) -> Outcome<String> {
             greatest.to_string(),
             metrics.used.to_string(),
             row.note.unwrap_or_default().to_owned(),
-        ])?;
-    }
-    let bytes = csv.into_inner().map_err(|error| anyhow::anyhow!("{error}"))?;
-    Ok(String::from_utf8(bytes).map_err(anyhow::Error::new)?)
+        ]
+    };
+    let header = "name,title,source,sampling_printed,sampling,anisotropy_printed,anisotropy,\
+                  components_printed,components,lattice,texel_least,texel_greatest,used,note";
+    csv_text(header, rows.iter().map(record))
 }
 
 /// Converts a row to an object; infinite values become null.

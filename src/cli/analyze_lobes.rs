@@ -2,14 +2,13 @@
 
 use super::analyze_args::AnalyzeArgs;
 use super::console::Console;
-use super::outcome::{Failure, Outcome, print, usage};
+use super::outcome::{Failure, Outcome, csv_text, print, usage};
 use crate::Error;
 use crate::laboratory::measure::{
-    ErrorAt, MOST_SIZE, Region, Row, STACK, Settings, check_light, default_environment, measure,
+    ErrorAt, MAX_SIZE, Region, Row, STACK, Settings, check_light, default_environment, measure,
 };
 use crate::laboratory::subject::SUBJECTS;
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 use std::path::Path;
 
 pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
@@ -40,8 +39,8 @@ pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
 fn settings(args: &AnalyzeArgs) -> Outcome<Settings> {
     let mut settings = Settings::default();
     if let Some(size) = args.figures.size {
-        if !(8..=MOST_SIZE).contains(&size) {
-            return usage(format!("--size {size} must be 8 to {MOST_SIZE} texels with --lobes"));
+        if !(8..=MAX_SIZE).contains(&size) {
+            return usage(format!("--size {size} must be 8 to {MAX_SIZE} texels with --lobes"));
         }
         settings.size = size;
     }
@@ -96,21 +95,11 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
         settings.error * 100.0
     );
     for method in &settings.methods {
-        writeln!(
-            text,
-            "\n{:<24}{:>10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}  {:<24}{:>8}",
+        text += &format!(
+            "\n{:<24} roughness     rms   poles   cones   seams   worst   reads  {:<24}     KiB\n",
             method.name(),
-            "roughness",
-            "rms",
-            "poles",
-            "cones",
-            "seams",
-            "worst",
-            "reads",
-            "worst at",
-            "KiB"
-        )
-        .expect("writing to a string cannot fail");
+            "worst at"
+        );
         for row in rows.iter().filter(|row| row.method == *method) {
             for (k, error) in row.errors.iter().enumerate() {
                 let [sphere, poles, cones, seams] = error.rms.map(percent);
@@ -123,7 +112,7 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
                     place(&error.worst_at),
                     if k == 0 { (row.bytes / 1024).to_string() } else { String::new() }
                 );
-                writeln!(text, "{}", line.trim_end()).expect("writing to a string cannot fail");
+                text += &format!("{}\n", line.trim_end());
             }
         }
     }
@@ -136,52 +125,26 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
         }
         named.push(row.subject.name);
         let [resample, scan] = row.seconds.map(|seconds| seconds * 1e3);
-        writeln!(text, "{:<24}{:>8} texels{resample:>10.1}{scan:>8.2}", row.subject.name, row.texels)
-            .expect("writing to a string cannot fail");
+        text += &format!("{:<24}{:>8} texels{resample:>10.1}{scan:>8.2}\n", row.subject.name, row.texels);
     }
     text
 }
 
 fn csv_table(rows: &[Row]) -> Outcome<String> {
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    let mut write = |record: &[String]| csv.write_record(record).map_err(anyhow::Error::new);
-    let header = [
-        "name",
-        "title",
-        "filter",
-        "texels",
-        "bytes",
-        "resample_seconds",
-        "scan_seconds",
-        "roughness",
-        "rms",
-        "rms_poles",
-        "rms_cones",
-        "rms_seams",
-        "worst",
-        "worst_region",
-        "worst_x",
-        "worst_y",
-        "worst_z",
-        "reads",
-        "reads_greatest",
-    ];
-    write(&header.map(str::to_owned))?;
-    for row in rows {
-        for error in &row.errors {
-            let ErrorAt { roughness, rms, worst, worst_at: (direction, region), reads } = error;
-            let names = [row.subject.name, row.subject.title, row.method.name()].map(str::to_owned);
-            let counts = [row.texels, row.bytes].map(|count| count.to_string());
-            let mut record: Vec<String> = names.into_iter().chain(counts).collect();
-            let numbers = row.seconds.iter().chain([roughness]).chain(rms).chain([worst]);
-            record.extend(numbers.map(f64::to_string));
-            record.push(region.name().to_owned());
-            record.extend(direction.to_array().iter().chain(reads).map(f64::to_string));
-            write(&record)?;
-        }
-    }
-    let bytes = csv.into_inner().map_err(|error| anyhow::anyhow!("{error}"))?;
-    Ok(String::from_utf8(bytes).map_err(anyhow::Error::new)?)
+    let record = |(row, error): (&Row, &ErrorAt)| {
+        let ErrorAt { roughness, rms, worst, worst_at: (direction, region), reads } = error;
+        let names = [row.subject.name, row.subject.title, row.method.name()].map(str::to_owned);
+        let counts = [row.texels, row.bytes].map(|count| count.to_string());
+        let mut record: Vec<String> = names.into_iter().chain(counts).collect();
+        let numbers = row.seconds.iter().chain([roughness]).chain(rms).chain([worst]);
+        record.extend(numbers.map(f64::to_string));
+        record.push(region.name().to_owned());
+        record.extend(direction.to_array().iter().chain(reads).map(f64::to_string));
+        record
+    };
+    let header = "name,title,filter,texels,bytes,resample_seconds,scan_seconds,roughness,rms,rms_poles,\
+                  rms_cones,rms_seams,worst,worst_region,worst_x,worst_y,worst_z,reads,reads_greatest";
+    csv_text(header, rows.iter().flat_map(|row| row.errors.iter().map(move |error| (row, error))).map(record))
 }
 
 fn json_row(row: &Row) -> Value {

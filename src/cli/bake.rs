@@ -25,9 +25,10 @@ use crate::filter::Filter;
 use crate::format::Pixel;
 use crate::image::exposure::Exposure;
 use crate::image::preview;
-use crate::io::LayoutChoice;
+use crate::io::InputLayout;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::{self, Existing};
+use crate::io::regular::CHANGED;
 use crate::sphere::cube::{Face, direction_from_texel};
 use crate::{Environment, Error};
 use anyhow::anyhow;
@@ -94,13 +95,13 @@ impl Work {
     fn new(mut args: BakeArgs) -> Outcome<Self> {
         let typed = std::mem::take(&mut args.inputs);
         let Expansion { found, is_open, failures } = expand(typed, args.recursive, args.output.as_deref());
-        if found.is_empty() && args.input.layout == LayoutChoice::Faces {
+        if found.is_empty() && args.input.layout == InputLayout::Faces {
             // Six files are counted below.
             failures.into_iter().next().map_or(Ok(()), |error| Err(Failure::from(error)))?;
             return usage("--layout faces takes the six files of one cube");
         }
         let several =
-            !found.is_empty() && (is_open || found.len() > 1) && args.input.layout != LayoutChoice::Faces;
+            !found.is_empty() && (is_open || found.len() > 1) && args.input.layout != InputLayout::Faces;
         let plans = bake_plan::plans(&args, several)?;
         if args.verify.is_some() {
             Verify::check_plans(&plans, args.dry_run)?;
@@ -344,9 +345,12 @@ impl Work {
         console: &Console,
     ) -> Outcome {
         let start = Instant::now();
-        // Hash before reading, so a change in between is detected.
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let opened = job.source.open(&self.input, console)?;
+        // The hashes in the report are those of the light.
+        if fingerprint::request(&job.source, &self.options)? != request {
+            return Err(Error::input(job.source.path(), CHANGED).into());
+        }
         let plans = self.check_memory(&opened)?;
         let measured = |plan: &BakePlan| BakeSettings { measure: true, ..plan.settings.clone() };
         let settings: Vec<BakeSettings> = plans.iter().map(measured).collect();

@@ -1,7 +1,7 @@
 //! `octagloss bench`: times the stages and prints JSON. Compare ratios within one run.
 
 use super::args::BenchArgs;
-use super::outcome::{Outcome, on_threads, print};
+use super::outcome::{Outcome, on_threads, print_pretty};
 use super::timing::{TimedLight, Timing, timing};
 use super::values::EngineArg;
 use crate::Environment;
@@ -16,60 +16,13 @@ use crate::oem::{Oem, OemSize};
 use crate::sat::{FixedPoint, Scan};
 use rayon::prelude::*;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::time::Instant;
-
-#[derive(Serialize)]
-struct Bench {
-    version: &'static str,
-    machine: Machine,
-    /// Path of the input; `null` for the synthetic sky.
-    input: Option<String>,
-    size: u32,
-    /// Runs of every section.
-    runs: u32,
-    /// Copies as many bytes as the table holds.
-    copy: ByThreads,
-    /// Builds the exact table: four channels of 64 bits, into already mapped memory.
-    sat: ByThreads,
-    sat_serial: Timing,
-    sat_hensley_radix_4: Timing,
-    sat_f32: Timing,
-    /// The input, or a panorama of `size` columns, into an octahedral map of `size` texels.
-    oem: ByThreads,
-    /// The input, or a panorama of 512x256, into a cube of 256^2 (all halved while `size` is smaller),
-    /// Filament levels, adaptive:0.005, on `--threads`.
-    bake: BakeTiming,
-    ratios: Ratios,
-}
-
-#[derive(Serialize)]
-struct Machine {
-    cpu: Option<String>,
-    cores: usize,
-    os: &'static str,
-}
 
 #[derive(Serialize)]
 struct ByThreads {
     one: Timing,
     two: Timing,
-}
-
-#[derive(Serialize)]
-struct BakeTiming {
-    source_width: u32,
-    cube_size: u32,
-    whole: Timing,
-    levels: Vec<Timing>,
-}
-
-#[derive(Serialize)]
-struct Ratios {
-    sat_over_copy: f64,
-    sat_over_copy_two_threads: f64,
-    sat_two_threads_speedup: f64,
-    sat_f32_over_copy: f64,
-    oem_two_threads_speedup: f64,
 }
 
 /// Peak bytes per table texel: half a texel of the panorama, the map, and two tables.
@@ -112,32 +65,39 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
     let oem = by_threads(|| time_oem(environment, size, runs))?;
     let bake = on_threads(args.engine.threads, || time_bake(&light, size.min(512), runs))?;
 
-    let report = Bench {
-        version: env!("CARGO_PKG_VERSION"),
-        machine: Machine {
-            cpu: cpu_name(),
-            cores: std::thread::available_parallelism().map_or(1, usize::from),
-            os: std::env::consts::OS,
+    let ratio = |a: Timing, b: Timing| a.median_seconds / b.median_seconds;
+    print_pretty(&json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "machine": {
+            "cpu": cpu_name(),
+            "cores": std::thread::available_parallelism().map_or(1, usize::from),
+            "os": std::env::consts::OS,
         },
-        input: light.name(),
-        size,
-        runs,
-        ratios: Ratios {
-            sat_over_copy: sat.one.median_seconds / copy.one.median_seconds,
-            sat_over_copy_two_threads: sat.two.median_seconds / copy.two.median_seconds,
-            sat_two_threads_speedup: sat.one.median_seconds / sat.two.median_seconds,
-            sat_f32_over_copy: sat_f32.median_seconds / copy.one.median_seconds,
-            oem_two_threads_speedup: oem.one.median_seconds / oem.two.median_seconds,
+        // Path of the input; `null` for the synthetic sky.
+        "input": light.name(),
+        "size": size,
+        // Runs of every section.
+        "runs": runs,
+        // Copies as many bytes as the table holds.
+        "copy": copy,
+        // Builds the exact table: four channels of 64 bits, into already mapped memory.
+        "sat": sat,
+        "sat_serial": sat_serial,
+        "sat_hensley_radix_4": sat_hensley_radix_4,
+        "sat_f32": sat_f32,
+        // The input, or a panorama of `size` columns, into an octahedral map of `size` texels.
+        "oem": oem,
+        // The input, or a panorama of 512x256, into a cube of 256^2 (all halved while `size` is smaller),
+        // Filament levels, adaptive:0.005, on `--threads`.
+        "bake": bake,
+        "ratios": {
+            "sat_over_copy": ratio(sat.one, copy.one),
+            "sat_over_copy_two_threads": ratio(sat.two, copy.two),
+            "sat_two_threads_speedup": ratio(sat.one, sat.two),
+            "sat_f32_over_copy": ratio(sat_f32, copy.one),
+            "oem_two_threads_speedup": ratio(oem.one, oem.two),
         },
-        copy,
-        sat,
-        sat_serial,
-        sat_hensley_radix_4,
-        sat_f32,
-        oem,
-        bake,
-    };
-    print(&(serde_json::to_string_pretty(&report).map_err(anyhow::Error::from)? + "\n"))
+    }))
 }
 
 /// Times `work` on one thread and on two.
@@ -174,7 +134,7 @@ fn time_oem(environment: &Environment, size: u32, runs: u32) -> Timing {
     time(runs, make)
 }
 
-fn time_bake(light: &TimedLight, width: u32, runs: u32) -> Outcome<BakeTiming> {
+fn time_bake(light: &TimedLight, width: u32, runs: u32) -> Outcome<Value> {
     let environment = light.environment(width)?;
     let settings = BakeSettings {
         size: width / 2,
@@ -192,12 +152,12 @@ fn time_bake(light: &TimedLight, width: u32, runs: u32) -> Outcome<BakeTiming> {
             level.push(stats.seconds);
         }
     }
-    Ok(BakeTiming {
-        source_width: environment.layout().sides().0,
-        cube_size: settings.size,
-        whole: timing(whole),
-        levels: levels.into_iter().map(timing).collect(),
-    })
+    Ok(json!({
+        "source_width": environment.layout().sides().0,
+        "cube_size": settings.size,
+        "whole": timing(whole),
+        "levels": levels.into_iter().map(timing).collect::<Vec<_>>(),
+    }))
 }
 
 /// The processor's name, if the system reports it.

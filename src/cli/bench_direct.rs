@@ -3,8 +3,8 @@
 
 use super::args::BenchArgs;
 use super::engine::any_adapter;
-use super::outcome::{Outcome, print};
-use super::timing::{Timing, timing};
+use super::outcome::{Outcome, print_pretty};
+use super::timing::timing;
 use crate::Layout;
 use crate::direct::DirectMap;
 use crate::direct::scene::{NEAREST, scene};
@@ -17,7 +17,7 @@ use crate::gpu::reparameterise::Reparameterise;
 use crate::gpu::{Context, OemPlanes, Stage, block_on};
 use crate::oem::OemSize;
 use crate::wgpu;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::time::Instant;
 
 /// The paper's maps, of about as many pixels.
@@ -33,40 +33,6 @@ const PAPER_CUBE: f64 = 250.0;
 
 /// Passes of a frame, at most: a list, six faces and the reparameterisation.
 const PASSES: u32 = 8;
-
-#[derive(Serialize)]
-struct Bench {
-    version: &'static str,
-    adapter: String,
-    software: bool,
-    /// What measures: timestamp queries, or the time from submission to completion.
-    clock: &'static str,
-    triangles: usize,
-    runs: u32,
-    methods: Vec<Row>,
-}
-
-#[derive(Serialize)]
-struct Row {
-    method: &'static str,
-    /// Of the octahedral map: `quadratic` or `rectangular`; or `cube` or `tennis ball`.
-    layout: &'static str,
-    pixels: u32,
-    /// Triangles of all draws, or pieces of triangles.
-    drawn: u64,
-    time: Timing,
-    /// Of that, the pass that lists or cuts triangles.
-    list: Option<Timing>,
-    /// Time relative to the cube's, drawn with lists of triangles and without.
-    over_cube: f64,
-    over_whole_cube: f64,
-    /// Share of pixels that differ by more than a 64th from those of the first method in the same layout.
-    differing: Option<f64>,
-    /// The row of Table 1, its frames per second, and its time relative to the paper's cube.
-    paper: Option<&'static str>,
-    paper_frames_per_second: Option<f64>,
-    paper_over_cube: Option<f64>,
-}
 
 /// Texels of half floats.
 type Picture = Vec<[u16; 4]>;
@@ -173,41 +139,48 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         let differing = own.as_ref().zip(exact.as_ref()).map(|(own, (_, exact))| differing(exact, own));
         let drawn = way.frame.triangles(context)?;
         let time = timing(way.seconds.clone());
-        Ok(Row {
-            method: way.name,
-            layout: match way.map {
+        Ok(json!({
+            "method": way.name,
+            // Of the octahedral map, or another map.
+            "layout": match way.map {
                 QUADRATIC => "quadratic",
                 RECTANGULAR => "rectangular",
                 TENNIS_BALL => "tennis ball",
                 _ => "cube",
             },
-            pixels: way.map.pixels(),
-            drawn,
-            time,
-            list: (!way.list_seconds.is_empty()).then(|| timing(way.list_seconds.clone())),
-            over_cube: time.median_seconds / over_cube,
-            over_whole_cube: time.median_seconds / over_whole_cube,
-            differing,
-            paper: way.paper.map(|(name, _)| name),
-            paper_frames_per_second: way.paper.map(|(_, rate)| rate),
-            paper_over_cube: way.paper.map(|(_, rate)| PAPER_CUBE / rate),
-        })
+            "pixels": way.map.pixels(),
+            // Triangles of all draws, or pieces of triangles.
+            "drawn": drawn,
+            "time": time,
+            // Of that, the pass that lists or cuts triangles.
+            "list": (!way.list_seconds.is_empty()).then(|| timing(way.list_seconds.clone())),
+            // Time relative to the cube's, drawn with lists of triangles and without.
+            "over_cube": time.median_seconds / over_cube,
+            "over_whole_cube": time.median_seconds / over_whole_cube,
+            // Share of pixels that differ by more than a 64th from those of the first method in the same
+            // layout.
+            "differing": differing,
+            // The row of Table 1, its frames per second, and its time relative to the paper's cube.
+            "paper": way.paper.map(|(name, _)| name),
+            "paper_frames_per_second": way.paper.map(|(_, rate)| rate),
+            "paper_over_cube": way.paper.map(|(_, rate)| PAPER_CUBE / rate),
+        }))
     });
-    let methods = methods.collect::<Outcome<Vec<Row>>>()?;
+    let methods = methods.collect::<Outcome<Vec<Value>>>()?;
     context.check()?;
-    let bench = Bench {
-        version: env!("CARGO_PKG_VERSION"),
-        adapter: context.describe(),
-        software: !is_hardware(&context.device().adapter_info()),
-        clock: match clock {
+    print_pretty(&json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "adapter": context.describe(),
+        "software": !is_hardware(&context.device().adapter_info()),
+        // What measures: timestamp queries, or the time from submission to completion.
+        "clock": match clock {
             Clock::Timestamps(_) => "timestamps",
             Clock::Wall => "submission to completion",
         },
-        triangles: scene.count(),
-        runs: args.runs,
-        methods,
-    };
-    print(&(serde_json::to_string_pretty(&bench).map_err(anyhow::Error::from)? + "\n"))
+        "triangles": scene.count(),
+        "runs": args.runs,
+        "methods": methods,
+    }))
 }
 
 /// Share of the texels of half floats that differ by more than a 64th in a channel.

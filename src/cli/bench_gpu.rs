@@ -3,7 +3,7 @@
 use super::args::BenchArgs;
 use super::console::Console;
 use super::engine::Engine;
-use super::outcome::{Outcome, print};
+use super::outcome::{Outcome, print_pretty};
 use super::timing::{TimedLight, Timing, timing};
 use crate::bake::BakeSettings;
 use crate::bake::memory;
@@ -24,36 +24,8 @@ use crate::oem::OemSize;
 use crate::sphere::equirect::direction_from_equirect;
 use crate::{Environment, Layout};
 use glam::DVec3;
-use serde::Serialize;
+use serde_json::json;
 use std::collections::BTreeMap;
-
-#[derive(Serialize)]
-struct Bench {
-    version: &'static str,
-    adapter: String,
-    software: bool,
-    /// Path of the input; `null` for the synthetic sky.
-    input: Option<String>,
-    size: u32,
-    runs: u32,
-    /// Reads and writes 24 bytes per texel, the minimum traffic of a scan.
-    copy: Timing,
-    /// Each pass over an octahedral map of `size` texels, and a frame of fitted lobes with per-pixel
-    /// roughness.
-    stages: BTreeMap<String, Timing>,
-    /// Cube of 6 x 512^2 to an octahedral map of 1024^2 to its exact table, all dispatches.
-    cube_to_sat: Timing,
-    /// The input, or 512x256, into 256^2, five Filament levels, adaptive:0.005: GPU time of every level.
-    bake: BakeTiming,
-    ratios: BTreeMap<String, f64>,
-}
-
-#[derive(Serialize)]
-struct BakeTiming {
-    levels: Vec<Timing>,
-    /// Reparameterisation, cells and all levels.
-    total_seconds: f64,
-}
 
 /// Times stages repeatedly.
 struct Clock<'a> {
@@ -163,20 +135,26 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     if let Some((scan, hensley)) = seconds("sat_scan").zip(seconds("sat_hensley_radix_2")) {
         ratios.insert("sat_hensley_radix_2_over_sat_scan".to_owned(), hensley / scan);
     }
-    let bench = Bench {
-        version: env!("CARGO_PKG_VERSION"),
-        adapter: context.describe(),
-        software: !crate::gpu::device::context::is_hardware(&context.device().adapter_info()),
-        input: light.name(),
-        size,
-        runs: args.runs,
-        copy,
-        stages,
-        cube_to_sat,
-        bake: BakeTiming { levels, total_seconds: whole.median_seconds },
-        ratios,
-    };
-    print(&(serde_json::to_string_pretty(&bench).map_err(anyhow::Error::from)? + "\n"))
+    print_pretty(&json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "adapter": context.describe(),
+        "software": !crate::gpu::device::context::is_hardware(&context.device().adapter_info()),
+        // Path of the input; `null` for the synthetic sky.
+        "input": light.name(),
+        "size": size,
+        "runs": args.runs,
+        // Reads and writes 24 bytes per texel, the minimum traffic of a scan.
+        "copy": copy,
+        // Each pass over an octahedral map of `size` texels, and a frame of fitted lobes with per-pixel
+        // roughness.
+        "stages": stages,
+        // Cube of 6 x 512^2 to an octahedral map of 1024^2 to its exact table, all dispatches.
+        "cube_to_sat": cube_to_sat,
+        // The input, or 512x256, into 256^2, five Filament levels, adaptive:0.005: GPU time of every level,
+        // and of reparameterisation, cells and all levels.
+        "bake": { "levels": levels, "total_seconds": whole.median_seconds },
+        "ratios": ratios,
+    }))
 }
 
 /// Every pixel of a 1920x1080 panorama, with roughness increasing from left to right.

@@ -7,14 +7,14 @@ use super::console::Console;
 use super::input::{self, read_bake};
 use super::look_ups;
 use super::measures::Measures;
-use super::outcome::{Outcome, check_not_input, on_threads, print, usage};
+use super::outcome::{Outcome, check_not_input, on_threads, print, print_json, usage};
 use super::{compare_many, compare_pair};
 use crate::Layout;
 use crate::analysis::compare::{LevelErrors, grid_of};
 use crate::chain::{Chain, Level};
 use crate::image::drawing::scene::Scene;
 use crate::image::error_sheet;
-use crate::io::LayoutChoice;
+use crate::io::InputLayout;
 use crate::io::ldr::write::write_png;
 use crate::io::output::{self, Existing};
 use std::path::Path;
@@ -38,7 +38,7 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
     if let Err(error) = std::fs::metadata(&args.bake) {
         return Err(crate::Error::io(&args.bake, error).into());
     }
-    let is_one = args.against.len() == 1 || args.input.layout == LayoutChoice::Faces;
+    let is_one = args.against.len() == 1 || args.input.layout == InputLayout::Faces;
     on_threads(args.threads, || {
         if compare_many::is_folder_of_bakes(&args.bake) {
             compare_many::run(&args, &console)
@@ -60,7 +60,7 @@ fn run_one(args: &CompareArgs, existing: Existing, console: &Console) -> Outcome
     if args.picture.is_some() && !bake.chain.levels.iter().all(is_cube) {
         return usage(format!("--picture shows cubes; {} is not one", args.bake.display()));
     }
-    let measures = Measures::of(args, args.fail_above.map(|_| args.from.unwrap_or(0.0)));
+    let measures = Measures::new(args, args.fail_above.map(|_| args.from.unwrap_or(0.0)));
     let reference = if args.against.len() == 1 { read_bake(&args.against[0])? } else { None };
     let comparison = match reference {
         Some(reference) => against_bake(args, &bake, &reference, measures.from)?,
@@ -79,7 +79,7 @@ fn run_one(args: &CompareArgs, existing: Existing, console: &Console) -> Outcome
         look_ups::draw_chart(path, existing, &curves, &args.against[0])?;
     }
     if args.json {
-        print(&(serde_json::to_string(&comparison).map_err(anyhow::Error::from)? + "\n"))?;
+        print_json(&comparison)?;
     } else {
         print(&comparison.text())?;
     }

@@ -101,7 +101,7 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn judge(&mut self, path: &Path, sources: &Sources<'_>, console: &Console) -> Outcome {
-        let measures = Measures::of(self.args, Some(self.args.from.unwrap_or(0.0)));
+        let measures = Measures::new(self.args, Some(self.args.from.unwrap_or(0.0)));
         let compared =
             bake_in(path, console).and_then(|bake| against_source(&measures, path, &bake, sources, console));
         let comparison = match compared {

@@ -7,7 +7,7 @@ use super::console::Console;
 use super::input::single_source;
 use super::look_ups::{self, Delivered, Overlay};
 use super::measures::Measures;
-use super::outcome::{Outcome, print, usage};
+use super::outcome::{Outcome, print, print_json, usage};
 use super::shared_args::InputArgs;
 use crate::chain::Chain;
 use crate::chain_lookup::ChainLookup;
@@ -18,7 +18,7 @@ use crate::io::output::Existing;
 use crate::ladder::Ladder;
 use glam::DVec3;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde_json::json;
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -26,14 +26,7 @@ use std::rc::Rc;
 const ROUGHNESSES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
 /// Most columns of levels' own roughnesses.
-const MOST_COLUMNS: usize = 4;
-
-/// The output of `--json`.
-#[derive(Serialize)]
-struct PairOutput<'a> {
-    against: String,
-    bakes: &'a [Overlay; 2],
-}
+const MAX_COLUMNS: usize = 4;
 
 /// A bake and its source.
 struct Side {
@@ -93,8 +86,7 @@ pub(super) fn run(args: &CompareArgs, existing: Existing, console: &Console) -> 
     }
     let bakes = sides.map(|Side { name, delivered, .. }| Overlay { bake: name, delivered });
     if args.json {
-        let output = PairOutput { against: source.display().to_string(), bakes: &bakes };
-        return print(&(serde_json::to_string(&output).map_err(anyhow::Error::from)? + "\n"));
+        return print_json(&json!({ "against": source.display().to_string(), "bakes": bakes }));
     }
     print(&bakes.iter().map(|Overlay { bake, delivered }| delivered.text(bake)).collect::<String>())
 }
@@ -109,7 +101,7 @@ fn roughnesses(bakes: &[LoadedChain; 2]) -> Vec<f64> {
     if !is_same || own.is_empty() {
         return ROUGHNESSES.to_vec();
     }
-    let count = own.len().min(MOST_COLUMNS);
+    let count = own.len().min(MAX_COLUMNS);
     (1..=count).map(|k| own[k * own.len() / count - 1]).collect()
 }
 

@@ -12,7 +12,7 @@ use crate::chain::Level;
 use crate::environment::exact_luminance;
 use crate::finite::finite;
 use crate::io::regular::read_regular;
-use crate::io::side_report::{MOST_REPORT_BYTES, REPORT};
+use crate::io::side_report::{MAX_REPORT_BYTES, REPORT};
 use crate::io::{self, DEFAULT_MEMORY_LIMIT, LoadedChain, ReadOptions};
 use crate::lobe::Lobe;
 use crate::sh::scale::{ShScale, scaled};
@@ -22,7 +22,6 @@ use crate::sphere::cube::Face;
 use crate::target::{Content, Target};
 use crate::{Environment, Error};
 use serde::{Deserialize, Serialize};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Errors of a part.
@@ -180,13 +179,13 @@ impl Parts {
                     self.found.push(Found { part: "sheen", path, content: FoundContent::Sheen(levels) });
                 }
                 Some(Content::ShJson) => {
-                    let bytes = read_regular(&path, MOST_REPORT_BYTES)?;
+                    let bytes = read_regular(&path, MAX_REPORT_BYTES)?;
                     let text =
                         serde_json::from_slice(&bytes).map_err(|e| Error::input(&path, e.to_string()))?;
                     self.add_harmonics(path, text)?;
                 }
                 Some(Content::ShText) => {
-                    let bytes = read_regular(&path, MOST_REPORT_BYTES)?;
+                    let bytes = read_regular(&path, MAX_REPORT_BYTES)?;
                     let text = String::from_utf8_lossy(&bytes);
                     let numbers: Vec<f64> = text
                         .lines()
@@ -247,7 +246,7 @@ impl Parts {
                 return Ok(());
             }
         }
-        let bytes = read_regular(path, MOST_REPORT_BYTES)?;
+        let bytes = read_regular(path, MAX_REPORT_BYTES)?;
         match serde_json::from_slice::<ReportText>(&bytes) {
             Ok(report) => self.add_harmonics(path.to_owned(), report.sh),
             Err(error) => {
@@ -457,8 +456,7 @@ pub(super) fn text(parts: &[Part]) -> String {
             )
         };
         let (rmse, mean) = (columns(Some(rmse)), columns(mean));
-        writeln!(text, "{:<10}  {size:>5}  {texels:>7}  {rmse}  {mean}  {file}", part.part)
-            .expect("writing to a string cannot fail");
+        text += &format!("{:<10}  {size:>5}  {texels:>7}  {rmse}  {mean}  {file}\n", part.part);
     }
     text
 }

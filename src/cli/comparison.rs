@@ -19,7 +19,6 @@ use crate::io::{self, LoadedChain};
 use crate::lobe::Lobe;
 use anyhow::anyhow;
 use serde::Serialize;
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// The output of `--json`.
@@ -54,7 +53,7 @@ impl Comparison {
     /// Judges from the roughness `from` on; the levels `sharp` are sharper, and `not_judged` was not
     /// measured.
     fn verdict(&self, from: f64, sharp: Vec<usize>, not_judged: Vec<String>) -> Verdict {
-        Verdict::of((&self.levels, self.delivered.as_ref(), &self.parts), from, sharp, not_judged)
+        Verdict::new((&self.levels, self.delivered.as_ref(), &self.parts), from, sharp, not_judged)
     }
 
     pub(super) fn text(&self) -> String {
@@ -68,10 +67,9 @@ impl Comparison {
             let worst = &errors.worst;
             let [x, y, z] = worst.direction;
             let radiance = |rgb: [f64; 3]| rgb.map(|c| format!("{c:.4e}")).join(" ");
-            writeln!(
-                text,
+            text += &format!(
                 "{:>5}  {:>5}  {:>9.4}  {:>7}  {:>8.6}  {:>14}  {:>8.6}  {:>7}  {:>16}\n       worst: {} \
-                 {:.4} off at {} ({}, {}), direction {x:.4} {y:.4} {z:.4}: {} for {}",
+                 {:.4} off at {} ({}, {}), direction {x:.4} {y:.4} {z:.4}: {} for {}\n",
                 errors.level,
                 errors.size,
                 errors.roughness,
@@ -88,8 +86,7 @@ impl Comparison {
                 worst.j,
                 radiance(worst.value),
                 radiance(worst.reference),
-            )
-            .expect("writing to a string cannot fail");
+            );
         }
         text += &compare_parts::text(&self.parts);
         if let Some(delivered) = &self.delivered {
@@ -220,8 +217,8 @@ pub(super) fn against_source(
     }
     if has_solved && delivered.is_none() {
         console.note(&format!(
-            "levels from {solved} on are skipped: they are solved, so their texels are not lobes; --delivered \
-             measures look-ups",
+            "levels from {solved} on are skipped: they are solved, so their texels are not lobes; \
+             --delivered measures look-ups",
         ));
     }
     let levels = texel_errors(measures, sampled, lobe, &source.environment, console);

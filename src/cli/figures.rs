@@ -5,7 +5,7 @@ use super::figures_args::FigureArgs;
 use super::outcome::{Outcome, usage};
 use super::output::check_folder_name;
 use crate::io::output::{self, Existing, Output};
-use crate::plot::catalogue::{Content, Entry, Kind, MOST_SIZE, entries};
+use crate::plot::catalogue::{Entry, FigureContent, Kind, MAX_SIZE, entries};
 use crate::plot::figure::Form;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ pub(super) fn run(args: &FigureArgs) -> Outcome {
     if is_new {
         output::check_folder(folder, existing)?;
     }
-    let path = |entry: &Entry, form: Form| format!("{}.{}", entry.name(), form.extension());
+    let path = |entry: &Entry, form: Form| format!("{}.{}", entry.name(), form.name());
     for (entry, form) in entries.iter().flat_map(|entry| Form::ALL.map(|form| (entry, form))) {
         if !is_new {
             output::check_file(&folder.join(path(entry, form)), existing)?;
@@ -107,11 +107,11 @@ fn check_options(args: &FigureArgs, entries: &[Entry]) -> Outcome {
 }
 
 /// Content of the figures.
-fn content(args: &FigureArgs, console: &Console) -> Outcome<Content> {
-    let mut content = Content::new()?;
+fn content(args: &FigureArgs, console: &Console) -> Outcome<FigureContent> {
+    let mut content = FigureContent::new()?;
     content.size = args.size.unwrap_or(content.size);
-    if content.size == 0 || content.size > MOST_SIZE {
-        return usage(format!("--size {} must be 1 to {MOST_SIZE} texels", content.size));
+    if content.size == 0 || content.size > MAX_SIZE {
+        return usage(format!("--size {} must be 1 to {MAX_SIZE} texels", content.size));
     }
     content.border = args.border.unwrap_or(content.border.min(content.size));
     if content.border > content.size {

@@ -11,7 +11,7 @@ use crate::export::plan::BakePlan;
 use crate::format::{LevelName, Shown};
 use crate::io::exr::write::SOFTWARE;
 use crate::io::regular::{open_regular, read_regular};
-use crate::io::side_report::MOST_REPORT_BYTES;
+use crate::io::side_report::MAX_REPORT_BYTES;
 use crate::io::side_report::REPORT;
 use crate::io::{DEFAULT_MEMORY_LIMIT, levels_path, reported_pairs};
 use crate::target::TargetPlan;
@@ -206,8 +206,8 @@ fn unsigned() -> String {
     "0".repeat(2 * blake3::OUT_LEN)
 }
 
-/// `text`, a report with [`fingerprint`]'s placeholder, with its own hash: of all lines but the times, which alone
-/// differ between equal runs.
+/// `text`, a report with [`fingerprint`]'s placeholder, with its own hash: of all lines but the times, which
+/// alone differ between equal runs.
 pub(super) fn signed(text: &str) -> String {
     let mut hasher = Hasher::new();
     for line in text.lines().filter(|line| !line.trim_start().starts_with("\"seconds\":")) {
@@ -224,7 +224,7 @@ fn is_signed(text: &[u8], own: Option<&str>) -> bool {
 
 /// Whether `outputs` match the hashes in `report` for `request`.
 pub(super) fn holds(report: &Path, request: Hash, outputs: impl IntoIterator<Item = PathBuf>) -> bool {
-    let Ok(text) = read_regular(report, MOST_REPORT_BYTES) else { return false };
+    let Ok(text) = read_regular(report, MAX_REPORT_BYTES) else { return false };
     let stored = serde_json::from_slice::<Report>(&text).ok().and_then(|report| report.fingerprint);
     stored.is_some_and(|stored| {
         is_signed(&text, stored.report.as_deref())

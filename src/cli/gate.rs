@@ -52,7 +52,7 @@ impl Judged {
 impl Verdict {
     /// Judges errors of levels, look-ups and parts, from the roughness `from` on. Not measured were the
     /// levels `sharp`, which are sharper than that, and `not_judged`.
-    pub(super) fn of(
+    pub(super) fn new(
         (levels, delivered, parts): (&[LevelErrors], Option<&Delivered>, &[Part]),
         from: f64,
         mut sharp: Vec<usize>,

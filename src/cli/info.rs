@@ -13,11 +13,10 @@ use crate::bake::report::SunReport;
 use crate::chain::{Chain, Level};
 use crate::environment::exact_luminance;
 use crate::io::provenance::{Provenance, TakenSun};
-use crate::io::{LayoutChoice, Pad, Repairs};
+use crate::io::{InputLayout, Pad, Repairs};
 use crate::lobe::Lobe;
 use crate::percent::percent;
 use serde::Serialize;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -148,7 +147,7 @@ fn describe(source: &InputFiles, args: &InputArgs, json: bool, console: &Console
         Err(error) => {
             // Options of environments have errors of their own.
             let is_plain =
-                args.layout == LayoutChoice::Auto && !args.strict && !args.crop && args.pad.is_none();
+                args.layout == InputLayout::Auto && !args.strict && !args.crop && args.pad.is_none();
             let other = match source.files() {
                 [path] if is_plain => info_other::described(path, bytes, &error),
                 _ => None,
@@ -202,7 +201,7 @@ fn levels_info(chain: &Chain) -> Vec<LevelInfo> {
 }
 
 fn environment_info(input: String, bytes: u64, opened: Opened) -> EnvironmentInfo {
-    let statistics = Statistics::of(&opened.environment);
+    let statistics = Statistics::new(&opened.environment);
     let energy_share = statistics.sun_share();
     let brightest = |kind: Brightest| {
         let found = statistics.sun.as_ref().filter(|region| region.kind == kind);
@@ -297,21 +296,19 @@ impl BakeInfo {
         rows.push(("size", console::bytes(self.bytes)));
         rows.extend(self.origin.rows());
         for (name, value) in rows {
-            writeln!(text, "  {name:<11} {value}").expect("writing to a string cannot fail");
+            text += &format!("  {name:<11} {value}\n");
         }
         text.push_str("  level   size  roughness      least   greatest       mean  (luminance)\n");
         for level in &self.levels {
-            writeln!(
-                text,
-                "  {:>5}  {:>5}  {:>9.4}  {:>9.3e}  {:>9.3e}  {:>9.3e}",
+            text += &format!(
+                "  {:>5}  {:>5}  {:>9.4}  {:>9.3e}  {:>9.3e}  {:>9.3e}\n",
                 level.level,
                 level.size,
                 level.roughness,
                 exact_luminance(level.min),
                 exact_luminance(level.max),
                 exact_luminance(level.mean),
-            )
-            .expect("writing to a string cannot fail");
+            );
         }
         text
     }
@@ -324,7 +321,7 @@ impl EnvironmentInfo {
             self.input, self.format, self.layout, self.width, self.height
         );
         let mut row = |name: &str, value: String| {
-            writeln!(text, "  {name:<11} {value}").expect("writing to a string cannot fail");
+            text += &format!("  {name:<11} {value}\n");
         };
         row("size", console::bytes(self.bytes));
         self.origin.iter().flat_map(Origin::rows).for_each(|(name, value)| row(name, value));

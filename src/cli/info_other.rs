@@ -9,7 +9,6 @@ use crate::io::{
 };
 use serde::Serialize;
 use serde_json::Value;
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// `--json` output.
@@ -167,7 +166,7 @@ impl OtherInfo {
     pub(super) fn text(&self) -> String {
         let mut text = format!("{}: {}\n", self.input, self.format);
         let mut row = |name: &str, value: String| {
-            writeln!(text, "  {name:<11} {value}").expect("writing to a string cannot fail");
+            text += &format!("  {name:<11} {value}\n");
         };
         row("content", console::escaped(&self.content));
         if let (Some(width), Some(height)) = (self.width, self.height) {

@@ -7,7 +7,7 @@ use crate::bake::report::SunReport;
 use crate::bake::turned::Turn;
 use crate::io::provenance::Provenance;
 use crate::io::regular::open_regular;
-use crate::io::{self, LayoutChoice, LoadedChain, ReadOptions, Repairs};
+use crate::io::{self, InputLayout, LoadedChain, ReadOptions, Repairs};
 use crate::{Environment, Layout};
 use std::fs;
 use std::io::Read as _;
@@ -37,13 +37,13 @@ pub(super) struct Opened {
 /// Converts `paths` to environments: one each, or six files as one with `--layout faces`.
 pub(super) fn sources(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Vec<InputFiles>> {
     let fits = args.crop || args.pad.is_some();
-    if fits && !matches!(args.layout, LayoutChoice::Auto | LayoutChoice::Equirect) {
+    if fits && !matches!(args.layout, InputLayout::Auto | InputLayout::Equirect) {
         return usage("--pad and --crop are for panoramas; omit --layout");
     }
     match (args.layout, paths.len()) {
         // A single KTX2 cube or level folder already holds its faces.
-        (LayoutChoice::Faces, 6 | 1) => Ok(vec![InputFiles(paths)]),
-        (LayoutChoice::Faces, count) => usage(format!(
+        (InputLayout::Faces, 6 | 1) => Ok(vec![InputFiles(paths)]),
+        (InputLayout::Faces, count) => usage(format!(
             "--layout faces takes the six files of one cube, or one file that holds a cube; {count} were \
              given"
         )),

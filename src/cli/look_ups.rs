@@ -15,7 +15,6 @@ use anyhow::anyhow;
 use glam::DVec3;
 use serde::Serialize;
 use std::cell::Cell;
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// Errors of a bake's trilinear look-ups.
@@ -130,13 +129,11 @@ impl Delivered {
             let DeliveredError { roughness, lod, rel_rmse, .. } = error;
             let most = Relative { luminance: error.max_error, channels: error.channel_max_error };
             let near = error.near_sun.map_or_else(|| "-".to_owned(), |near| channel(near.rmse().greatest()));
-            writeln!(
-                text,
-                "{roughness:>9.4}  {lod:>6.3}  {rel_rmse:>8.6}  {:>14}  {:>14.4}  {near:>14}",
+            text += &format!(
+                "{roughness:>9.4}  {lod:>6.3}  {rel_rmse:>8.6}  {:>14}  {:>14.4}  {near:>14}\n",
                 channel(error.rmse().worst_channel()),
                 most.greatest().error,
-            )
-            .expect("writing to a string cannot fail");
+            );
         }
         text
     }
@@ -148,7 +145,7 @@ pub(super) fn check_chart(path: &Path, existing: Existing) -> Outcome {
     use crate::io::output::{check_file, recover};
     use crate::plot::figure::Form;
 
-    if let Err(error) = Form::of(path) {
+    if let Err(error) = Form::from_path(path) {
         return usage(format!("--chart {error}"));
     }
     recover(path);
@@ -165,7 +162,7 @@ pub(super) fn check_chart(_: &Path, _: Existing) -> Outcome {
 
 /// Least error that the chart can show.
 #[cfg(feature = "plot")]
-const LEAST_ERROR: f64 = 1e-6;
+const MIN_ERROR: f64 = 1e-6;
 
 /// Draws error over roughness for each of `curves`, named bakes, into the file `path`.
 #[cfg(feature = "plot")]
@@ -187,7 +184,7 @@ pub(super) fn draw_chart(
             delivered.ladder
         ),
         points: (delivered.roughnesses.iter())
-            .map(|error| [error.roughness, error.rmse().greatest().error.max(LEAST_ERROR)])
+            .map(|error| [error.roughness, error.rmse().greatest().error.max(MIN_ERROR)])
             .collect(),
         marks: if delivered.roughnesses.len() > 20 { Marks::Line } else { Marks::LineAndDots },
         ..Series::default()

@@ -27,7 +27,7 @@ pub(super) struct Measures {
 }
 
 impl Measures {
-    pub(super) fn of(args: &CompareArgs, from: Option<f64>) -> Self {
+    pub(super) fn new(args: &CompareArgs, from: Option<f64>) -> Self {
         Self {
             texels: args.texels,
             delivered: args.delivered.clone(),

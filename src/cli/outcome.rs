@@ -3,6 +3,7 @@
 use crate::io::output as output_file;
 use crate::io::output::Existing;
 use anyhow::anyhow;
+use serde::Serialize;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -56,6 +57,27 @@ pub(super) fn print_bytes(bytes: &[u8]) -> Outcome {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Err(Failure::Closed),
         Err(error) => Err(anyhow::Error::new(error).context("standard output").into()),
     }
+}
+
+/// Prints `value` as JSON on one line.
+pub(super) fn print_json(value: &impl Serialize) -> Outcome {
+    print(&(serde_json::to_string(value).map_err(anyhow::Error::from)? + "\n"))
+}
+
+/// Prints `value` as indented JSON.
+pub(super) fn print_pretty(value: &impl Serialize) -> Outcome {
+    print(&(serde_json::to_string_pretty(value).map_err(anyhow::Error::from)? + "\n"))
+}
+
+/// A table as CSV, headed by the names of its columns.
+pub(super) fn csv_text(header: &str, rows: impl IntoIterator<Item = Vec<String>>) -> Outcome<String> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    let records = std::iter::once(header.split(',').map(str::to_owned).collect()).chain(rows);
+    for record in records {
+        csv.write_record(&record).map_err(anyhow::Error::new)?;
+    }
+    let bytes = csv.into_inner().map_err(|error| anyhow::anyhow!("{error}"))?;
+    Ok(String::from_utf8(bytes).map_err(anyhow::Error::new)?)
 }
 
 /// Writes to the descriptor directly: the standard library silently ignores an unwritable one.

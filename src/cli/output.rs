@@ -13,7 +13,7 @@ use crate::format::{LevelName, Pixel, Shown};
 use crate::io::environment_write::exact_exr_bytes;
 use crate::io::output::{self, Existing, Output};
 use crate::io::regular::read_regular;
-use crate::io::side_report::{MOST_REPORT_BYTES, REPORT};
+use crate::io::side_report::{MAX_REPORT_BYTES, REPORT};
 use crate::target::{Content, Naming};
 use crate::{Error, Layout, Result};
 use anyhow::anyhow;
@@ -396,7 +396,7 @@ impl Outputs {
             return Ok(());
         }
         let path = self.base().join(self.sibling(REPORT));
-        let text = read_regular(&path, MOST_REPORT_BYTES).unwrap_or_default();
+        let text = read_regular(&path, MAX_REPORT_BYTES).unwrap_or_default();
         let old = serde_json::from_slice::<Report>(&text).ok();
         let believed = old.is_some_and(|old| old.fingerprint.is_none_or(|hashes| hashes.files.is_empty()));
         if believed { fs::remove_file(&path).map_err(|e| Error::io(&path, e)) } else { Ok(()) }

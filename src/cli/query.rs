@@ -32,7 +32,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     let output = match &args.output {
         Some(path) => {
-            let form = Form::of(path)?;
+            let form = Form::from_path(path)?;
             check_not_input(path, source.files().iter().chain([&args.directions]))?;
             check_output(path, existing)?;
             Some((path, form))
@@ -95,7 +95,7 @@ enum Form {
 
 impl Form {
     /// The form of the extension of `path`.
-    fn of(path: &Path) -> Outcome<Self> {
+    fn from_path(path: &Path) -> Outcome<Self> {
         let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
         match extension.as_deref().and_then(|extension| extension.to_str()) {
             Some("csv") => Ok(Self::Csv),

@@ -2,7 +2,7 @@
 
 use crate::analysis::extraction::Suns;
 use crate::cli::values::{EngineArg, scale, turn};
-use crate::io::{LayoutChoice, Pad};
+use crate::io::{InputLayout, Pad};
 use clap::Args as ClapArgs;
 
 /// Maximum of --threads.
@@ -18,7 +18,7 @@ pub(super) struct InputArgs {
     /// panorama, 4:3 and 3:4 are crosses, 6:1 and 1:6 are strips. faces reads six files as one cube, in the
     /// order +X -X +Y -Y +Z -Z or by name (px, posx, right, +x, ...). Contradicting the header is an error.
     #[arg(long, value_name = "LAYOUT", default_value = "auto", hide_default_value = true)]
-    pub(super) layout: LayoutChoice,
+    pub(super) layout: InputLayout,
     /// Rotate about +Y; +90 maps +Z to +X [default: 0]
     #[arg(long, value_name = "DEG", value_parser = turn)]
     pub(super) rotate_y: Option<f64>,
@@ -58,16 +58,16 @@ pub(super) struct InputArgs {
     pub(super) strict: bool,
     /// Remove the sun, or the lights of WHICH, and use the rest
     ///
-    /// A sun is the region connected to a peak and at least a tenth as bright, with its glow. The peak must be
-    /// 100 times as bright as the median 10 to 30 degrees around it, and the whole at most 0.01 sr (of coarse
-    /// pictures nine texels, up to 0.2 sr). Windows and area lights stay, with a warning, and so does what a
-    /// directional light cannot replace: the rest and the suns light every surface as the source does, within
-    /// 1 % of the greatest irradiance. The hole is filled from its surroundings.
+    /// A sun is the region connected to a peak and at least a tenth as bright, with its glow. The peak must
+    /// be 100 times as bright as the median 10 to 30 degrees around it, and the whole at most 0.01 sr (of
+    /// coarse pictures nine texels, up to 0.2 sr). Windows and area lights stay, with a warning, and so does
+    /// what a directional light cannot replace: the rest and the suns light every surface as the source does,
+    /// within 1 % of the greatest irradiance. The hole is filled from its surroundings.
     ///
     /// Without WHICH, the brightest light. --extract-sun=N: the N lights of the greatest irradiance, 1 to 32,
-    /// each at least 0.1 % of the light. --extract-sun=A,E or =X,Y,Z: the light within 10 degrees of azimuth A
-    /// and elevation E in degrees, as info prints them, or of the vector X,Y,Z, after --mirror and --rotate-y;
-    /// separate several by colons.
+    /// each at least 0.1 % of the light. --extract-sun=A,E or =X,Y,Z: the light within 10 degrees of azimuth
+    /// A and elevation E in degrees, as info prints them, or of the vector X,Y,Z, after --mirror and
+    /// --rotate-y; separate several by colons.
     ///
     /// bake writes the suns as directional lights to OUT.sun.json, for glTF to OUT.sun.gltf
     /// (KHR_lights_punctual), or to sun.json and sun.gltf in OUT if that is a folder, and to the report.

@@ -6,7 +6,6 @@ use super::outcome::{Outcome, check_output, print, usage, write_output};
 use crate::io::environment_write::environment_bytes;
 use crate::io::output::Existing;
 use crate::synth::{RECIPES, synth};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: SynthArgs) -> Outcome {
@@ -14,8 +13,7 @@ pub(super) fn run(args: SynthArgs) -> Outcome {
         let mut text = String::new();
         let width = RECIPES.iter().map(|recipe| recipe.name.len()).max().unwrap_or(0);
         for recipe in RECIPES {
-            writeln!(text, "{:<width$} {}", recipe.name, recipe.purpose)
-                .expect("writing to a string cannot fail");
+            text += &format!("{:<width$} {}\n", recipe.name, recipe.purpose);
         }
         return print(&text);
     }

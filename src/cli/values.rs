@@ -1,7 +1,7 @@
 //! Option values: choices, their meanings, and parsers.
 
 use crate::Map;
-use crate::environment::MOST_DEGREES;
+use crate::environment::MAX_DEGREES;
 pub(super) use crate::filter::parsed as filter;
 pub(super) use crate::sh::window::parsed as sh_window;
 use crate::target::{Diffuse, Naming, TARGETS, Target, TargetPlan};
@@ -86,33 +86,18 @@ fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "not a number".to_owned())
 }
 
-fn within(text: &str, [least, most]: [f64; 2]) -> Result<f64, String> {
-    Some(number(text)?)
-        .filter(|value| (least..=most).contains(value))
-        .ok_or_else(|| format!("must be between {least} and {most}"))
+/// Parses a number in a range.
+pub(super) fn within([least, most]: [f64; 2]) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        Some(number(text)?)
+            .filter(|value| (least..=most).contains(value))
+            .ok_or_else(|| format!("must be between {least} and {most}"))
+    }
 }
 
 /// Parses degrees about the vertical axis.
 pub(super) fn turn(text: &str) -> Result<f64, String> {
-    within(text, [-MOST_DEGREES, MOST_DEGREES])
-}
-
-/// Parses degrees of a camera's height.
-#[cfg(feature = "view")]
-pub(super) fn height(text: &str) -> Result<f64, String> {
-    within(text, [-90.0, 90.0])
-}
-
-/// Parses a distance in radii of the object.
-#[cfg(feature = "view")]
-pub(super) fn distance(text: &str) -> Result<f64, String> {
-    within(text, [1.05, 1000.0])
-}
-
-/// Parses degrees of an angle of view.
-#[cfg(feature = "view")]
-pub(super) fn view_angle(text: &str) -> Result<f64, String> {
-    within(text, [0.6, 171.0])
+    within([-MAX_DEGREES, MAX_DEGREES])(text)
 }
 
 pub(super) fn finite(text: &str) -> Result<f64, String> {
@@ -125,9 +110,7 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn roughness(text: &str) -> Result<f64, String> {
-    Some(number(text)?)
-        .filter(|value| (0.0..=1.0).contains(value))
-        .ok_or_else(|| "must be between 0 and 1".to_owned())
+    within([0.0, 1.0])(text)
 }
 
 /// Parses a share or a percentage: 0.05 or 5%.
@@ -160,7 +143,6 @@ pub(super) fn texels(text: &str) -> Result<Texels, String> {
 #[cfg(all(test, feature = "view"))]
 mod tests {
     use crate::gpu::direct::Method;
-    use crate::names::value_named;
     use crate::view::scene::Proxy;
     use crate::view::{Object, Tone};
     use clap::ValueEnum;
@@ -181,6 +163,6 @@ mod tests {
         check::<Object>();
         check::<Proxy>();
         check::<Tone>();
-        assert_eq!(value_named(Proxy::NAMES, "cone"), Err("must be none, box or sphere".to_owned()));
+        assert_eq!("cone".parse::<Proxy>(), Err("must be none, box or sphere".to_owned()));
     }
 }

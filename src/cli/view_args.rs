@@ -1,12 +1,12 @@
 //! Arguments of `octagloss view`.
 
 use super::shared_args::InputArgs;
-use super::values::{distance, height, roughness, turn, view_angle};
+use super::values::{roughness, turn, within};
 use crate::Rgb;
 use crate::gpu::direct::Method;
 use crate::image::exposure::Exposure;
 use crate::sat::Scan;
-use crate::view::scene::{MOST_BUDGET, MOST_PROBES, Proxy};
+use crate::view::scene::{MAX_BUDGET, MAX_PROBES, Proxy};
 use crate::view::{Camera, FRONT, Ground, Look, Object, Paint, Show, Technique, Tone};
 use clap::Args as ClapArgs;
 use std::path::PathBuf;
@@ -144,16 +144,16 @@ pub(super) struct LookArgs {
     /// Camera: height, -90 to 90 degrees [default: 4 or 7]
     ///
     /// 4, and 7 for the built-in scene.
-    #[arg(long, value_name = "DEG", value_parser = height)]
+    #[arg(long, value_name = "DEG", value_parser = within([-90.0, 90.0]))]
     pub(super) pitch: Option<f64>,
     /// Camera: distance in radii, 1.05 to 1000
-    #[arg(long, value_name = "D", default_value_t = 4.2, value_parser = distance)]
+    #[arg(long, value_name = "D", default_value_t = 4.2, value_parser = within([1.05, 1000.0]))]
     pub(super) distance: f64,
     /// Camera: vertical angle, in degrees [default: fits]
     ///
     /// By default the objects fill the picture, whatever its shape: a row its width, a single object two
     /// thirds of its height. With an angle, pictures narrower than 3:2 keep the horizontal angle of 3:2.
-    #[arg(long, value_name = "DEG", value_parser = view_angle)]
+    #[arg(long, value_name = "DEG", value_parser = within([0.6, 171.0]))]
     pub(super) angle: Option<f64>,
 }
 
@@ -231,7 +231,7 @@ const WITHOUT: [&str; 22] = [
 ];
 
 /// Greatest --probes.
-const PROBES: i64 = MOST_PROBES as i64;
+const PROBES: i64 = MAX_PROBES as i64;
 
 #[derive(Debug, ClapArgs)]
 #[command(next_help_heading = "Scene")]
@@ -281,6 +281,6 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 fn budget(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|ms: &f64| (0.0..=MOST_BUDGET).contains(ms));
-    number.ok_or_else(|| format!("must be 0 to {MOST_BUDGET} milliseconds"))
+    let number = text.parse().ok().filter(|ms: &f64| (0.0..=MAX_BUDGET).contains(ms));
+    number.ok_or_else(|| format!("must be 0 to {MAX_BUDGET} milliseconds"))
 }

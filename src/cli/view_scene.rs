@@ -10,7 +10,7 @@ use crate::image::exposure::Exposure;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::Existing;
 use crate::view::scene::{
-    MOST_PROBES, Scene, SceneLook, SceneRenderer, SceneSettings, SceneStart, run_scene, scene_boxes,
+    MAX_PROBES, Scene, SceneLook, SceneRenderer, SceneSettings, SceneStart, run_scene, scene_boxes,
     screenshot_of_scene,
 };
 use crate::view::{Camera, Mesh, Screenshot};
@@ -33,7 +33,7 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     let look = look(&args, scene.first_look());
     let settings = SceneSettings {
         method: args.scene.direct,
-        probes: args.scene.probes.map_or(MOST_PROBES, |probes| probes as usize),
+        probes: args.scene.probes.map_or(MAX_PROBES, |probes| probes as usize),
         size: args.oem_size.unwrap_or(SceneSettings::default().size),
         boxes,
     };

@@ -37,7 +37,8 @@
 //! W in closed form.
 //!
 //! Cells are split where the error to be expected, times their energy, exceeds the tolerance for any
-//! direction of the packet. The energy is that of the worst channel, relative to its mean. Which cells are leaves decides how tight the bound is, never whether it holds.
+//! direction of the packet. The energy is that of the worst channel, relative to its mean. Which cells are
+//! leaves decides how tight the bound is, never whether it holds.
 
 use super::cells::{Cells, Finest, Quad, SourceLight};
 use super::leaves::{LANES, Leaf, NEGLIGIBLE_TINT, Packet, Scratch, weighted};
@@ -67,12 +68,12 @@ pub struct Shares {
 /// four times more, and a centroid found by quadrature has an error of 5e-8.
 const GRAZING_ROUNDING: f64 = 8.0 / 16_777_216.0;
 
-/// Error of a dipole, over its channel's energy times the cell's reach: differences of energies are rounded at
-/// 2^-23 of these, once a merge, and products as often again.
+/// Error of a dipole, over its channel's energy times the cell's reach: differences of energies are rounded
+/// at 2^-23 of these, once a merge, and products as often again.
 pub(crate) const TINT_ROUNDING: f32 = 8.0 / 8_388_608.0;
 
 /// Where the series' error may exceed the kernel's variation by this factor, it is not used.
-const USELESS: f32 = 1000.0;
+pub(crate) const USELESS: f32 = 1000.0;
 
 /// Quads evaluated together, to fill the widest vectors.
 const QUADS: usize = 4;

@@ -55,8 +55,8 @@ pub(crate) const QUAD_FIELDS: usize = size_of::<Quad>() / 16;
 /// texels would enlarge the radius of their cells.
 pub(crate) const RESIDUE: f32 = 1.0 / (1 << 21) as f32;
 
-/// A channel whose mean is below the luminance's by more than this factor is nearly black: its errors count as
-/// if its mean were that share of the luminance's.
+/// A channel whose mean is below the luminance's by more than this factor is nearly black: its errors count
+/// as if its mean were that share of the luminance's.
 pub(crate) const DIMMEST: f64 = 100.0;
 
 /// A channel's energy up to this counts as zero. Its product with a difference of directions, 2^-24, would be
@@ -90,7 +90,8 @@ impl Cell {
         Self { patch, energy, luminance: energy.dot(Vec3::from(LUMINANCE)), tints: [Tint::default(); 2] }
     }
 
-    /// Adds the tints of `member`, a part whose centroid is `apart` from this cell's, whose energies are known.
+    /// Adds the tints of `member`, a part whose centroid is `apart` from this cell's, whose energies are
+    /// known.
     #[inline(always)]
     fn absorb_tints(&mut self, member: &Self, apart: Vec3) {
         let excess = member.energy - self.energy * (member.luminance / self.luminance);

@@ -119,8 +119,8 @@ pub struct Scratch {
 
 #[cfg(all(feature = "gpu", feature = "internals"))]
 impl Scratch {
-    /// The leaves of the last evaluation, of `packet` over `cells`, as fields of `shaders/common/quad.wgsl`, to replay the
-    /// cut.
+    /// The leaves of the last evaluation, of `packet` over `cells`, as fields of `shaders/common/quad.wgsl`,
+    /// to replay the cut.
     #[must_use]
     pub fn leaf_fields(&self, cells: &Cells, packet: &Packet) -> Vec<[f32; QUAD_FIELDS]> {
         let fields = |leaf: &Leaf| {

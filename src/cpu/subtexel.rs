@@ -109,7 +109,7 @@ pub(super) fn refine<R: Radial>(
                 let ((x, weight_x), (y, weight_y)) = (nodes_x[i], nodes_y[j]);
                 (direction(DVec2::new(x, y)), weight_x * weight_y)
             });
-            let mut moments = Moments::of(nodes.into_iter());
+            let mut moments = Moments::from_weighted(nodes.into_iter());
             let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
             moments.radius =
                 corners.iter().map(|c| direction(*c).distance(moments.centroid)).fold(0.0, f64::max);

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 
 /// Largest coordinate and near distance, and the inverse of the least near distance: sums and products of
 /// three coordinates stay finite in float32.
-pub const MOST: f32 = 1e12;
+pub const MAX: f32 = 1e12;
 
 /// A corner of a triangle, in the layout of vertex and storage buffers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -43,7 +43,7 @@ impl Triangles {
     ///
     /// # Errors
     /// [`Error::Parameter`] for an empty mesh, indices that are out of range or not whole triangles, and
-    /// corners that are not finite or beyond [`MOST`].
+    /// corners that are not finite or beyond [`MAX`].
     pub fn new(corners: Vec<Corner>, indices: Vec<u32>) -> Result<Self> {
         let invalid = |message: String| Err(Error::Parameter(message));
         if corners.is_empty() || indices.is_empty() {
@@ -69,10 +69,10 @@ impl Triangles {
         }
         for (place, Corner { position, value, .. }) in corners.iter().enumerate() {
             // Also true for NaN.
-            if !position.iter().all(|x| x.abs() <= MOST) {
+            if !position.iter().all(|x| x.abs() <= MAX) {
                 let [x, y, z] = position;
                 return invalid(format!(
-                    "corner {place} is at ({x}, {y}, {z}); coordinates must be finite and at most {MOST:e}"
+                    "corner {place} is at ({x}, {y}, {z}); coordinates must be finite and at most {MAX:e}"
                 ));
             }
             if let Some(at) = value.iter().position(|number| !number.is_finite()) {
@@ -107,12 +107,12 @@ impl Triangles {
 /// Checks the distance of the near surface.
 ///
 /// # Errors
-/// [`Error::Parameter`] unless it is between 1 / [`MOST`] and [`MOST`].
+/// [`Error::Parameter`] unless it is between 1 / [`MAX`] and [`MAX`].
 pub fn check_near(near: f32) -> Result<()> {
-    if (1.0 / MOST..=MOST).contains(&near) {
+    if (1.0 / MAX..=MAX).contains(&near) {
         return Ok(());
     }
-    Err(Error::Parameter(format!("`near` is {near}; choose a distance from {:e} to {MOST:e}", 1.0 / MOST)))
+    Err(Error::Parameter(format!("`near` is {near}; choose a distance from {:e} to {MAX:e}", 1.0 / MAX)))
 }
 
 #[cfg(test)]

@@ -7,12 +7,12 @@ use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::format::container::Container;
-use crate::format::{LevelName, OutputLayout, Pixel, Shown};
+use crate::format::{LevelName, Pixel, Shown};
 use crate::io::cube_file::CubeFile;
 use crate::io::cube_write::cube_bytes;
 use crate::io::exr::write::{Attribute, Samples, exr_bytes};
 use crate::io::hdr::write::hdr_bytes;
-use crate::io::layout::Unfolding;
+use crate::io::layout::image_from_faces;
 use crate::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::io::oem_write::oem_bytes;
 use crate::io::provenance::{CHAIN_KEY, Provenance, QUARTER_TURNS_KEY, irradiance_pairs};
@@ -168,16 +168,12 @@ fn image_file(
         };
         return Ok(CubeFile { bytes, clamped: Vec::new() });
     }
-    let unfolded = |unfolding: Unfolding| {
-        (unfolding.sides().0 * size, Cow::Owned(unfolding.image_from_faces(size, &level.texels)))
-    };
-    let (width, texels) = match (name.face, plan.layout) {
-        (Some(face), _) => (size, Cow::Borrowed(level.face(face))),
-        (None, OutputLayout::Cross) => unfolded(Unfolding::Cross),
-        (None, OutputLayout::CrossVertical) => unfolded(Unfolding::CrossVertical),
-        (None, OutputLayout::Strip) => unfolded(Unfolding::Strip),
-        (None, OutputLayout::StripVertical) => unfolded(Unfolding::StripVertical),
-        (None, _) => (level.layout.sides().0, Cow::Borrowed(&level.texels[..])),
+    let (width, texels) = match name.face {
+        Some(face) => (size, Cow::Borrowed(level.face(face))),
+        None => match image_from_faces(plan.layout, size, &level.texels) {
+            Some((width, texels)) => (width, Cow::Owned(texels)),
+            None => (level.layout.sides().0, Cow::Borrowed(&level.texels[..])),
+        },
     };
     // All faces of a level use the same pixel format.
     let pixel = plan.pixel.stored(&level.texels);

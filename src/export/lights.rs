@@ -20,7 +20,8 @@ pub fn gltf(suns: &[SunReport]) -> Value {
     let node = |(k, sun): (usize, &SunReport)| {
         let towards = DVec3::from_array(sun.direction).normalize_or(DVec3::Z);
         let rotation = DQuat::from_rotation_arc(DVec3::Z, towards).normalize();
-        json!({ "name": name(k), "rotation": rotation.to_array(), "extensions": { EXTENSION: { "light": k } } })
+        let extensions = json!({ EXTENSION: { "light": k } });
+        json!({ "name": name(k), "rotation": rotation.to_array(), "extensions": extensions })
     };
     let mut root =
         json!({ "asset": { "version": "2.0", "generator": SOFTWARE }, "scene": 0, "scenes": [{}] });

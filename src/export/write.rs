@@ -32,7 +32,8 @@ impl Bake {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a path whose extension names no format, for pixels or levels that the format
-    /// cannot hold, and for levels that were changed into no chain; [`Error::Io`] if a file cannot be written.
+    /// cannot hold, and for levels that were changed into no chain; [`Error::Io`] if a file cannot be
+    /// written.
     pub fn write(&self, path: impl AsRef<Path>, options: &WriteOptions) -> Result<()> {
         self.check()?;
         let path = path.as_ref();

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::format::Pixel;
+use crate::names::named;
 
 /// A file format of bakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -20,28 +21,9 @@ pub enum Container {
     Hdr,
 }
 
+named!(Container { Ktx2 = "ktx2", Ktx1 = "ktx", Dds = "dds", Exr = "exr", Hdr = "hdr" });
+
 impl Container {
-    /// Every container.
-    pub const ALL: [Self; 5] = [Self::Ktx2, Self::Ktx1, Self::Dds, Self::Exr, Self::Hdr];
-
-    /// Name on the command line, and the files' extension.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Ktx2 => "ktx2",
-            Self::Ktx1 => "ktx",
-            Self::Dds => "dds",
-            Self::Exr => "exr",
-            Self::Hdr => "hdr",
-        }
-    }
-
-    /// The container for the file extension `extension`, in lower case.
-    #[must_use]
-    pub fn named(extension: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|container| container.name() == extension)
-    }
-
     /// Whether one file can hold a whole cube chain.
     #[must_use]
     pub const fn is_single(self) -> bool {

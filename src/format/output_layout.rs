@@ -1,6 +1,7 @@
 //! Layout of a bake's levels in files.
 
 use crate::environment::Map;
+use crate::names::named;
 
 /// Layout of a bake's levels in files: `--out-layout`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,36 +28,19 @@ pub enum OutputLayout {
     Mips,
 }
 
+named!(OutputLayout {
+    Faces = "faces",
+    Cross = "cross",
+    CrossVertical = "cross-vertical",
+    Strip = "strip",
+    StripVertical = "strip-vertical",
+    Equirect = "equirect",
+    Octahedral = "octahedral",
+    Parts = "parts",
+    Mips = "mips",
+});
+
 impl OutputLayout {
-    /// Every layout.
-    pub const ALL: [Self; 9] = [
-        Self::Faces,
-        Self::Cross,
-        Self::CrossVertical,
-        Self::Strip,
-        Self::StripVertical,
-        Self::Equirect,
-        Self::Octahedral,
-        Self::Parts,
-        Self::Mips,
-    ];
-
-    /// Name on the command line and in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Faces => "faces",
-            Self::Cross => "cross",
-            Self::CrossVertical => "cross-vertical",
-            Self::Strip => "strip",
-            Self::StripVertical => "strip-vertical",
-            Self::Equirect => "equirect",
-            Self::Octahedral => "octahedral",
-            Self::Parts => "parts",
-            Self::Mips => "mips",
-        }
-    }
-
     /// The map of its levels.
     #[must_use]
     pub const fn map(self) -> Map {

@@ -4,6 +4,7 @@ use super::r11g11b10::R11G11B10_MAX;
 use super::rgbd::RGBD_MAX;
 use super::rgbp::RGBP_MAX;
 use crate::environment::Rgb;
+use crate::names::named;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 
@@ -48,25 +49,21 @@ pub enum Pixel {
     Auto,
 }
 
+named!(Pixel {
+    F16 = "f16",
+    F32 = "f32",
+    Rgb9e5 = "rgb9e5",
+    R11g11b10 = "r11g11b10f",
+    Bc6h = "bc6h",
+    Rgbd = "rgbd",
+    Rgbp = "rgbp",
+    Rgbe = "rgbe",
+    Auto = "auto",
+});
+
 impl Pixel {
     /// Formats to choose from; others belong to containers of one format.
     pub const CHOICES: [Self; 5] = [Self::F16, Self::F32, Self::Rgb9e5, Self::R11g11b10, Self::Bc6h];
-
-    /// Name on the command line and in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::F16 => "f16",
-            Self::F32 => "f32",
-            Self::Rgb9e5 => "rgb9e5",
-            Self::R11g11b10 => "r11g11b10f",
-            Self::Bc6h => "bc6h",
-            Self::Rgbd => "rgbd",
-            Self::Rgbp => "rgbp",
-            Self::Rgbe => "rgbe",
-            Self::Auto => "auto",
-        }
-    }
 
     /// Maximum of a channel.
     #[must_use]

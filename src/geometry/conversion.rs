@@ -36,7 +36,7 @@ impl Source {
     ///
     /// # Errors
     /// As [`Light::new`].
-    pub fn of_environment(environment: Environment) -> Result<Self> {
+    pub fn from_environment(environment: Environment) -> Result<Self> {
         let Light { grid, world_from_source, .. } = Light::new(&environment, DMat3::IDENTITY)?;
         Ok(Self { grid, texels: Texels::Environment(environment), world_from_source })
     }
@@ -46,7 +46,7 @@ impl Source {
     /// # Panics
     /// If there are not as many.
     #[must_use]
-    pub fn of_texels(grid: Grid, texels: Vec<Rgb>, world_from_source: DMat3) -> Self {
+    pub fn from_texels(grid: Grid, texels: Vec<Rgb>, world_from_source: DMat3) -> Self {
         assert_eq!(texels.len(), grid.texel_count(), "the texels of a grid");
         Self { grid, texels: Texels::Map(texels), world_from_source }
     }

@@ -6,8 +6,10 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// A row of a panorama.
 pub(crate) struct PanoramaRow<'a> {
+    /// Of the texel at longitude 0: distance from the axis, and height.
     pub(super) centroid: DVec2,
     pub(super) texel: Texel,
+    /// Cosine and sine of the columns' longitudes, in double and single precision.
     pub(super) columns: &'a [(f64, f64)],
     pub(super) rounded: &'a [(f32, f32)],
 }
@@ -41,8 +43,8 @@ struct ColourSums {
 }
 
 impl ColourSums {
-    /// A bound of the sum of the distance of the energies, `energy` in all, from their share of the luminance,
-    /// `weight` in all.
+    /// A bound of the sum of the distance of the energies, `energy` in all, from their share of the
+    /// luminance, `weight` in all.
     fn variation(&self, energy: f32, weight: f32) -> f32 {
         // The share is off the first texel's ratio by as much in sum; exact where all texels are grey.
         let from_first = (self.apart + (energy - self.ratio * weight).abs()) * (1.0 + 1e-5);

@@ -106,5 +106,5 @@ pub(crate) fn most_bytes(source: &Grid, target: &Grid) -> u64 {
     let overlaps = most_overlaps(source.texel_count(), target.texel_count());
     let shares = (2 * SHARES_AT_ONCE).max(overlaps / rows as usize);
     let texels = target.texel_count();
-    (texels * (sums::MOST_BYTES + size_of::<Rgb>()) + 2 * size_of::<Share>() * shares) as u64
+    (texels * (sums::MAX_BYTES + size_of::<Rgb>()) + 2 * size_of::<Share>() * shares) as u64
 }

@@ -64,10 +64,10 @@ pub(crate) struct SourceTexels {
 }
 
 /// Texels along an edge of a grid, at least: sides below 1/5.
-const LEAST_WIDTH: u32 = 32;
-const LEAST_HEIGHT: u32 = 16;
-const LEAST_CUBE: u32 = 16;
-const LEAST_SQUARE: u32 = 32;
+const MIN_WIDTH: u32 = 32;
+const MIN_HEIGHT: u32 = 16;
+const MIN_CUBE: u32 = 16;
+const MIN_SQUARE: u32 = 32;
 
 /// The grid of a source of `layout`, and the halvings of columns and rows that lead to it.
 fn grid_of(layout: Layout) -> (Layout, [u32; 2]) {
@@ -77,15 +77,15 @@ fn grid_of(layout: Layout) -> (Layout, [u32; 2]) {
     };
     match layout {
         Layout::Panorama { width, height } => {
-            let [x, y] = [halvings(width, LEAST_WIDTH, false), halvings(height, LEAST_HEIGHT, false)];
+            let [x, y] = [halvings(width, MIN_WIDTH, false), halvings(height, MIN_HEIGHT, false)];
             (Layout::Panorama { width: width << x, height: height << y }, [x, y])
         }
         Layout::Cube { size } => {
-            let shift = halvings(size, LEAST_CUBE, true);
+            let shift = halvings(size, MIN_CUBE, true);
             (Layout::Cube { size: size << shift }, [shift; 2])
         }
         Layout::Octahedral { size } => {
-            let shift = halvings(size, LEAST_SQUARE, true);
+            let shift = halvings(size, MIN_SQUARE, true);
             (Layout::Octahedral { size: size << shift }, [shift; 2])
         }
     }
@@ -311,7 +311,7 @@ fn integrated(nodes: &Nodes) -> (Moments, f64) {
     let weighted = &nodes.weighted[..nodes.count];
     let solid_angle: f64 = weighted.iter().map(|(_, weight)| weight).sum();
     let mut moments =
-        Moments::of(weighted.iter().map(|(direction, weight)| (*direction, weight / solid_angle)));
+        Moments::from_weighted(weighted.iter().map(|(direction, weight)| (*direction, weight / solid_angle)));
     let apart = nodes.corners.iter().map(|corner| corner.distance_squared(moments.centroid));
     moments.radius = apart.fold(0.0, f64::max).sqrt();
     (moments, solid_angle)

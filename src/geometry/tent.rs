@@ -55,13 +55,6 @@ impl Reconstruction {
     }
 }
 
-/// A texel's moments and its solid angle.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Texel {
-    pub(crate) patch: Patch,
-    pub(crate) solid_angle: f32,
-}
-
 /// Below this size texels are too curved for the small rules.
 const CURVED: u32 = 32;
 
@@ -83,7 +76,7 @@ pub(crate) struct Moments {
 
 impl Moments {
     /// Moments of weighted directions; weights sum to 1. The radius is left 0.
-    pub(crate) fn of(weighted: impl Iterator<Item = (DVec3, f64)> + Clone) -> Self {
+    pub(crate) fn from_weighted(weighted: impl Iterator<Item = (DVec3, f64)> + Clone) -> Self {
         let mut moments = Self::default();
         for (direction, weight) in weighted.clone() {
             moments.centroid += direction * weight;
@@ -116,6 +109,13 @@ impl From<Moments> for Patch {
             radius: (moments.radius * (1.0 + 1e-6)) as f32,
         }
     }
+}
+
+/// A texel's moments and its solid angle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Texel {
+    pub(crate) patch: Patch,
+    pub(crate) solid_angle: f32,
 }
 
 impl Patch {
@@ -232,7 +232,7 @@ fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
             let ((u, weight_u), (v, weight_v)) = (nodes[k % nodes.len()], nodes[k / nodes.len()]);
             *node = (direction(DVec2::new(u, v)), weight_u * weight_v);
         }
-        Moments::of(weighted.iter().copied())
+        Moments::from_weighted(weighted.iter().copied())
     } else {
         let rule: &[(f64, f64)] = if n < CURVED { &SIX_NODES } else { &THREE_NODES };
         kinked(SQUARES, rule, direction, reconstruction)
@@ -298,7 +298,7 @@ fn kinked(
             }
         }
     }
-    Moments::of(weighted.iter().copied())
+    Moments::from_weighted(weighted.iter().copied())
 }
 
 #[cfg(test)]
@@ -329,7 +329,7 @@ mod tests {
                         (direction_from_oct(wrap_oct(centre + p * h)), density * area)
                     })
                     .collect();
-                let expected = Moments::of(weighted.iter().copied());
+                let expected = Moments::from_weighted(weighted.iter().copied());
                 let found = tents.at(x, y);
                 let (centroid, diagonal, mixed) =
                     (found.centroid.as_dvec3(), found.diagonal.as_dvec3(), found.mixed.as_dvec3());

@@ -171,7 +171,7 @@ pub(crate) fn mean(samples: &[Answer], weights: &[f32]) -> Answer {
     // Bounds of light flushed to 0 are too small for shares, too.
     let bounds = samples.iter().filter_map(|sample| sample.bound).flat_map(Bound::values);
     let greatest = samples.iter().flat_map(|sample| sample.radiance).chain(bounds).fold(0.0, f32::max);
-    if greatest > 0.0 && !(LEAST_ORDINARY..GREATEST_ORDINARY).contains(&greatest) {
+    if greatest > 0.0 && !(MIN_ORDINARY..GREATEST_ORDINARY).contains(&greatest) {
         return extreme_mean(samples, weights);
     }
     let mut mean = Answer { radiance: [0.0; 3], bound: samples[0].bound.map(|_| Bound::default()) };
@@ -186,7 +186,7 @@ pub(crate) fn mean(samples: &[Answer], weights: &[f32]) -> Answer {
 }
 
 /// Between 2^-100 and 2^100, weighted samples are normal numbers and sums finite in single precision.
-const LEAST_ORDINARY: f32 = 1.0 / (1_u128 << 100) as f32;
+const MIN_ORDINARY: f32 = 1.0 / (1_u128 << 100) as f32;
 
 const GREATEST_ORDINARY: f32 = (1_u128 << 100) as f32;
 

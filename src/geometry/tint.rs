@@ -1,8 +1,8 @@
 //! How one channel's light in a cell differs from the luminance's.
 //!
 //! With E and L the energies of channel and luminance, the channel's light over the cell's directions l is
-//! e(l) = E/L lum(l) + delta(l). The rest, delta, has zero total; a tint holds its moments around the centroid m
-//! of the luminance, and a bound of its absolute value. A grey cell has none.
+//! e(l) = E/L lum(l) + delta(l). The rest, delta, has zero total; a tint holds its moments around the
+//! centroid m of the luminance, and a bound of its absolute value. A grey cell has none.
 
 use super::tent::Patch;
 use glam::{Vec3, Vec3Swizzles as _};

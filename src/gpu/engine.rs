@@ -199,8 +199,8 @@ impl<'a> GpuReflector<'a> {
     /// Uploads `environment` and builds its OEM.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels and a rotation that is not finite, [`Error::Limit`] if the
-    /// tables do not fit.
+    /// [`Error::Parameter`] for an OEM of no texels and a rotation that is not finite, [`Error::Limit`] if
+    /// the tables do not fit.
     pub fn new(
         engine: &'a Engine,
         environment: &'a Environment,
@@ -303,8 +303,9 @@ impl<'a> GpuReflector<'a> {
     /// Answers to `directions` (in world space, any length but zero), evaluated one by one.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for invalid parameters and a direction that is zero or not finite, [`Error::Unsupported`] for filters that run on the CPU
-    /// only, [`Error::Limit`] if a table does not fit, and [`Error::Gpu`].
+    /// [`Error::Parameter`] for invalid parameters and a direction that is zero or not finite,
+    /// [`Error::Unsupported`] for filters that run on the CPU only, [`Error::Limit`] if a table does not fit,
+    /// and [`Error::Gpu`].
     pub async fn query(
         &self,
         directions: &[DVec3],

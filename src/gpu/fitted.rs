@@ -42,7 +42,7 @@ pub const ROTATION_OFFSET: u64 = EMITTERS_OFFSET + 32 * emitters::COUNT as u64;
 pub(crate) const LIGHT: u64 = (ROTATION_OFFSET + 48).next_multiple_of(256);
 
 /// Most tables that share buffers: their lights are one uniform.
-pub(super) const MOST_LIGHTS: u32 = 14;
+pub(super) const MAX_LIGHTS: u32 = 14;
 
 /// Uniform with the positions of the tables and the current lobes.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -181,7 +181,7 @@ impl FittedTables {
         Ok(Self::sharing(context, inner, count, 1)?.remove(0))
     }
 
-    /// `probes` such tables in shared buffers, at most [`MOST_LIGHTS`]. They share the count of boxes, too.
+    /// `probes` such tables in shared buffers, at most [`MAX_LIGHTS`]. They share the count of boxes, too.
     ///
     /// # Errors
     /// Those of [`FittedTables::new`].
@@ -221,7 +221,7 @@ impl FittedTables {
         let lights = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("light of fitted lobes"),
             // Shaders of several declare the most.
-            size: LIGHT * u64::from(MOST_LIGHTS),
+            size: LIGHT * u64::from(MAX_LIGHTS),
             usage: wgpu::BufferUsages::UNIFORM
                 | wgpu::BufferUsages::STORAGE
                 | wgpu::BufferUsages::COPY_SRC
@@ -272,7 +272,7 @@ impl FittedTables {
     pub(super) fn most_probes(context: &Context, inner: u32) -> u32 {
         let limits = context.device().limits();
         let available = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-        (available / bytes(inner)).min(u64::from(MOST_LIGHTS)) as u32
+        (available / bytes(inner)).min(u64::from(MAX_LIGHTS)) as u32
     }
 
     /// Selects lobes of `count` boxes (1, 2, 4 or 8) from the next submission on. The tables stay unchanged.

@@ -79,7 +79,7 @@ impl LiveEnvironment {
 
     /// Another environment of this size, black until its first update: a further probe of a scene, say. The
     /// two share pipelines, all buffers that an update only passes through and, if this one has been updated
-    /// before, what was computed for the texture or the map of its draws. An environment made so takes half
+    /// before, what was computed for the texture or the map of its draws. A sibling takes half
     /// the memory or less, and does not compute overlaps again for that texture.
     ///
     /// Updates of environments that share buffers run one after another on the GPU. A draw of one and a draw

@@ -1,7 +1,7 @@
 //! Environments of one size in shared buffers, which one look-up reads.
 
 use super::Context;
-use super::fitted::{FittedTables, MOST_LIGHTS};
+use super::fitted::{FittedTables, MAX_LIGHTS};
 use super::live::{LiveEnvironment, LivePasses, inner_of, look_ups};
 use crate::error::{Error, Result};
 use std::ops::{Deref, DerefMut};
@@ -21,13 +21,13 @@ pub struct LiveProbes {
 
 impl LiveProbes {
     /// Most environments: WebGPU's least limit of a uniform, 64 KiB, holds the lights of as many.
-    pub const MOST: u32 = MOST_LIGHTS;
+    pub const MAX: u32 = MAX_LIGHTS;
 
     /// Allocates the tables of `count` environments over octahedral maps of `size` texels along an edge,
     /// rounded up as [`LiveEnvironment::new`] does. All are black until their first update.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a size of 0, and for no or more than [`Self::MOST`] environments;
+    /// [`Error::Parameter`] for a size of 0, and for no or more than [`Self::MAX`] environments;
     /// [`Error::Limit`] where their tables exceed one binding of the device, or its textures: it names the
     /// count and size that fit.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32, count: u32) -> Result<Self> {
@@ -37,8 +37,8 @@ impl LiveProbes {
 
     /// [`Self::new`] with passes compiled before.
     pub(crate) fn with_passes(context: &Context, passes: &LivePasses, size: u32, count: u32) -> Result<Self> {
-        if !(1..=Self::MOST).contains(&count) {
-            let most = Self::MOST;
+        if !(1..=Self::MAX).contains(&count) {
+            let most = Self::MAX;
             return Err(Error::Parameter(format!("`count` is {count} environments; choose 1 to {most}")));
         }
         let probes = LiveEnvironment::several(context, passes, size, count)?;
@@ -57,7 +57,7 @@ impl LiveProbes {
     /// bind group `group`.
     #[must_use]
     pub fn wgsl(group: u32) -> String {
-        look_ups("array<OctaglossLight, MOST_LIGHTS>", group)
+        look_ups("array<OctaglossLight, MAX_LIGHTS>", group)
     }
 
     /// The layout of [`Self::bind_group`], for the caller's pipeline layouts: that of a [`LiveEnvironment`].

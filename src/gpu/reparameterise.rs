@@ -22,7 +22,7 @@ const MANY_SOURCES: usize = 256;
 
 /// Most sources of one invocation, which reads each twice: llvmpipe silently ends loops after 65535
 /// iterations.
-const MOST_SOURCES: u32 = 24_576;
+const MAX_SOURCES: u32 = 24_576;
 
 /// Uniform: target, source and the mirroring of octants.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -260,7 +260,7 @@ impl Matrix {
         })?;
         let by_groups = entries.len() / starts.len() >= MANY_SOURCES;
         let most = starts.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
-        let available = if by_groups { GROUP_SIZE * MOST_SOURCES } else { MOST_SOURCES };
+        let available = if by_groups { GROUP_SIZE * MAX_SOURCES } else { MAX_SOURCES };
         // Two rows contribute to a texel on a fold diagonal.
         if 2 * most > available {
             return Err(Error::Limit {

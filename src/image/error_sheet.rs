@@ -5,7 +5,7 @@ use super::drawing::scale::RELATIVE_ERROR;
 use super::drawing::scene::{Anchor, Scene};
 use super::drawing::style::{GAP, INK, LABEL, LINE, MARGIN, SMALL, SOFT};
 use super::faces::draw_cross;
-use crate::analysis::channels::{Relative, differences, scales};
+use crate::analysis::channels::{Relative, shown_errors};
 use crate::chain::Level;
 use crate::environment::Layout;
 use crate::error::{Error, Result};
@@ -97,17 +97,7 @@ fn relative_errors(errors: &LevelErrors<'_>) -> Result<Level> {
             level.layout, reference.layout
         )));
     }
-    let mut mean = [0.0; 3];
-    for texel in &reference.texels {
-        mean = [0, 1, 2].map(|c| mean[c] + f64::from(texel[c]) / reference.texels.len() as f64);
-    }
-    let floor = scales(mean).map(|scale| 1e-3 * scale);
-    let mut relative = Level::clone(level);
-    for (error, expected) in relative.texels.iter_mut().zip(&reference.texels) {
-        let (got, expected) = (error.map(f64::from), expected.map(f64::from));
-        let (off, over) = (differences(got, expected), scales(expected));
-        let share = |k: usize| if off[k] == 0.0 { 0.0 } else { off[k].abs() / (over[k] + floor[k]) };
-        *error = [(0..4).map(share).fold(0.0, f64::max) as f32; 3];
-    }
-    Ok(relative)
+    let got = level.texels.iter().map(|texel| texel.map(f64::from));
+    let texels = shown_errors(got, &reference.texels).into_iter().map(|error| [error as f32; 3]).collect();
+    Ok(Level { texels, ..Level::clone(level) })
 }

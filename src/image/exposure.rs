@@ -22,7 +22,7 @@ pub(crate) const RANGE: std::ops::RangeInclusive<f64> = -40.0..=40.0;
 const MIDDLE_GREY: f64 = 0.18;
 
 /// Limit of automatic exposures in either direction; wider than the range of float32 radiance.
-const MOST: f64 = 160.0;
+const MAX: f64 = 160.0;
 
 impl Exposure {
     /// The exposure in powers of two; `automatic` is the value of [`Exposure::Auto`].
@@ -68,8 +68,8 @@ pub fn of_environment(environment: &Environment) -> f64 {
     average.exposure()
 }
 
-/// Exposure of a picture and its compression of highlights: Reinhard et al. 2002, equation 4, of the brightest
-/// channel. It keeps hue, and only the brightest light becomes white.
+/// Exposure of a picture and its compression of highlights: Reinhard et al. 2002, equation 4, of the
+/// brightest channel. It keeps hue, and only the brightest light becomes white.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rolloff {
     /// The exposure in powers of two.
@@ -92,7 +92,7 @@ const DARKENED: f64 = 8.0;
 impl Rolloff {
     /// For a picture that shows about `radiances`. Automatic exposures bring their median to a third of
     /// white, but darken it as far as the brightest twentieth needs.
-    pub(crate) fn of(radiances: &[Rgb], exposure: Exposure) -> Self {
+    pub(crate) fn new(radiances: &[Rgb], exposure: Exposure) -> Self {
         let mut shown: Vec<f64> = radiances.iter().map(brightest).collect();
         shown.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| shown.get((share * (shown.len() - 1) as f64) as usize).copied().unwrap_or(0.0);
@@ -105,7 +105,7 @@ impl Rolloff {
             (_, _, true) => BRIGHT / most,
             _ => 1.0,
         };
-        let ev = exposure.ev(factor.log2().clamp(-MOST, MOST));
+        let ev = exposure.ev(factor.log2().clamp(-MAX, MAX));
         let factor = ev.exp2();
         Self { ev, factor, white: (most * factor).max(BRIGHT) }
     }
@@ -149,7 +149,7 @@ impl LogAverage {
         if self.least == 0.0 {
             return 0.0;
         }
-        (MIDDLE_GREY / (self.sum / self.weights).exp()).log2().clamp(-MOST, MOST)
+        (MIDDLE_GREY / (self.sum / self.weights).exp()).log2().clamp(-MAX, MAX)
     }
 }
 
@@ -166,13 +166,13 @@ mod tests {
                 Environment::new(Layout::Cube { size: 4 }, texels.clone()).expect("sound texels");
             let shown = f64::from(radiance) * of_environment(&environment).exp2();
             assert!((shown - 0.18).abs() < 1e-6, "{radiance} is shown as {shown}");
-            let [shown, ..] = Rolloff::of(&texels, Exposure::Auto).shown(texels[0]);
+            let [shown, ..] = Rolloff::new(&texels, Exposure::Auto).shown(texels[0]);
             assert!((shown - 1.0 / 3.0).abs() < 0.02, "{radiance} is shown as {shown} in a contact sheet");
         }
         let black = Environment::new(Layout::Cube { size: 1 }, vec![[0.0; 3]; 6]).expect("sound texels");
         assert_eq!(of_environment(&black), 0.0);
         for none in [&[][..], &[[0.0; 3]]] {
-            assert_eq!(Rolloff::of(none, Exposure::Auto).shown([0.0; 3]), [0.0; 3]);
+            assert_eq!(Rolloff::new(none, Exposure::Auto).shown([0.0; 3]), [0.0; 3]);
         }
     }
 
@@ -185,13 +185,13 @@ mod tests {
             _ => [0.05; 3],
         };
         let texels: Vec<[f32; 3]> = (0..1000).map(room).collect();
-        let rolloff = Rolloff::of(&texels, Exposure::Auto);
+        let rolloff = Rolloff::new(&texels, Exposure::Auto);
         let [wall, window, lamp] = [0, 950, 999].map(|k| rolloff.shown(texels[k]));
         assert!(wall[0] > 0.03 && window[0] > 10.0 * wall[0] && window[0] < 0.9, "{wall:?} {window:?}");
         assert!((lamp[0] - 1.0).abs() < 1e-3 && (lamp[0] / lamp[1] - 2.0).abs() < 1e-3, "{lamp:?}");
         assert!((window[0] / window[2] - 2.5).abs() < 1e-3, "{window:?}");
         // A fixed exposure is used as it is, and nothing exceeds white.
-        let bright = Rolloff::of(&texels, Exposure::Ev(20.0));
+        let bright = Rolloff::new(&texels, Exposure::Ev(20.0));
         assert_eq!(bright.ev, 20.0);
         assert!(texels.iter().all(|texel| bright.shown(*texel).iter().all(|c| *c <= 1.0)));
     }

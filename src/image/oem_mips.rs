@@ -64,7 +64,7 @@ impl OemMips {
     pub fn quadratic(oem: &Oem, weights: Weights) -> Self {
         let (inner, border) = (oem.size().inner, oem.size().border);
         let texels = oem.texels().iter().map(|texel| texel.map(f64::from)).collect();
-        Self::of(OemLayout::Quadratic, (inner, border), texels, weights)
+        Self::halved(OemLayout::Quadratic, (inner, border), texels, weights)
     }
 
     /// The rectangular layout with one layer of `inner` texels along an edge per hemisphere, upper one first,
@@ -91,11 +91,11 @@ impl OemMips {
                 texels.push(own[(at.y * 2 * inner + at.x) as usize]);
             }
         }
-        Self::of(OemLayout::Rectangular, (inner, border), texels, weights)
+        Self::halved(OemLayout::Rectangular, (inner, border), texels, weights)
     }
 
     /// The levels of `texels` (energy and solid angle), halved as long as their side is even.
-    fn of(
+    fn halved(
         arrangement: OemLayout,
         (inner, border): (u32, u32),
         mut texels: Vec<[f64; 4]>,

@@ -62,8 +62,8 @@ pub struct Origin<'a> {
 
 /// Draws the contact sheet of a chain: the panorama with its brightest light marked, and for each level a
 /// mirror sphere, shaded by the trilinear look-up that engines use at the level's roughness, in front of a
-/// blurred backdrop, with the level as stored below. The camera has the first removed light, else the brightest
-/// one, else the brighter side behind its left shoulder.
+/// blurred backdrop, with the level as stored below. The camera has the first removed light, else the
+/// brightest one, else the brighter side behind its left shoulder.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels, [`Error::Limit`] for an environment whose panorama does
@@ -79,12 +79,12 @@ pub fn contact_sheet(chain: &Chain, origin: Origin<'_>, exposure: Exposure) -> R
         Some(environment) => Cow::Borrowed(environment),
         None => Cow::Owned(Environment::new(chain.levels[0].layout, chain.levels[0].texels.clone())?),
     };
-    let lights = Lights::of(&source, origin.removed);
+    let lights = Lights::new(&source, origin.removed);
     let camera = Camera::lit_by(lights.key);
     let lookup = ChainLookup::new(&chain.levels);
     let seen = Seen { lookup, backdrop: backdrop as f64, camera };
     let metered: Vec<Rgb> = (0..chain.levels.len()).flat_map(|level| seen.metered(level as f64)).collect();
-    let rolloff = Rolloff::of(&metered, exposure);
+    let rolloff = Rolloff::new(&metered, exposure);
 
     let tile = f64::from(TILE);
     let stored = f64::from(stored_sides(chain.levels[0].layout).1);
@@ -127,8 +127,8 @@ fn caption(Origin { target, .. }: Origin<'_>, exposure: Exposure, ev: f64) -> St
     let automatic = if exposure == Exposure::Auto { ", automatic" } else { "" };
     let ev = signed(ev, 2);
     format!(
-        "{target}Exposure {ev}\u{a0}EV{automatic}; highlights are compressed. Each sphere mirrors the light at \
-         one roughness, looked up as engines do; the level as stored stands below."
+        "{target}Exposure {ev}\u{a0}EV{automatic}; highlights are compressed. Each sphere mirrors the light \
+         at one roughness, looked up as engines do; the level as stored stands below."
     )
 }
 
@@ -169,7 +169,7 @@ struct Lights {
 }
 
 impl Lights {
-    fn of(source: &Environment, removed: &[DVec3]) -> Self {
+    fn new(source: &Environment, removed: &[DVec3]) -> Self {
         let mut marked: Vec<(String, DVec3)> =
             removed.iter().map(|direction| ("removed light".to_owned(), *direction)).collect();
         if let Some(sun) = Sun::find(source) {

@@ -5,7 +5,7 @@ use super::drawing::scale::RELATIVE_ERROR;
 use super::drawing::scene::{Anchor, Frame, Scene};
 use super::drawing::style::{GAP, INK, LABEL, LINE, MARGIN, PAPER, SMALL, SOFT, mix};
 use super::tone::display;
-use crate::analysis::channels::{Relative, differences, scales};
+use crate::analysis::channels::{Relative, shown_errors};
 use crate::environment::{Rgb, exact_luminance};
 use crate::percent::percent;
 use glam::{DVec2, DVec3};
@@ -110,7 +110,10 @@ pub fn side_by_side(names: [&str; 2], against: &str, columns: &[Column]) -> Scen
     let bottom = row_of(&mut scene, "reference", &|column, pixel| display(column.reference[pixel], factor));
     let mut greatest = 0.0_f64;
     for bake in [0, 1] {
-        let errors: Vec<Vec<f64>> = columns.iter().map(|column| relative_errors(column, bake)).collect();
+        let errors: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|column| shown_errors(column.bakes[bake].iter().copied(), &column.reference))
+            .collect();
         greatest = errors.iter().flatten().copied().fold(greatest, f64::max);
         let low = bottom + (row + FOOT) * bake as f64;
         let name = format!("error of {}", names[bake]);
@@ -129,22 +132,6 @@ pub fn side_by_side(names: [&str; 2], against: &str, columns: &[Column]) -> Scen
         Frame::new(DVec2::new(body.low.x, bottom + HEAD), DVec2::new(left, bottom + errors - GAP / 2.0));
     colour_bar(&mut scene, &bar, &RELATIVE_ERROR, "relative error", [RELATIVE_ERROR.range()[0], greatest]);
     scene
-}
-
-/// The greatest relative error of luminance and channels at each pixel of a sphere.
-fn relative_errors(column: &Column, bake: usize) -> Vec<f64> {
-    let mut mean = [0.0; 3];
-    for texel in &column.reference {
-        mean = [0, 1, 2].map(|c| mean[c] + f64::from(texel[c]) / column.reference.len() as f64);
-    }
-    let floor = scales(mean).map(|scale| 1e-3 * scale);
-    let error = |(got, expected): (&[f64; 3], &Rgb)| {
-        let expected = expected.map(f64::from);
-        let (off, over) = (differences(*got, expected), scales(expected));
-        let share = |k: usize| if off[k] == 0.0 { 0.0 } else { off[k].abs() / (over[k] + floor[k]) };
-        (0..4).map(share).fold(0.0, f64::max)
-    };
-    column.bakes[bake].iter().zip(&column.reference).map(error).collect()
 }
 
 /// A disc on paper; `shade` gives the colour of a pixel.

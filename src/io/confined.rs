@@ -7,7 +7,7 @@ use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
 /// Longest relative path that messages show whole, in bytes.
-const MOST_PATH: usize = 255;
+const MAX_PATH: usize = 255;
 
 /// Reads the URIs of a file: data URIs, and regular files below one folder.
 #[derive(Debug)]
@@ -89,7 +89,7 @@ impl<'a> Confined<'a> {
         }
         // Follow links only within the folder.
         let missing = |error: std::io::Error| {
-            if name.len() > MOST_PATH || name.contains(char::is_control) {
+            if name.len() > MAX_PATH || name.contains(char::is_control) {
                 refuse(&error.to_string())
             } else {
                 Error::io(&place, error)

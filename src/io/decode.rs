@@ -5,6 +5,7 @@ use crate::io::picture::Picture;
 use crate::io::source::Source;
 use crate::io::target_folder::is_atlas;
 use crate::io::{dds, exr, hdr, ktx1, ktx2, ldr};
+use crate::names::named;
 use std::path::Path;
 
 /// File formats, detected by their first bytes.
@@ -18,6 +19,16 @@ pub(super) enum Format {
     Ktx2,
     Dds,
 }
+
+named!(Format {
+    OpenExr = "OpenEXR",
+    Radiance = "Radiance HDR",
+    Png = "PNG",
+    Jpeg = "JPEG",
+    Ktx1 = "KTX",
+    Ktx2 = "KTX2",
+    Dds = "DDS",
+});
 
 impl Format {
     pub(super) fn sniff(bytes: &[u8]) -> Option<Self> {
@@ -33,18 +44,6 @@ impl Format {
         magics.into_iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, format)| format)
     }
 
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Radiance => "Radiance HDR",
-            Self::OpenExr => "OpenEXR",
-            Self::Png => "PNG",
-            Self::Jpeg => "JPEG",
-            Self::Ktx1 => "KTX",
-            Self::Ktx2 => "KTX2",
-            Self::Dds => "DDS",
-        }
-    }
-
     fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Radiance => &["hdr", "pic", "rgbe", "xyze"],
@@ -56,11 +55,6 @@ impl Format {
             Self::Dds => &["dds"],
         }
     }
-}
-
-impl Format {
-    const ALL: [Self; 7] =
-        [Self::OpenExr, Self::Radiance, Self::Png, Self::Jpeg, Self::Ktx1, Self::Ktx2, Self::Dds];
 }
 
 /// Extensions of the supported formats.
@@ -122,9 +116,9 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
         Format::OpenExr => exr::read::decode(source),
         Format::Png => ldr::read::decode_png(source),
         Format::Jpeg => ldr::read::decode_jpeg(source),
-        Format::Ktx1 => ktx1::read::decode_level0(source),
-        Format::Ktx2 => ktx2::read::decode_level0(source),
-        Format::Dds => dds::read::decode_level0(source),
+        Format::Ktx1 => ktx1::read::open(source)?.picture(),
+        Format::Ktx2 => ktx2::read::open(source)?.picture(),
+        Format::Dds => dds::read::open(source)?.picture(),
     }?;
     picture.warnings.extend(misnamed(source.path, format));
     picture.without_border(source)

@@ -3,12 +3,12 @@
 
 use super::exr::write::{Attribute, Samples, exr_bytes};
 use super::hdr::write::hdr_bytes;
-use super::layout::Unfolding;
+use super::layout::image_from_faces;
 use super::output::{self, Existing};
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
-use crate::format::Pixel;
 use crate::format::container::Container;
+use crate::format::{OutputLayout, Pixel};
 use std::path::Path;
 
 /// Writes `environment` to `path`; the extension, `exr` or `hdr`, selects the format. Cubes are written as a
@@ -101,7 +101,9 @@ fn picture(environment: &Environment) -> (u32, u32, Vec<Rgb>) {
         Layout::Panorama { width, height } => (width, height, environment.texels().to_vec()),
         Layout::Octahedral { size } => (size, size, environment.texels().to_vec()),
         Layout::Cube { size } => {
-            (4 * size, 3 * size, Unfolding::Cross.image_from_faces(size, environment.texels()))
+            let cross = image_from_faces(OutputLayout::Cross, size, environment.texels());
+            let (width, texels) = cross.expect("crosses unfold cubes");
+            (width, 3 * size, texels)
         }
     }
 }

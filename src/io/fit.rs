@@ -4,7 +4,7 @@
 //! or letterboxed ones are not.
 
 use super::ReadOptions;
-use super::layout::{Content, LayoutChoice};
+use super::layout::InputLayout;
 use super::pad::Pad;
 use super::picture::Picture;
 use super::source::{TEXEL_BYTES, limit};
@@ -54,14 +54,14 @@ impl Bars {
 pub(super) fn fit(
     path: &Path,
     picture: &mut Picture,
-    mut layout: LayoutChoice,
+    mut layout: InputLayout,
     options: &ReadOptions,
-) -> Result<LayoutChoice> {
+) -> Result<InputLayout> {
     // Cubes have no bars.
-    if picture.content == Content::Cube || !(options.crop || options.pad.is_some()) {
+    if picture.is_cube || !(options.crop || options.pad.is_some()) {
         return Ok(layout);
     }
-    if !matches!(layout, LayoutChoice::Auto | LayoutChoice::Equirect) {
+    if !matches!(layout, InputLayout::Auto | InputLayout::Equirect) {
         return Err(match &picture.map {
             Some(header) => Error::input(
                 path,
@@ -74,10 +74,10 @@ pub(super) fn fit(
         });
     }
     if options.crop && crop(picture) {
-        layout = LayoutChoice::Equirect;
+        layout = InputLayout::Equirect;
     }
     if let Some(pad) = options.pad {
-        layout = LayoutChoice::Equirect;
+        layout = InputLayout::Equirect;
         filled(path, picture, pad, options.memory_limit)?;
     }
     Ok(layout)
@@ -210,7 +210,7 @@ mod tests {
             width,
             height,
             texels,
-            content: Content::Image,
+            is_cube: false,
             map: None,
             format: "test".to_owned(),
             warnings: Vec::new(),

@@ -3,17 +3,17 @@
 //! instead) the roughness comes from the files' headers. Faces whose headers have none are taken for those of
 //! Filament's cmgen.
 
+use super::LoadedChain;
 use super::cmgen;
 use super::decode::Format;
-use super::layout::Content;
-use super::layout::{LayoutChoice, arrangement};
+use super::layout::{InputLayout, arrangement};
 use super::panics::catching_panics;
-use super::picture::{LevelHeader, Picture, Stored, check_finite};
+use super::picture::{LevelHeader, Picture, check_finite};
 use super::picture_map::settled;
 use super::provenance::Provenance;
 use super::regular::open_regular;
 use super::regular::read_regular;
-use super::side_report::MOST_REPORT_BYTES;
+use super::side_report::MAX_REPORT_BYTES;
 use super::side_report::{REPORT, ReportLevel, SideReport};
 use super::source::Source;
 use super::{exr, hdr};
@@ -26,7 +26,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Header bytes read of a level's file; written headers have a few thousand.
-const MOST_HEADER_BYTES: u64 = 64 << 10;
+const MAX_HEADER_BYTES: u64 = 64 << 10;
 
 /// Tolerance: files store roughness in single precision or as text.
 const SAME_ROUGHNESS: f64 = 1e-5;
@@ -45,7 +45,7 @@ pub(super) fn has_levels(folder: &Path) -> bool {
 
 /// Level 0 as a picture.
 pub(super) fn read_environment(folder: &Path, memory_limit: u64) -> Result<Picture> {
-    let listing = Listing::of(folder, memory_limit)?;
+    let listing = Listing::read(folder, memory_limit)?;
     let mut picture = read_level(folder, listing.levels[0], memory_limit)?;
     picture.format = folder_format(&picture, listing.levels.len());
     picture.provenance = picture.provenance.or(listing.provenance);
@@ -53,18 +53,23 @@ pub(super) fn read_environment(folder: &Path, memory_limit: u64) -> Result<Pictu
 }
 
 /// Reads every level with its roughness.
-pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<Stored> {
-    let listing = Listing::of(folder, memory_limit)?;
+pub(super) fn read_chain(folder: &Path, memory_limit: u64) -> Result<LoadedChain> {
+    let listing = Listing::read(folder, memory_limit)?;
     let Listing { levels, provenance, warnings } = listing;
-    let mut stored =
-        Stored { chain: Chain { levels: Vec::new() }, provenance, format: String::new(), warnings };
+    let mut stored = LoadedChain {
+        chain: Chain { levels: Vec::new() },
+        provenance,
+        format: String::new(),
+        path: folder.to_owned(),
+        warnings,
+    };
     for level in &levels {
         let ReportLevel { size, roughness, .. } = *level;
         let picture = read_level(folder, *level, memory_limit)?;
-        let layout = match picture.content {
-            Content::Cube => Layout::Cube { size },
-            _ if picture.width == picture.height => Layout::Octahedral { size },
-            _ => Layout::Panorama { width: picture.width, height: picture.height },
+        let layout = match &picture {
+            Picture { is_cube: true, .. } => Layout::Cube { size },
+            Picture { width, height, .. } if width == height => Layout::Octahedral { size },
+            Picture { width, height, .. } => Layout::Panorama { width: *width, height: *height },
         };
         if level.level == 0 {
             stored.format = folder_format(&picture, levels.len());
@@ -83,12 +88,12 @@ fn folder_format(first: &Picture, levels: usize) -> String {
 
 impl Listing {
     /// Reads the levels from `report.json`, or without it from the files' headers.
-    fn of(folder: &Path, memory_limit: u64) -> Result<Self> {
+    fn read(folder: &Path, memory_limit: u64) -> Result<Self> {
         let path = folder.join(REPORT);
         if !path.is_file() {
-            let listing = match Self::of_files(folder)? {
+            let listing = match Self::from_headers(folder)? {
                 Some(listing) => Some(listing),
-                None => Self::of_cmgen(folder)?,
+                None => Self::from_cmgen(folder)?,
             };
             return listing.ok_or_else(|| {
                 Error::input(
@@ -98,12 +103,12 @@ impl Listing {
                 )
             });
         }
-        let bytes = read_regular(&path, memory_limit.min(MOST_REPORT_BYTES))?;
+        let bytes = read_regular(&path, memory_limit.min(MAX_REPORT_BYTES))?;
         let source = Source { path: &path, bytes: &bytes, memory_limit };
         let report: SideReport = serde_json::from_slice(source.bytes)
             .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
         check_levels(&source, &report.levels)?;
-        let files = Self::of_files(folder)?.map_or_else(Vec::new, |files| files.levels);
+        let files = Self::from_headers(folder)?.map_or_else(Vec::new, |files| files.levels);
         let differ = |(said, found): &(&ReportLevel, &ReportLevel)| {
             (said.roughness - found.roughness).abs() > SAME_ROUGHNESS
         };
@@ -117,7 +122,7 @@ impl Listing {
     }
 
     /// Reads the levels from the files' headers; `None` if the first has no roughness.
-    fn of_files(folder: &Path) -> Result<Option<Self>> {
+    fn from_headers(folder: &Path) -> Result<Option<Self>> {
         let mut levels = Vec::new();
         for level in 0u32.. {
             let image = image_file(folder, level);
@@ -125,14 +130,14 @@ impl Listing {
                 break;
             };
             let bytes = header_bytes(&path)?;
-            let source = Source { path: &path, bytes: &bytes, memory_limit: MOST_HEADER_BYTES };
+            let source = Source { path: &path, bytes: &bytes, memory_limit: MAX_HEADER_BYTES };
             let Some(LevelHeader { width, height, roughness: Some(roughness) }) = level_header(&source)?
             else {
                 break;
             };
             let size = match image {
                 Some(_) => {
-                    let place = arrangement(&path, width, height, Content::Image, LayoutChoice::Auto)?;
+                    let place = arrangement(&path, width, height, false, InputLayout::Auto)?;
                     place.layout.sides().1
                 }
                 None => width,
@@ -146,12 +151,12 @@ impl Listing {
 
     /// Takes face files without roughness for cmgen's, if there are several levels; six faces alone are a
     /// source.
-    fn of_cmgen(folder: &Path) -> Result<Option<Self>> {
+    fn from_cmgen(folder: &Path) -> Result<Option<Self>> {
         let mut levels = Vec::new();
         for level in 0u32.. {
             let Ok(path) = face_file(folder, level, Face::PosX) else { break };
             let bytes = header_bytes(&path)?;
-            let source = Source { path: &path, bytes: &bytes, memory_limit: MOST_HEADER_BYTES };
+            let source = Source { path: &path, bytes: &bytes, memory_limit: MAX_HEADER_BYTES };
             let Some(LevelHeader { width: size, .. }) = level_header(&source)? else { break };
             levels.push(ReportLevel { level, size, roughness: 0.0 });
             if check_levels(&source, &levels).is_err() {
@@ -171,7 +176,7 @@ impl Listing {
 /// Reads the start of the file `path`, including its header.
 fn header_bytes(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let file = open_regular(path)?.take(MOST_HEADER_BYTES).read_to_end(&mut bytes);
+    let file = open_regular(path)?.take(MAX_HEADER_BYTES).read_to_end(&mut bytes);
     file.map_err(|error| Error::io(path, error))?;
     Ok(bytes)
 }
@@ -231,7 +236,7 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
     }
     let mut cube = cube.expect("there are six faces");
     cube.height = 6 * cube.width;
-    cube.content = Content::Cube;
+    cube.is_cube = true;
     Ok(cube)
 }
 
@@ -249,8 +254,8 @@ fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pict
     let source = Source { path, bytes: &bytes, memory_limit };
     let mut picture = catching_panics(path, || super::decode::decode(&source))?;
     let (width, height) = (picture.width, picture.height);
-    let layout = settled(path, LayoutChoice::Auto, picture.map.as_ref())?;
-    let arrangement = arrangement(path, width, height, picture.content, layout)?;
+    let layout = settled(path, InputLayout::Auto, picture.map.as_ref())?;
+    let arrangement = arrangement(path, width, height, picture.is_cube, layout)?;
     let (_, rows) = arrangement.layout.sides();
     if rows != level.size {
         return Err(source.error(format!(
@@ -261,7 +266,7 @@ fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pict
     if matches!(arrangement.layout, Layout::Cube { .. }) {
         picture.texels = arrangement.arrange(picture.texels, width);
         (picture.width, picture.height) = (level.size, 6 * level.size);
-        picture.content = Content::Cube;
+        picture.is_cube = true;
     }
     Ok(picture)
 }

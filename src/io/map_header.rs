@@ -6,7 +6,7 @@
 
 use super::source::Source;
 use crate::error::{Result, quoted};
-use crate::sphere::grid::{Grid, MOST_SIZE};
+use crate::sphere::grid::{Grid, MAX_SIZE};
 use crate::sphere::registry::{MAPS, NamedMap, named};
 
 /// The key of the map's name, as in [`MAPS`].
@@ -54,10 +54,10 @@ impl MapHeader {
 
     /// The grid of a picture of `width` x `height` texels, and its border.
     pub(super) fn bordered_grid(&self, width: u32, height: u32) -> Option<(Grid, u32)> {
-        let border = self.border.split(',').next()?.trim().parse::<u32>().ok().filter(|b| *b <= MOST_SIZE)?;
+        let border = self.border.split(',').next()?.trim().parse::<u32>().ok().filter(|b| *b <= MAX_SIZE)?;
         let of_size = |size: u32| Grid::new(self.map.map, size).expect("a size");
         // Sides grow with the size, not evenly: components of different sizes share them.
-        let (mut low, mut high) = (1, MOST_SIZE);
+        let (mut low, mut high) = (1, MAX_SIZE);
         while low < high {
             let middle = low.midpoint(high);
             if of_size(middle).picture_sides(border)[0] < width {

@@ -40,10 +40,11 @@ pub mod side_report;
 mod source;
 mod target_folder;
 mod temporary;
+mod texture;
 
 use decode::{Format, decode, unreadable};
 pub(crate) use decode::{has_readable_name, readable_extensions};
-pub use layout::LayoutChoice;
+pub use layout::InputLayout;
 pub use pad::Pad;
 pub use repair::Repairs;
 pub use source::DEFAULT_MEMORY_LIMIT;
@@ -54,9 +55,8 @@ use crate::error::{Error, Result, printable};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use crate::sphere::registry::NamedMap;
-use layout::Content;
 use panics::catching_panics;
-use picture::{Picture, Stored};
+use picture::Picture;
 use provenance::Provenance;
 use regular::read_regular;
 use source::Source;
@@ -68,7 +68,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct ReadOptions {
     /// Layout of the image.
-    pub layout: LayoutChoice,
+    pub layout: InputLayout,
     /// Repair NaN (to 0) and Inf (to the largest finite neighbour) instead of rejecting them.
     pub sanitize: bool,
     /// Reject anything that needs repair, including negative radiance.
@@ -86,7 +86,7 @@ pub struct ReadOptions {
 impl Default for ReadOptions {
     fn default() -> Self {
         Self {
-            layout: LayoutChoice::Auto,
+            layout: InputLayout::Auto,
             sanitize: false,
             strict: false,
             scale: 1.0,
@@ -208,7 +208,7 @@ pub fn read_map(path: &Path, from: Option<&'static NamedMap>, options: &ReadOpti
 
 /// Reads level 0 of `path` as a picture, with the file or folder that holds it.
 fn read_picture(path: &Path, memory_limit: u64) -> Result<(PathBuf, Picture)> {
-    let InputPath::File(file) = InputPath::of(path)? else {
+    let Some(file) = file_of(path)? else {
         return Ok((path.to_owned(), level_folder::read_environment(path, memory_limit)?));
     };
     let bytes = read_regular(&file, memory_limit)?;
@@ -239,7 +239,7 @@ pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Res
 /// # Errors
 /// As [`read`]; [`Error::Parameter`] unless there are six files, and for contradicting names.
 pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
-    if !matches!(options.layout, LayoutChoice::Auto | LayoutChoice::Faces) {
+    if !matches!(options.layout, InputLayout::Auto | InputLayout::Faces) {
         return Err(Error::Parameter("six files are one cube; use `layout` faces".to_owned()));
     }
     let ordered = face_names::in_face_order(paths)?;
@@ -264,9 +264,8 @@ pub fn read_chain(path: &Path) -> Result<Chain> {
 /// As [`read_chain`].
 pub fn load_chain(path: &Path) -> Result<LoadedChain> {
     let memory_limit = DEFAULT_MEMORY_LIMIT;
-    let file = match InputPath::of(path)? {
-        InputPath::Levels => return in_world(path, level_folder::read_chain(path, memory_limit)?),
-        InputPath::File(file) => file,
+    let Some(file) = file_of(path)? else {
+        return in_world(level_folder::read_chain(path, memory_limit)?);
     };
     let bytes = read_regular(&file, memory_limit)?;
     let source = Source { path: &file, bytes: &bytes, memory_limit };
@@ -289,7 +288,7 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
     {
         stored.provenance = stored.provenance.or(report.provenance.clone());
     }
-    in_world(&file, stored)
+    in_world(stored)
 }
 
 /// Reads a chain in a KTX, KTX2 or EXR file already in memory; `path` names it in messages. Reports are not
@@ -300,15 +299,18 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
 #[cfg(any(feature = "internals", target_arch = "wasm32"))]
 pub fn read_chain_from_memory(path: &Path, bytes: &[u8], memory_limit: u64) -> Result<Chain> {
     let source = Source { path, bytes, memory_limit };
-    Ok(in_world(path, catching_panics(path, || decode_chain(&source))?)?.chain)
+    Ok(in_world(catching_panics(path, || decode_chain(&source))?)?.chain)
 }
 
-/// Decodes a chain of any container that stores its levels' roughness.
-fn decode_chain(source: &Source<'_>) -> Result<Stored> {
+/// Decodes a chain, as it is stored, of any container that stores its levels' roughness.
+fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
     match Format::sniff(source.bytes) {
         Some(Format::OpenExr) => exr::read::decode_chain(source),
         Some(Format::Ktx1) => ktx1::read::decode_chain(source),
-        Some(Format::Ktx2) => ktx2::read::decode_chain(source),
+        Some(Format::Ktx2) => {
+            let texture = ktx2::read::open(source)?;
+            texture.chain(texture.roughness()?)
+        }
         _ => Err(unreadable(source).unwrap_or_else(|| {
             source.error(
                 "it holds no chain; a chain is a cube in KTX2, KTX, DDS or EXR parts, or a folder of levels",
@@ -317,11 +319,11 @@ fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     }
 }
 
-/// Undoes the flip of a chain.
-fn in_world(path: &Path, stored: Stored) -> Result<LoadedChain> {
-    let Stored { chain, provenance, format, warnings } = stored;
-    let chain = provenance.world_chain(chain).map_err(|message| Error::input(path, message))?;
-    Ok(LoadedChain { chain, provenance, format, path: path.to_owned(), warnings })
+/// Undoes the flip of a chain as it is stored.
+fn in_world(stored: LoadedChain) -> Result<LoadedChain> {
+    let chain = stored.provenance.world_chain(stored.chain);
+    let chain = chain.map_err(|message| Error::input(&stored.path, message))?;
+    Ok(LoadedChain { chain, ..stored })
 }
 
 /// The panorama of a target, a file or in its folder, as a chain of one mirror level; `None` for other paths.
@@ -363,10 +365,7 @@ pub(crate) fn filament_harmonics(path: &Path) -> Result<Option<String>> {
 /// # Errors
 /// As [`read`] if there is no such file.
 pub(crate) fn levels_path(path: &Path) -> Result<PathBuf> {
-    Ok(match InputPath::of(path)? {
-        InputPath::File(file) => file,
-        InputPath::Levels => path.to_owned(),
-    })
+    Ok(file_of(path)?.unwrap_or_else(|| path.to_owned()))
 }
 
 /// Whether the folder `path` holds a bake rather than sources: levels, a report, or the levels of a target.
@@ -385,24 +384,13 @@ pub(crate) fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, St
     side_report::of_file(path, || hash).map_or_else(Vec::new, |described| described.provenance.pairs())
 }
 
-/// Kind of an input path.
-enum InputPath {
-    /// A file; for a target's folder, the file with its levels.
-    File(PathBuf),
-    /// A folder of levels.
-    Levels,
-}
-
-impl InputPath {
-    fn of(path: &Path) -> Result<Self> {
-        if !is_directory(path)? {
-            return Ok(Self::File(path.to_owned()));
-        }
-        if level_folder::has_levels(path) {
-            return Ok(Self::Levels);
-        }
-        Ok(target_folder::levels_file(path)?.map_or(Self::Levels, Self::File))
+/// The file to read for `path`: for a target's folder, the one with its levels; `None` for a folder of
+/// levels.
+fn file_of(path: &Path) -> Result<Option<PathBuf>> {
+    if !is_directory(path)? {
+        return Ok(Some(path.to_owned()));
     }
+    if level_folder::has_levels(path) { Ok(None) } else { target_folder::levels_file(path) }
 }
 
 /// Whether `path` is a directory.
@@ -421,7 +409,7 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
         let bytes = read_regular(path, options.memory_limit)?;
         let source = Source { path, bytes: &bytes, memory_limit: options.memory_limit };
         let mut face = catching_panics(path, || decode(&source))?;
-        if face.content == Content::Cube {
+        if face.is_cube {
             return Err(source.error("already a whole cube; use it as the only input"));
         }
         if let Some(header) = &face.map {
@@ -460,7 +448,7 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
     }
     let mut cube = cube.ok_or_else(|| Error::Parameter("six faces are needed, got none".to_owned()))?;
     cube.height = 6 * cube.width;
-    cube.content = Content::Cube;
+    cube.is_cube = true;
     Ok((cube, repaired))
 }
 
@@ -510,7 +498,7 @@ fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>>
 
 /// Rejects or repairs NaN and Inf.
 fn finite(path: &Path, picture: &mut Picture, options: &ReadOptions, repaired: &mut Repairs) -> Result<()> {
-    if picture.content != Content::Cube {
+    if !picture.is_cube {
         return repair::non_finite(path, &mut picture.texels, picture.width, options.sanitize, repaired);
     }
     let rows = picture.width;
@@ -527,13 +515,13 @@ fn finite(path: &Path, picture: &mut Picture, options: &ReadOptions, repaired: &
 fn finish_finite(
     path: &Path,
     picture: Picture,
-    layout: LayoutChoice,
+    layout: InputLayout,
     sound: bool,
     mut repaired: Repairs,
     options: &ReadOptions,
 ) -> Result<Loaded> {
-    let Picture { width, height, texels, content, map: _, format, warnings, provenance } = picture;
-    let arrangement = layout::arrangement(path, width, height, content, layout)?;
+    let Picture { width, height, texels, is_cube, map: _, format, warnings, provenance } = picture;
+    let arrangement = layout::arrangement(path, width, height, is_cube, layout)?;
     let texels = arrangement.arrange(texels, width);
     let mut texels =
         provenance.world_texels(arrangement.layout, texels).map_err(|message| Error::input(path, message))?;
@@ -543,7 +531,7 @@ fn finish_finite(
     }
     let warnings = finish_texels(path, &mut texels, &repaired, warnings, options)?;
     let environment = Environment::of_sound(arrangement.layout, texels)?;
-    let height = if content == Content::Cube { width } else { height };
+    let height = if is_cube { width } else { height };
     Ok(Loaded {
         environment,
         repaired,

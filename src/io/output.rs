@@ -369,9 +369,9 @@ fn is_known(path: &str) -> bool {
     is_bake_file(path) || target::is_target_file(path) || in_target
 }
 
-/// Whether a bake writes a file of this name: `report.json`, `sun.json`, `sun.gltf`, `sunless.exr`, `m{level}.exr`,
-/// `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`, `irradiance.exr`, `irradiance_{face}.exr`, and the
-/// same with .hdr.
+/// Whether a bake writes a file of this name: `report.json`, `sun.json`, `sun.gltf`, `sunless.exr`,
+/// `m{level}.exr`, `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`, `irradiance.exr`,
+/// `irradiance_{face}.exr`, and the same with .hdr.
 fn is_bake_file(name: &str) -> bool {
     if ["report.json", "sun.json", "sun.gltf", "sunless.exr"].contains(&name) {
         return true;

@@ -1,4 +1,5 @@
 //! Paddings of panoramas that are not 2:1.
+use crate::names::named;
 
 /// Padding of a panorama that is not 2:1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,22 +11,4 @@ pub enum Pad {
     Edge,
 }
 
-impl Pad {
-    /// Every padding.
-    pub const ALL: [Self; 2] = [Self::Black, Self::Edge];
-
-    /// Name on the command line and in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Black => "black",
-            Self::Edge => "edge",
-        }
-    }
-
-    /// Returns the padding called `name`.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|pad| pad.name() == name)
-    }
-}
+named!(Pad { Black = "black", Edge = "edge" });

@@ -1,9 +1,7 @@
-//! Output of the decoders: pixels and chains.
+//! Output of the decoders.
 
-use super::layout::Content;
 use super::map_header::MapHeader;
 use super::provenance::Provenance;
-use crate::chain::Chain;
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::sphere::cube::Face;
@@ -16,7 +14,8 @@ pub(super) struct Picture {
     pub(super) height: u32,
     /// Row-major, from the top left.
     pub(super) texels: Vec<Rgb>,
-    pub(super) content: Content,
+    /// Whether it is six faces, stacked vertically; else an image whose layout is not known yet.
+    pub(super) is_cube: bool,
     /// The map that the header names.
     pub(super) map: Option<MapHeader>,
     /// The encoding in words.
@@ -24,16 +23,6 @@ pub(super) struct Picture {
     pub(super) warnings: Vec<String>,
     /// Origin and orientation recorded in the file; not yet applied to the texels.
     pub(super) provenance: Provenance,
-}
-
-/// A chain as stored in files, before flips are undone.
-pub(super) struct Stored {
-    pub(super) chain: Chain,
-    pub(super) provenance: Provenance,
-    /// The encoding in words.
-    pub(super) format: String,
-    /// Assumptions, one line each, without the file's name.
-    pub(super) warnings: Vec<String>,
 }
 
 /// Size and roughness in the header of a level's image.

@@ -1,6 +1,6 @@
 //! The map of a picture: the one that its header or the caller names.
 
-use super::layout::{Content, LayoutChoice};
+use super::layout::InputLayout;
 use super::map_header::{BORDER_KEY, MAP_KEY, MapHeader};
 use super::picture::Picture;
 use super::source::Source;
@@ -65,7 +65,7 @@ pub(super) fn chosen(
     let written = picture.map.as_ref().map(|header| header.map);
     let Some(from) = from else { return Ok(written) };
     let name = from.name;
-    if picture.content == Content::Cube {
+    if picture.is_cube {
         return Err(Error::input(path, format!("it holds a cube; omit `from` {name}")));
     }
     if let Some(written) = written.filter(|written| written.name != name) {
@@ -96,18 +96,18 @@ pub(super) fn grid_of(path: &Path, map: &NamedMap, [width, height]: [u32; 2], re
 }
 
 /// The layout of environments whose pictures are those of `map`; `None` if environments cannot have the map.
-pub(super) fn layout_of(map: &NamedMap) -> Option<LayoutChoice> {
+pub(super) fn layout_of(map: &NamedMap) -> Option<InputLayout> {
     match map.name {
-        "equirect" => Some(LayoutChoice::Equirect),
-        "cube" => Some(LayoutChoice::Strip),
-        "octahedral" => Some(LayoutChoice::Octahedral),
+        "equirect" => Some(InputLayout::Equirect),
+        "cube" => Some(InputLayout::Strip),
+        "octahedral" => Some(InputLayout::Octahedral),
         _ => None,
     }
 }
 
 /// The layout of the picture as an environment: that of the map in its header, which `choice` must not
 /// contradict, else `choice`.
-pub(super) fn settled(path: &Path, choice: LayoutChoice, header: Option<&MapHeader>) -> Result<LayoutChoice> {
+pub(super) fn settled(path: &Path, choice: InputLayout, header: Option<&MapHeader>) -> Result<InputLayout> {
     let Some(name) = header.map(|header| header.map.name) else { return Ok(choice) };
     match header.and_then(|header| layout_of(header.map)) {
         None => Err(Error::input(
@@ -117,7 +117,7 @@ pub(super) fn settled(path: &Path, choice: LayoutChoice, header: Option<&MapHead
                  equirect first"
             ),
         )),
-        Some(own) if choice == LayoutChoice::Auto || choice == own => Ok(own),
+        Some(own) if choice == InputLayout::Auto || choice == own => Ok(own),
         Some(_) => Err(Error::input(
             path,
             format!(

@@ -27,13 +27,19 @@ pub(crate) fn open_regular(path: &Path) -> Result<File> {
     Err(Error::input(path, not_regular(kind)))
 }
 
+/// What is wrong with a file that another program writes to.
+pub(crate) const CHANGED: &str = "it changed while it was read; run again";
+
 /// Reads the regular file `path`, of at most `limit` bytes.
 ///
 /// # Errors
-/// As [`open_regular`]; [`Error::Limit`] for a larger file, including one that grows while it is read.
+/// As [`open_regular`]; [`Error::Limit`] for a larger file, including one that grows while it is read;
+/// [`Error::Input`] if another program writes to it meanwhile.
 pub(crate) fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let file = open_regular(path)?;
-    let length = file.metadata().map_err(|error| Error::io(path, error))?.len();
+    let metadata = || file.metadata().map_err(|error| Error::io(path, error));
+    let before = metadata()?;
+    let length = before.len();
     let too_large = |length| Error::Limit {
         what: format!("{}: the file", path.display()),
         needed: length,
@@ -44,9 +50,13 @@ pub(crate) fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
         return Err(too_large(length));
     }
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(|error| Error::io(path, error))?;
+    (&file).take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(|error| Error::io(path, error))?;
     if bytes.len() as u64 > limit {
         return Err(too_large(bytes.len() as u64));
+    }
+    let after = metadata()?;
+    if (after.len(), after.modified().ok()) != (length, before.modified().ok()) {
+        return Err(Error::input(path, CHANGED));
     }
     Ok(bytes)
 }

@@ -218,4 +218,4 @@ impl SideReport {
 pub(crate) const REPORT: &str = "report.json";
 
 /// Size limit of a report that is read back. The largest bakes need less than a tenth of it.
-pub(crate) const MOST_REPORT_BYTES: u64 = 16 << 20;
+pub(crate) const MAX_REPORT_BYTES: u64 = 16 << 20;

@@ -14,7 +14,7 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
     let report = folder.join(REPORT);
     if report.is_file() {
         // Reading the folder's levels reports errors in the report.
-        let bytes = super::regular::read_regular(&report, super::side_report::MOST_REPORT_BYTES)?;
+        let bytes = super::regular::read_regular(&report, super::side_report::MAX_REPORT_BYTES)?;
         let Ok(report) = serde_json::from_slice::<SideReport>(&bytes) else { return Ok(None) };
         let Some(first) = report.target_files().and_then(<[String]>::first) else { return Ok(None) };
         // A report must not reference files outside its folder.

@@ -10,6 +10,7 @@ use crate::cpu::box_filter::StackedBox;
 use crate::environment::{Environment, exact_luminance};
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
+use crate::names::named;
 use crate::sphere::map::Place;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use rayon::prelude::*;
@@ -30,20 +31,7 @@ pub enum Method {
 /// Boxes of [`Method::Stack`].
 pub const STACK: u32 = 8;
 
-impl Method {
-    /// All methods.
-    pub const ALL: [Self; 3] = [Self::Box, Self::Stack, Self::Adaptive];
-
-    /// Name in tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Box => "box",
-            Self::Stack => "stack",
-            Self::Adaptive => "adaptive",
-        }
-    }
-}
+named!(Method { Box = "box", Stack = "stack", Adaptive = "adaptive" });
 
 impl Subject {
     /// Whether it has a row for `method`: adaptive queries read no border.
@@ -55,7 +43,7 @@ impl Subject {
 /// What is measured.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Texels along the octahedral square; the other maps have as many texels in all. 8 to [`MOST_SIZE`].
+    /// Texels along the octahedral square; the other maps have as many texels in all. 8 to [`MAX_SIZE`].
     pub size: u32,
     /// Rotations of the environment.
     pub turns: u32,
@@ -74,7 +62,7 @@ pub struct Settings {
 }
 
 /// The largest [`Settings::size`].
-pub const MOST_SIZE: u32 = 1024;
+pub const MAX_SIZE: u32 = 1024;
 
 impl Default for Settings {
     fn default() -> Self {
@@ -104,22 +92,7 @@ pub enum Region {
     Seams,
 }
 
-impl Region {
-    /// All regions.
-    #[cfg(feature = "internals")]
-    pub const ALL: [Self; 4] = [Self::Sphere, Self::Poles, Self::Cones, Self::Seams];
-
-    /// Name in tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sphere => "sphere",
-            Self::Poles => "poles",
-            Self::Cones => "cones",
-            Self::Seams => "seams",
-        }
-    }
-}
+named!(Region { Sphere = "sphere", Poles = "poles", Cones = "cones", Seams = "seams" });
 
 /// Errors of luminance at one roughness, relative to the mean over the sphere.
 #[derive(Clone, Debug, PartialEq)]
@@ -358,9 +331,9 @@ impl Settings {
     /// [`Error::Parameter`] for a size, a roughness or an error that cannot be measured.
     pub fn check(&self) -> Result<()> {
         let Self { size, turns, directions, roughnesses, error, subjects, methods, .. } = self;
-        if !(8..=MOST_SIZE).contains(size) {
+        if !(8..=MAX_SIZE).contains(size) {
             return Err(Error::Parameter(format!(
-                "an octahedral square of `size` {size}; choose 8 to {MOST_SIZE} texels"
+                "an octahedral square of `size` {size}; choose 8 to {MAX_SIZE} texels"
             )));
         }
         if let Some(roughness) = roughnesses.iter().find(|r| !(0.1..=1.0).contains(*r)) {
@@ -391,8 +364,8 @@ impl Settings {
             self.subjects.iter().find(lacks)
         };
         let Some(subject) = without(self.size) else { return Ok(()) };
-        let remedy = match (self.size..=MOST_SIZE).find(|size| without(*size).is_none()) {
-            Some(least) => format!("choose {least} to {MOST_SIZE}, or leave the map out"),
+        let remedy = match (self.size..=MAX_SIZE).find(|size| without(*size).is_none()) {
+            Some(least) => format!("choose {least} to {MAX_SIZE}, or leave the map out"),
             None => "leave the map out".to_owned(),
         };
         Err(Error::Parameter(format!(

@@ -42,51 +42,25 @@ pub struct Subject {
     pub with_border: bool,
 }
 
+const fn subject(
+    name: &'static str,
+    title: &'static str,
+    map: &'static str,
+    choice: Choice,
+    with_border: bool,
+) -> Subject {
+    Subject { name, title, map, choice, with_border }
+}
+
 /// All rows.
 pub static SUBJECTS: [Subject; 7] = [
-    Subject {
-        name: "octahedral",
-        title: "Octahedral",
-        map: "octahedral",
-        choice: Choice::Only,
-        with_border: false,
-    },
-    Subject {
-        name: "octahedral-chosen",
-        title: "Two octahedral, chosen",
-        map: "octahedral",
-        choice: Choice::Farthest,
-        with_border: false,
-    },
-    Subject {
-        name: "octahedral-blended",
-        title: "Two octahedral, blended",
-        map: "octahedral",
-        choice: Choice::Blend,
-        with_border: false,
-    },
-    Subject {
-        name: "tennis-ball",
-        title: "Tennis-ball",
-        map: "tennis-ball",
-        choice: Choice::Only,
-        with_border: false,
-    },
-    Subject {
-        name: "equirect",
-        title: "Latitude-longitude",
-        map: "equirect",
-        choice: Choice::Only,
-        with_border: false,
-    },
-    Subject { name: "cube", title: "Cube", map: "cube", choice: Choice::Only, with_border: false },
-    Subject {
-        name: "tennis-ball-small",
-        title: "Tennis-ball with border",
-        map: "tennis-ball",
-        choice: Choice::Only,
-        with_border: true,
-    },
+    subject("octahedral", "Octahedral", "octahedral", Choice::Only, false),
+    subject("octahedral-chosen", "Two octahedral, chosen", "octahedral", Choice::Farthest, false),
+    subject("octahedral-blended", "Two octahedral, blended", "octahedral", Choice::Blend, false),
+    subject("tennis-ball", "Tennis-ball", "tennis-ball", Choice::Only, false),
+    subject("equirect", "Latitude-longitude", "equirect", Choice::Only, false),
+    subject("cube", "Cube", "cube", Choice::Only, false),
+    subject("tennis-ball-small", "Tennis-ball with border", "tennis-ball", Choice::Only, true),
 ];
 
 impl Subject {

@@ -168,8 +168,8 @@ impl Kernel {
 /// The acceptable error of a leaf, as a share of the mean radiance, for a relRMSE of `error` over the sphere.
 ///
 /// Measured, see the table of errors in docs/benchmarks.md: the leaves' errors have random signs and mostly
-/// lie far inside their intervals, farther with more leaves. With this share the error of the worst channel stays
-/// below the request from roughness 0.29 up.
+/// lie far inside their intervals, farther with more leaves. With this share the error of the worst channel
+/// stays below the request from roughness 0.29 up.
 #[must_use]
 pub fn leaf_share(error: f64) -> f64 {
     0.66 * error * (error / 0.005).sqrt().min(1.0)

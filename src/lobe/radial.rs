@@ -213,8 +213,8 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     let gain = kink * across * across / (4.0 * half_width).at_least(1e-6);
     let bend = 0.5 * curvature * share;
     let estimate = (value + 0.25 * bend * along + gain).at_least(least).at_most(greatest);
-    // The series of k in front of the horizon has this error; near it and beyond, that of k itself serves. The
-    // terms that are used differ.
+    // The series of k in front of the horizon has this error; near it and beyond, that of k itself serves.
+    // The terms that are used differ.
     let [front_slope, front_bend] = if s < 0.4995 { [slope, 0.5 * curvature] } else { [0.0, 0.0] };
     let slope = slope + kink * (1.0 - share);
     let bent = series_error(front_slope, front_bend).at_least(0.0) + kink * (high - 0.5).at_least(0.0);
@@ -225,7 +225,8 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     Interval { least, greatest, estimate, slope, bend, rest, spread }
 }
 
-/// The share in front of the horizon of energy spread evenly over `half_width` of s around a mean `before` it.
+/// The share in front of the horizon of energy spread evenly over `half_width` of s around a mean `before`
+/// it.
 #[inline(always)]
 pub(super) fn share_in_front(before: f32, half_width: f32) -> f32 {
     (0.5 + 0.5 * before / half_width.at_least(1e-9)).at_least(0.0).at_most(1.0)

@@ -1,7 +1,7 @@
 //! Reads glTF files: the triangles of a scene, transformed by its nodes, and their materials.
 
 use super::accessor::{Buffers, Fractions, Refusal};
-use super::material::{Image, MOST_TEXTURES, Material, Texture, Wrap};
+use super::material::{Image, MAX_TEXTURES, Material, Texture, Wrap};
 use super::{Builder, Corners, Mesh};
 use crate::error::{Error, Result, quoted};
 use crate::io::confined::Confined;
@@ -16,7 +16,7 @@ use glam::{DMat4, DQuat, DVec3};
 use std::path::Path;
 
 /// Greatest depth of a node.
-const MOST_DEPTH: usize = 1000;
+const MAX_DEPTH: usize = 1000;
 
 /// Reads the mesh in `bytes`, the glTF file `path`; `files` reads the files that it refers to.
 pub(super) fn read(path: &Path, bytes: &[u8], files: &mut Confined<'_>) -> Result<Mesh> {
@@ -39,7 +39,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &mut Confined<'_>) -> Resul
 
 /// The decoder's message, on one line and shortened.
 fn said(error: &::gltf::Error) -> String {
-    const MOST: usize = 300;
+    const MAX: usize = 300;
     let text = match error {
         ::gltf::Error::Validation(errors) => errors.first().map_or_else(String::new, |(place, error)| {
             let more = errors.len() - 1;
@@ -49,7 +49,7 @@ fn said(error: &::gltf::Error) -> String {
         _ => error.to_string(),
     };
     let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().count() > MOST { text.chars().take(MOST).chain("...".chars()).collect() } else { text }
+    if text.chars().count() > MAX { text.chars().take(MAX).chain("...".chars()).collect() } else { text }
 }
 
 /// Reads the content of all buffers.
@@ -109,8 +109,8 @@ impl Scene<'_> {
                     "node {index} is reached twice, in a cycle or from two parents; nodes must form trees"
                 ));
             }
-            if depth > MOST_DEPTH {
-                return Err(format!("node {index} is nested more than {MOST_DEPTH} levels deep"));
+            if depth > MAX_DEPTH {
+                return Err(format!("node {index} is nested more than {MAX_DEPTH} levels deep"));
             }
             let world = parent * transform(node).map_err(|message| format!("node {index}: {message}"))?;
             if !world.is_finite() {
@@ -305,11 +305,11 @@ impl Scene<'_> {
                 }
             };
             bytes += 4 * decoded.texels.len() as u64;
-            if bytes > MOST_TEXTURES {
+            if bytes > MAX_TEXTURES {
                 return Err(Error::Limit {
                     what: format!("{}: {name} and the textures before it", path.display()),
                     needed: bytes,
-                    available: MOST_TEXTURES,
+                    available: MAX_TEXTURES,
                     remedy: "use smaller textures".to_owned(),
                 });
             }

@@ -6,10 +6,10 @@ use std::io::Cursor;
 use std::path::Path;
 
 /// Most texels along an edge of a texture.
-pub(super) const MOST_TEXELS: u32 = 8192;
+pub(super) const MAX_TEXELS: u32 = 8192;
 
 /// Most bytes of all decoded textures of a mesh.
-pub(super) const MOST_TEXTURES: u64 = 2 << 30;
+pub(super) const MAX_TEXTURES: u64 = 2 << 30;
 
 /// Material of a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,7 +102,7 @@ impl Image {
     pub(super) fn decoded(path: &Path, name: &str, bytes: &[u8]) -> Result<Self> {
         let wrong = |error: String| Error::input(path, format!("{name}: {error}"));
         let mut limits = Limits::no_limits();
-        limits.max_alloc = Some(8 * u64::from(MOST_TEXELS) * u64::from(MOST_TEXELS));
+        limits.max_alloc = Some(8 * u64::from(MAX_TEXELS) * u64::from(MAX_TEXELS));
         let reader = || {
             let mut reader = ImageReader::new(Cursor::new(bytes));
             reader.limits(limits.clone());
@@ -113,9 +113,9 @@ impl Image {
             return Err(wrong("its content is neither PNG nor JPEG".to_owned()));
         }
         let (width, height) = started.into_dimensions().map_err(|error| wrong(error.to_string()))?;
-        if width.max(height) > MOST_TEXELS {
+        if width.max(height) > MAX_TEXELS {
             return Err(wrong(format!(
-                "{width} x {height} texels; use a texture of at most {MOST_TEXELS} per side"
+                "{width} x {height} texels; use a texture of at most {MAX_TEXELS} per side"
             )));
         }
         let image = reader()?.decode().map_err(|error| wrong(error.to_string()))?.into_rgba8();

@@ -57,13 +57,13 @@ pub struct Mesh {
 }
 
 /// Most vertices of a mesh, as read and as drawn.
-pub(crate) const MOST_VERTICES: usize = 10_000_000;
+pub(crate) const MAX_VERTICES: usize = 10_000_000;
 
 /// Most indices of a mesh.
-pub(crate) const MOST_INDICES: usize = 6 * MOST_VERTICES;
+pub(crate) const MAX_INDICES: usize = 6 * MAX_VERTICES;
 
 /// Most bytes of a mesh's file and of all files that it refers to.
-pub(crate) const MOST_BYTES: u64 = 1 << 30;
+pub(crate) const MAX_BYTES: u64 = 1 << 30;
 
 impl Mesh {
     /// A torus knot (2, 3): a tube that winds twice about +Y and three times about its own ring.
@@ -125,9 +125,9 @@ impl Mesh {
     /// [`Error::Io`] if the file cannot be read, [`Error::Input`] if it holds no mesh or refers to files
     /// outside `root`, [`Error::Limit`] if the mesh is too large.
     pub fn read_within(path: &Path, root: Option<&Path>) -> Result<Self> {
-        let kind = MeshFormat::of(path)?;
-        let bytes = read_regular(path, MOST_BYTES)?;
-        let left = MOST_BYTES - bytes.len() as u64;
+        let kind = MeshFormat::from_path(path)?;
+        let bytes = read_regular(path, MAX_BYTES)?;
+        let left = MAX_BYTES - bytes.len() as u64;
         let mut files = Confined::below(path, root, left)?;
         catching_panics(path, || kind.read(path, &bytes, &mut files))
     }
@@ -139,8 +139,8 @@ impl Mesh {
     /// [`Error::Input`] if the file holds no mesh, [`Error::Limit`] if the mesh is too large.
     #[cfg(any(feature = "internals", target_arch = "wasm32"))]
     pub fn read_from_memory(path: &Path, bytes: &[u8]) -> Result<Self> {
-        let kind = MeshFormat::of(path)?;
-        catching_panics(path, || kind.read(path, bytes, &mut Confined::inside(path, MOST_BYTES)))
+        let kind = MeshFormat::from_path(path)?;
+        catching_panics(path, || kind.read(path, bytes, &mut Confined::inside(path, MAX_BYTES)))
     }
 
     /// Moves the mesh to the origin and scales it to 1; rejects a mesh without triangles or extent.
@@ -177,7 +177,7 @@ enum MeshFormat {
 
 impl MeshFormat {
     /// The format for the extension of `path`.
-    fn of(path: &Path) -> Result<Self> {
+    fn from_path(path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
         match extension.as_str() {
             "glb" | "gltf" => Ok(Self::Gltf),
@@ -217,7 +217,7 @@ pub(crate) struct Builder {
 impl Builder {
     /// Vertices and indices that may still be added.
     pub(crate) fn room(&self) -> (usize, usize) {
-        (MOST_VERTICES - self.vertices.len(), MOST_INDICES - self.count)
+        (MAX_VERTICES - self.vertices.len(), MAX_INDICES - self.count)
     }
 
     /// Adds `material`; returns its index.
@@ -259,7 +259,7 @@ impl Builder {
         let (room, room_of_indices) = self.room();
         let added = if corners.normals.is_some() { count } else { indices.len() };
         if added > room || indices.len() > room_of_indices {
-            return Err(format!("more than {MOST_VERTICES} vertices or {MOST_INDICES} indices in total"));
+            return Err(format!("more than {MAX_VERTICES} vertices or {MAX_INDICES} indices in total"));
         }
         let axes = DMat3::from_mat4(world);
         // A reflection reverses the winding of triangles.

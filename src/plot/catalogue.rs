@@ -1,11 +1,12 @@
 //! Lists and draws the figures.
 
-pub use super::content::Content;
-pub(crate) use super::content::MOST_SIZE;
+pub use super::content::FigureContent;
+pub(crate) use super::content::MAX_SIZE;
 use super::figure::Figure;
 use super::{border, layout, lobes, lookup, panorama, sampling, seam, stretch, unfolding};
 use crate::error::Result;
 use crate::laboratory::measure::Method;
+use crate::names::named;
 use crate::sphere::registry::{MAPS, NamedMap};
 
 /// Kinds of figures.
@@ -49,54 +50,28 @@ pub enum Kind {
     LobesSphere,
 }
 
+named!(Kind {
+    SolidAngle = "solid-angle",
+    Anisotropy = "anisotropy",
+    Layout = "layout",
+    Panorama = "panorama",
+    Compared = "compared",
+    Unfolding = "unfolding",
+    Border = "border",
+    Seam = "seam",
+    Sampling = "sampling",
+    LookupLevel = "lookup-level",
+    LookupBorder = "lookup-border",
+    LookupGreatest = "lookup-greatest",
+    LookupWeights = "lookup-weights",
+    LookupRectangular = "lookup-rectangular",
+    LobesBox = "lobes-box",
+    LobesStack = "lobes-stack",
+    LobesAdaptive = "lobes-adaptive",
+    LobesSphere = "lobes-sphere",
+});
+
 impl Kind {
-    /// All kinds; the first four have a figure for every map.
-    pub const ALL: [Self; 18] = [
-        Self::SolidAngle,
-        Self::Anisotropy,
-        Self::Layout,
-        Self::Panorama,
-        Self::Compared,
-        Self::Unfolding,
-        Self::Border,
-        Self::Seam,
-        Self::Sampling,
-        Self::LookupLevel,
-        Self::LookupBorder,
-        Self::LookupGreatest,
-        Self::LookupWeights,
-        Self::LookupRectangular,
-        Self::LobesBox,
-        Self::LobesStack,
-        Self::LobesAdaptive,
-        Self::LobesSphere,
-    ];
-
-    /// Name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::SolidAngle => "solid-angle",
-            Self::Anisotropy => "anisotropy",
-            Self::Layout => "layout",
-            Self::Panorama => "panorama",
-            Self::Compared => "compared",
-            Self::Unfolding => "unfolding",
-            Self::Border => "border",
-            Self::Seam => "seam",
-            Self::Sampling => "sampling",
-            Self::LookupLevel => "lookup-level",
-            Self::LookupBorder => "lookup-border",
-            Self::LookupGreatest => "lookup-greatest",
-            Self::LookupWeights => "lookup-weights",
-            Self::LookupRectangular => "lookup-rectangular",
-            Self::LobesBox => "lobes-box",
-            Self::LobesStack => "lobes-stack",
-            Self::LobesAdaptive => "lobes-adaptive",
-            Self::LobesSphere => "lobes-sphere",
-        }
-    }
-
     /// Whether every map has such a figure.
     #[must_use]
     pub const fn is_of_a_map(self) -> bool {
@@ -137,11 +112,11 @@ impl Entry {
     /// Draws the figure.
     ///
     /// # Errors
-    /// As [`Content::check`].
+    /// As [`FigureContent::check`].
     ///
     /// # Panics
     /// If a figure of one map has no map.
-    pub fn draw(&self, content: &Content) -> Result<Figure> {
+    pub fn draw(&self, content: &FigureContent) -> Result<Figure> {
         content.check()?;
         let map = || self.map.expect("a figure of a map has a map");
         Ok(match self.kind {

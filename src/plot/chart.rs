@@ -5,7 +5,7 @@ use super::look::SERIES;
 use crate::error::{Error, Result};
 use crate::image::drawing::page::{WIDTH, page};
 use crate::image::drawing::scene::{Anchor, Frame, Scene};
-use crate::image::drawing::style::{Colour, FAINT, INK, LABEL, MARGIN, PAPER, SMALL, SOFT, TINY};
+use crate::image::drawing::style::{Colour, FAINT, INK, LABEL, MARGIN, PAPER, SMALL, SOFT, TINY, rgb};
 use crate::io::output::{Existing, write_file};
 use glam::DVec2;
 use plotters::coord::combinators::{IntoLogRange as _, LogCoord};
@@ -100,7 +100,7 @@ impl Chart {
         let legend: Vec<(&Series, Colour)> = (0..)
             .zip(&self.series)
             .filter(|(_, series)| !series.name.is_empty())
-            .map(|(k, series)| (series, SERIES[k % SERIES.len()]))
+            .map(|(k, series)| (series, rgb(SERIES[k % SERIES.len()])))
             .collect();
         let lines = legend_lines(&legend, WIDTH - 2.0 * MARGIN - LEFT);
         let legend_height = LEGEND_LINE * lines.len() as f64;
@@ -119,7 +119,7 @@ impl Chart {
         // Draw marks twice: labels avoid marks, and their plates must not cover any.
         let draw = |scene: &mut Scene| {
             for (k, series) in self.series.iter().enumerate() {
-                draw_series(scene, series, SERIES[k % SERIES.len()], place);
+                draw_series(scene, series, rgb(SERIES[k % SERIES.len()]), place);
             }
         };
         draw(&mut scene);
@@ -141,7 +141,7 @@ impl Chart {
     /// # Errors
     /// As [`Chart::figure`] and [`write_file`]; [`Error::Parameter`] for another extension.
     pub fn write(&self, path: &Path, existing: Existing) -> Result<()> {
-        let form = Form::of(path)?;
+        let form = Form::from_path(path)?;
         let bytes = self.figure()?.bytes(form);
         write_file(path, existing, |file| file.write_all(&bytes))
     }

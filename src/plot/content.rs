@@ -6,12 +6,12 @@ use crate::laboratory::measure::Settings;
 
 /// What figures show of the maps.
 #[derive(Clone, Debug)]
-pub struct Content {
+pub struct FigureContent {
     /// The environment of the figure `panorama`.
     pub panorama: Environment,
     /// Its name in captions.
     pub panorama_name: String,
-    /// Texels along the square of the figure `border`, 1 to `MOST_SIZE`.
+    /// Texels along the square of the figure `border`, 1 to `MAX_SIZE`.
     pub size: u32,
     /// Width of its border in texels, at most the size.
     pub border: u32,
@@ -20,9 +20,9 @@ pub struct Content {
 }
 
 /// The largest square of the figure `border` with room for texel names.
-pub(crate) const MOST_SIZE: u32 = 12;
+pub(crate) const MAX_SIZE: u32 = 12;
 
-impl Content {
+impl FigureContent {
     /// Returns the synthetic sky, and 8 texels with a border of 2.
     ///
     /// # Errors
@@ -40,8 +40,8 @@ impl Content {
     /// [`Error::Parameter`] naming the size or the border.
     pub fn check(&self) -> Result<()> {
         let Self { size, border, .. } = *self;
-        if size == 0 || size > MOST_SIZE {
-            return Err(Error::Parameter(format!("`size` is {size}; choose 1 to {MOST_SIZE} texels")));
+        if size == 0 || size > MAX_SIZE {
+            return Err(Error::Parameter(format!("`size` is {size}; choose 1 to {MAX_SIZE} texels")));
         }
         if border > size {
             return Err(Error::Parameter(format!(

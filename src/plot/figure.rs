@@ -4,6 +4,7 @@ use super::png::png;
 use super::svg::svg;
 use crate::error::{Error, Result};
 use crate::image::drawing::scene::{Frame, Scene};
+use crate::names::named;
 use std::path::Path;
 
 /// A file format.
@@ -15,26 +16,16 @@ pub enum Form {
     Svg,
 }
 
+named!(Form { Png = "png", Svg = "svg" });
+
 impl Form {
-    /// Both formats.
-    pub const ALL: [Self; 2] = [Self::Png, Self::Svg];
-
-    /// File name extension.
-    #[must_use]
-    pub const fn extension(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Svg => "svg",
-        }
-    }
-
     /// The format of the extension of `path`.
     ///
     /// # Errors
     /// [`Error::Parameter`] for another extension.
-    pub fn of(path: &Path) -> Result<Self> {
+    pub fn from_path(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        let form = Self::ALL.into_iter().find(|form| extension == form.extension());
+        let form = Self::ALL.into_iter().find(|form| extension == form.name());
         form.ok_or_else(|| Error::Parameter(format!("{} must end in .png or .svg", path.display())))
     }
 }

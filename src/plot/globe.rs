@@ -90,6 +90,19 @@ impl Globe {
         scene.circle(self.centre, self.radius, 1.2, INK);
     }
 
+    /// Fills the visible half with `colour` of each direction, with the rims of `map`, planes and axes.
+    pub(super) fn show(
+        &self,
+        scene: &mut Scene,
+        map: &dyn SphereMap,
+        colour: impl Fn(DVec3) -> Colour + Sync,
+    ) {
+        self.fill(scene, colour);
+        self.planes(scene);
+        self.rims(scene, map);
+        self.axes(scene);
+    }
+
     /// The visible parts of the line through `points` of the sphere.
     pub(super) fn line(&self, scene: &mut Scene, points: &[DVec3], width: f64, colour: Colour) {
         for piece in self.pieces(points, true) {
@@ -112,7 +125,7 @@ impl Globe {
     }
 
     /// Great circles of the planes x = 0, y = 0 and z = 0.
-    pub(super) fn planes(&self, scene: &mut Scene) {
+    fn planes(&self, scene: &mut Scene) {
         for (a, b) in [(DVec3::X, DVec3::Y), (DVec3::Y, DVec3::Z), (DVec3::Z, DVec3::X)] {
             let circle: Vec<DVec3> = (0..=240)
                 .map(|k| {
@@ -125,7 +138,7 @@ impl Globe {
     }
 
     /// Outlines of the components of `map`.
-    pub(super) fn rims(&self, scene: &mut Scene, map: &dyn SphereMap) {
+    fn rims(&self, scene: &mut Scene, map: &dyn SphereMap) {
         for component in 0..map.components() {
             let rim: Vec<DVec3> =
                 boundary(map, component, 400).into_iter().map(|uv| map.direction(component, uv)).collect();

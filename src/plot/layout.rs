@@ -7,7 +7,7 @@ use crate::sphere::registry::NamedMap;
 use glam::DVec2;
 
 /// Maximum pixels of a layout.
-pub(super) const MOST: DVec2 = DVec2::new(930.0, 640.0);
+pub(super) const MAX: DVec2 = DVec2::new(930.0, 640.0);
 
 pub(super) fn layout(map: &'static NamedMap) -> Figure {
     let title = format!("{}: layout", map.title);
@@ -22,7 +22,7 @@ pub(super) fn layout(map: &'static NamedMap) -> Figure {
          octants of directions. Dots: the axes. Source: {}.",
         map.source
     );
-    let sheet = Sheet::fitting(map, MOST);
+    let sheet = Sheet::fitting(map, MAX);
     let (mut scene, body) = page(WIDTH, sheet.extent().y, &title, &caption);
     let sheet = sheet.placed(&body);
     sheet.fill_octants(&mut scene);

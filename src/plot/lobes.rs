@@ -103,10 +103,8 @@ pub(super) fn over_sphere(settings: &Settings) -> Result<Figure> {
             if total > 0.0 { (sum / total).sqrt() * 100.0 } else { f64::NAN }
         };
         let globe = Globe::new(DVec2::new(x, top + 56.0 + radius), radius, FRONT);
-        globe.fill(&mut scene, |direction| LOBE_ERROR.colour(shown(direction)));
-        globe.planes(&mut scene);
-        globe.rims(&mut scene, named(subject.map).expect("a map of the registry").map);
-        globe.axes(&mut scene);
+        let map = named(subject.map).expect("a map of the registry").map;
+        globe.show(&mut scene, map, |direction| LOBE_ERROR.colour(shown(direction)));
         let shares = errors.iter().map(|(_, error)| error * 100.0);
         let (low, high) =
             shares.fold((f64::INFINITY, 0.0_f64), |(low, high), error| (low.min(error), high.max(error)));

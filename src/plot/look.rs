@@ -10,25 +10,9 @@ pub(super) const OUTSIDE: Colour = [240, 241, 243];
 pub(super) const LATITUDE: Colour = [0, 104, 180];
 /// Meridians.
 pub(super) const LONGITUDE: Colour = [196, 82, 0];
-/// Series of a chart and parts of a curve: Okabe and Ito's colour-blind-safe palette, and
+/// Series of a chart and parts of a curve, as 0xRRGGBB: Okabe and Ito's colour-blind-safe palette, and
 /// grey.
-pub(super) const SERIES: [Colour; 7] = [
-    [0, 114, 178],
-    [213, 94, 0],
-    [0, 158, 115],
-    [204, 121, 167],
-    [230, 159, 0],
-    [86, 180, 233],
-    [100, 104, 112],
-];
-/// Pastels of the eight octants: bit 0 is set where x is negative, bit 1 for y, bit 2 for z.
-pub(super) const OCTANTS: [Colour; 8] = [
-    [255, 222, 214],
-    [214, 236, 255],
-    [228, 200, 226],
-    [203, 205, 240],
-    [255, 240, 200],
-    [216, 243, 214],
-    [240, 214, 188],
-    [196, 224, 222],
-];
+pub(super) const SERIES: [u32; 7] = [0x0072b2, 0xd55e00, 0x009e73, 0xcc79a7, 0xe69f00, 0x56b4e9, 0x646870];
+/// Pastels of the eight octants, as 0xRRGGBB: bit 0 is set where x is negative, bit 1 for y, bit 2 for z.
+pub(super) const OCTANTS: [u32; 8] =
+    [0xffded6, 0xd6ecff, 0xe4c8e2, 0xcbcdf0, 0xfff0c8, 0xd8f3d6, 0xf0d6bc, 0xc4e0de];

@@ -1,8 +1,8 @@
 //! Draws a panorama in a map's layout.
 
-use super::content::Content;
+use super::content::FigureContent;
 use super::figure::Figure;
-use super::layout::MOST;
+use super::layout::MAX;
 use super::sheet::Sheet;
 use crate::geometry::light::Light;
 use crate::geometry::resample::resample;
@@ -13,14 +13,14 @@ use crate::sphere::map::Texel;
 use crate::sphere::registry::NamedMap;
 use glam::DMat3;
 
-pub(super) fn panorama(map: &'static NamedMap, content: &Content) -> Figure {
+pub(super) fn panorama(map: &'static NamedMap, content: &FigureContent) -> Figure {
     let title = format!("{}: {}", map.title, content.panorama_name);
     let caption = format!(
         "{} resampled to the map by overlaps of texels, and shown at the exposure that brings its \
          log-average luminance to middle grey. Grey is outside the domain. Dots: the axes.",
         content.panorama_name
     );
-    let sheet = Sheet::fitting(map, MOST);
+    let sheet = Sheet::fitting(map, MAX);
     let (mut scene, body) = page(WIDTH, sheet.extent().y, &title, &caption);
     let sheet = sheet.placed(&body);
     let light = Light::new(&content.panorama, DMat3::IDENTITY).expect("files are 2:1");

@@ -6,7 +6,7 @@ use super::look::SERIES;
 use super::sheet::Sheet;
 use crate::image::drawing::page::{WIDTH, page};
 use crate::image::drawing::scene::{Anchor, Scene};
-use crate::image::drawing::style::{Colour, INK, LABEL, mix};
+use crate::image::drawing::style::{Colour, INK, LABEL, mix, rgb};
 use crate::sphere::map::{Place, SphereMap as _};
 use crate::sphere::registry::named;
 use crate::sphere::tennis_ball::{TennisBall, panel, seam_point};
@@ -46,7 +46,7 @@ pub(super) fn seam() -> Figure {
             let fill = PANELS[panel(direction) as usize];
             mix(fill, INK, 0.16 * (1.0 - globe.depth(direction)).powi(2))
         });
-        for (half, colour) in halves.iter().zip(SERIES) {
+        for (half, colour) in halves.iter().zip(SERIES.map(rgb)) {
             for piece in globe.pieces(half, false) {
                 scene.dashed(&piece, 1.6, mix(colour, PANELS[1], 0.35), 6.0);
             }
@@ -61,7 +61,7 @@ pub(super) fn seam() -> Figure {
     let sheet = Sheet::fitting(map, room.extent()).placed(&room);
     sheet.fill(&mut scene, 1, |component, _| PANELS[component as usize]);
     sheet.frames(&mut scene);
-    for (half, colour) in halves.iter().zip(SERIES) {
+    for (half, colour) in halves.iter().zip(SERIES.map(rgb)) {
         draw_on_panels(&mut scene, &sheet, half, colour);
     }
     sheet.axes(&mut scene);

@@ -5,7 +5,7 @@ use super::look::{LATITUDE, LONGITUDE, OCTANTS, OUTSIDE};
 use super::ticks::rectangle_ticks;
 use crate::image::drawing::font::text_width;
 use crate::image::drawing::scene::{Anchor, Frame, Scene};
-use crate::image::drawing::style::{Colour, FAINT, INK, SMALL, TINY};
+use crate::image::drawing::style::{Colour, FAINT, INK, SMALL, TINY, rgb};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::{Component, Place, SphereMap};
 use crate::sphere::registry::NamedMap;
@@ -119,7 +119,7 @@ impl Sheet {
         let map = self.map();
         self.fill(scene, 2, |component, uv| {
             let d = map.direction(component, uv);
-            OCTANTS[octant(d)]
+            rgb(OCTANTS[octant(d)])
         });
     }
 
@@ -274,7 +274,7 @@ impl Sheet {
             let name = format!("{} {} {}", text(1, "X"), text(2, "Y"), text(4, "Z"));
             let at = self.at(self.map().locate(direction));
             let half = DVec2::new(text_width(&name, TINY) / 2.0 + 2.0, 0.55 * TINY);
-            scene.polygon(Frame::new(at - half, at + half).corners(), OCTANTS[k as usize]);
+            scene.polygon(Frame::new(at - half, at + half).corners(), rgb(OCTANTS[k as usize]));
             scene.centred(at, &name, TINY, INK);
         }
     }

@@ -93,10 +93,7 @@ fn two_views(
     for (share, eye) in [(0.25, FRONT), (0.75, -FRONT)] {
         let centre = DVec2::new(body.low.x + room * share, (body.low.y + body.high.y) / 2.0);
         let globe = Globe::new(centre, radius, eye);
-        globe.fill(&mut scene, |direction| scale.colours.colour(value(direction)));
-        globe.planes(&mut scene);
-        globe.rims(&mut scene, map.map);
-        globe.axes(&mut scene);
+        globe.show(&mut scene, map.map, |direction| scale.colours.colour(value(direction)));
     }
     let bar =
         Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 30.0), body.high - DVec2::new(0.0, 30.0));
@@ -123,10 +120,7 @@ pub(super) fn compared() -> Figure {
         let map = named(map).expect("one of the maps");
         let x = body.low.x + room * (k as f64 + 0.5) / 3.0;
         let globe = Globe::new(DVec2::new(x, body.low.y + 52.0 + radius), radius, FRONT);
-        globe.fill(&mut scene, |d| RELATIVE_SOLID_ANGLE.colour(relative_solid_angle(map.map, d)));
-        globe.planes(&mut scene);
-        globe.rims(&mut scene, map.map);
-        globe.axes(&mut scene);
+        globe.show(&mut scene, map.map, |d| RELATIVE_SOLID_ANGLE.colour(relative_solid_angle(map.map, d)));
         let [least, greatest] = measure(map.map).relative_solid_angle;
         extremes = [extremes[0].min(least), extremes[1].max(greatest)];
         let range = format!("{} to {}", shown(least), shown(greatest));

@@ -6,7 +6,7 @@ use super::look::OCTANTS;
 use super::sheet::Sheet;
 use crate::image::drawing::page::{WIDTH, page};
 use crate::image::drawing::scene::{Anchor, Frame, Scene};
-use crate::image::drawing::style::{INK, LABEL};
+use crate::image::drawing::style::{INK, LABEL, rgb};
 use crate::sphere::registry::named;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
@@ -67,7 +67,7 @@ fn draw_octahedron(scene: &mut Scene, globe: &Globe, share: f64) {
     faces.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (_, octant, corners) in &faces {
         let corners = corners.map(|corner| globe.place(corner).0);
-        scene.polygon(corners, OCTANTS[*octant]);
+        scene.polygon(corners, rgb(OCTANTS[*octant]));
         scene.outline(corners, 1.4, INK);
     }
     let bounds = Frame::new(globe.centre - globe.radius * 2.2, globe.centre + globe.radius * 2.2);

@@ -12,16 +12,16 @@ pub struct Grid {
 }
 
 /// Maximum size; positions in a picture of all components stay exact.
-pub(crate) const MOST_SIZE: u32 = 16_384;
+pub(crate) const MAX_SIZE: u32 = 16_384;
 
 impl Grid {
-    /// `map` with `size` texels along the shorter side of each component, 1 to [`MOST_SIZE`].
+    /// `map` with `size` texels along the shorter side of each component, 1 to [`MAX_SIZE`].
     ///
     /// # Errors
     /// [`Error::Parameter`] for another size.
     pub fn new(map: &'static dyn SphereMap, size: u32) -> Result<Self> {
-        if size == 0 || size > MOST_SIZE {
-            return Err(Error::Parameter(format!("a map of {size} texels a side; use 1 to {MOST_SIZE}")));
+        if size == 0 || size > MAX_SIZE {
+            return Err(Error::Parameter(format!("a map of {size} texels a side; use 1 to {MAX_SIZE}")));
         }
         Ok(Self { map, size })
     }

@@ -1,6 +1,7 @@
 //! Flipped cubes, for engines that negate a coordinate at cube look-ups.
 
 use crate::chain::{Chain, Level};
+use crate::names::named;
 use crate::sphere::cube::{Face, cube_from_direction, cube_point};
 use glam::DVec3;
 
@@ -17,26 +18,9 @@ pub enum Flip {
     Z,
 }
 
+named!(Flip { None = "none", X = "x", Z = "z" });
+
 impl Flip {
-    /// Every flip.
-    pub const ALL: [Self; 3] = [Self::None, Self::X, Self::Z];
-
-    /// Name on the command line and in reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::X => "x",
-            Self::Z => "z",
-        }
-    }
-
-    /// The flip called `name`.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|flip| flip.name() == name)
-    }
-
     /// Maps a world direction to the engine's look-up direction, and back.
     #[must_use]
     pub fn apply(self, direction: DVec3) -> DVec3 {

@@ -15,6 +15,7 @@ use crate::format::container::Container;
 use crate::format::{LevelName, OutputLayout, Pixel, Shown};
 use crate::ladder::{Ladder, UNITY_LEVELS};
 use crate::lobe::Lobe;
+use crate::names::named;
 use crate::sh::scale::ShScale;
 use crate::sphere::cube::Face;
 
@@ -83,21 +84,9 @@ pub enum Diffuse {
     Both,
 }
 
+named!(Diffuse { None = "none", Cube = "cube", Sh = "sh", Both = "both" });
+
 impl Diffuse {
-    /// Every form.
-    pub const ALL: [Self; 4] = [Self::None, Self::Cube, Self::Sh, Self::Both];
-
-    /// Name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Cube => "cube",
-            Self::Sh => "sh",
-            Self::Both => "both",
-        }
-    }
-
     pub(crate) const fn has_cube(self) -> bool {
         matches!(self, Self::Cube | Self::Both)
     }
@@ -191,6 +180,10 @@ pub const UNTARGETED: Target = Target {
 /// Base of the engines' rows: the default size of their own bakers, all levels down to one texel, and lobes
 /// as texels.
 const ENGINE: Target = Target { size: 256, last_size: Some(1), chain: Some(ChainKind::Sampled), ..GENERIC };
+
+/// Base of engines that filter a panorama themselves.
+const SKY: Target =
+    Target { pixel: Pixel::F32, map: Map::Panorama, size: 1024, last_size: Some(1024), ..ENGINE };
 
 /// The presets.
 pub const TARGETS: [Target; 13] = [
@@ -362,50 +355,38 @@ pub const TARGETS: [Target; 13] = [
     Target {
         name: "unreal",
         reader: "Unreal's sky light, from a long-lat cube",
-        pixel: Pixel::F32,
-        map: Map::Panorama,
-        size: 1024,
-        last_size: Some(1024),
         quarter_turns: 1,
         files: &[
             FileSpec { path: "{name}_panorama.hdr", content: Panorama },
             FileSpec { path: "{name}_skybox.hdr", content: SkyboxPanorama },
         ],
         verified: None,
-        ..ENGINE
+        ..SKY
     },
     // u = atan(x, -z)/2 pi (servers/rendering/renderer_rd/shaders/environment/sky.glsl). The engine filters
     // itself.
     Target {
         name: "godot",
         reader: "Godot's PanoramaSkyMaterial",
-        pixel: Pixel::F32,
-        map: Map::Panorama,
-        size: 1024,
-        last_size: Some(1024),
         quarter_turns: 3,
         files: &[
             FileSpec { path: "{name}_panorama.exr", content: Panorama },
             FileSpec { path: "{name}_skybox.exr", content: SkyboxPanorama },
         ],
         verified: Some("Godot 3.2"),
-        ..ENGINE
+        ..SKY
     },
     // u = 1/2 - atan2(y, x)/2 pi (intern/cycles/kernel/camera/projection.h); glTF's (x, y, z) is imported as
     // (x, -z, y).
     Target {
         name: "blender",
         reader: "Blender's environment texture",
-        pixel: Pixel::F32,
-        map: Map::Panorama,
-        size: 1024,
-        last_size: Some(1024),
         files: &[
             FileSpec { path: "{name}_panorama.exr", content: Panorama },
             FileSpec { path: "{name}_skybox.exr", content: SkyboxPanorama },
         ],
         verified: Some("Blender 5.0 (bpy)"),
-        ..ENGINE
+        ..SKY
     },
 ];
 

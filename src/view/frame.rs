@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
 
 /// Most levels of a prefiltered cube.
-pub(super) const MOST_LEVELS: usize = 16;
+pub(super) const MAX_LEVELS: usize = 16;
 
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -45,7 +45,7 @@ pub(super) struct ViewFrame {
     source_from_world: [[f32; 4]; 3],
     levels_from_source: [[f32; 4]; 3],
     clip_from_world: [[f32; 4]; 4],
-    ladder: [[f32; 4]; MOST_LEVELS / 4],
+    ladder: [[f32; 4]; MAX_LEVELS / 4],
     ball: [BallUniform; ROW as usize],
 }
 
@@ -55,7 +55,7 @@ pub(super) struct LadderUniform {
     /// Number of levels.
     pub(super) count: u32,
     /// Roughness of each level.
-    pub(super) roughness: [f32; MOST_LEVELS],
+    pub(super) roughness: [f32; MAX_LEVELS],
     /// Factor of the texels.
     pub(super) scale: f32,
     /// Maps directions in the environment's space to those of the levels.
@@ -64,7 +64,7 @@ pub(super) struct LadderUniform {
 
 impl Default for LadderUniform {
     fn default() -> Self {
-        let roughness = [0.0; MOST_LEVELS];
+        let roughness = [0.0; MAX_LEVELS];
         Self { count: 1, roughness, scale: 1.0, levels_from_source: DMat3::IDENTITY }
     }
 }

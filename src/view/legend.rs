@@ -15,7 +15,7 @@ use half::f16;
 use image::RgbImage;
 
 /// Least width and height of a picture with a legend, in pixels.
-const LEAST: [u32; 2] = [320, 200];
+const MIN: [u32; 2] = [320, 200];
 
 /// Pixels between a legend and the edges of its picture.
 pub(super) const INSET: u32 = 12;
@@ -55,7 +55,7 @@ pub(super) fn shown(look: &Look, values: &[[f16; 4]], exposure: f64) -> Shown {
 /// The legend of a picture of `look`, `size` pixels wide and high; `None` for the scene and for small
 /// pictures.
 pub(super) fn legend(look: &Look, light: &Light, size: [u32; 2], shown: Shown) -> Option<RgbImage> {
-    if size[0] < LEAST[0] || size[1] < LEAST[1] {
+    if size[0] < MIN[0] || size[1] < MIN[1] {
         return None;
     }
     legend_scene(look, light.oem(), look.exposure.ev(light.exposure()), shown).map(|scene| scene.picture())

@@ -1,6 +1,7 @@
 //! Prefiltered cubes on the GPU: a bake's own levels, or those of an environment.
 
-use super::frame::{LadderUniform, MOST_LEVELS};
+use super::frame::{LadderUniform, MAX_LEVELS};
+use super::resources::{filled_texture, write_level};
 use crate::chain::Chain;
 use crate::environment::Layout;
 use crate::error::{Error, Result};
@@ -29,8 +30,8 @@ impl Levels {
         }
         let largest = chain.levels[0].size();
         let wrong = |message: String| Err(Error::Parameter(format!("cannot show these levels: {message}")));
-        if chain.levels.len() > MOST_LEVELS {
-            return wrong(format!("{} levels; at most {MOST_LEVELS} are supported", chain.levels.len()));
+        if chain.levels.len() > MAX_LEVELS {
+            return wrong(format!("{} levels; at most {MAX_LEVELS} are supported", chain.levels.len()));
         }
         for (number, level) in (0..).zip(&chain.levels) {
             let expected = largest.checked_shr(number).unwrap_or(0).max(1);
@@ -87,16 +88,9 @@ pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3
             remedy: "choose a filter other than levels".to_owned(),
         });
     }
-    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
-        label: Some("prefiltered cube"),
-        size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 6 },
-        mip_level_count: chain.levels.len() as u32,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba16Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    let count = chain.levels.len() as u32;
+    let format = wgpu::TextureFormat::Rgba16Float;
+    let texture = filled_texture(context, "prefiltered cube", format, [size, size, 6], count);
     let texels = chain.levels.iter().flat_map(|level| level.texels.as_flattened());
     let exponent = exponent_of(texels.copied().fold(0.0, f32::max));
     // Scale in two steps, each within the range of float32.
@@ -108,26 +102,16 @@ pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3
             .iter()
             .map(|[r, g, b]| [scale(*r), scale(*g), scale(*b), 1.0].map(f16::from_f32))
             .collect();
-        context.queue().write_texture(
-            wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() },
-            bytemuck::cast_slice(&texels),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(8 * level.size()),
-                rows_per_image: Some(level.size()),
-            },
-            wgpu::Extent3d { width: level.size(), height: level.size(), depth_or_array_layers: 6 },
-        );
+        write_level(context, &texture, mip_level, bytemuck::cast_slice(&texels));
     }
     let view = texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::Cube),
         ..Default::default()
     });
-    let mut roughness = [0.0; MOST_LEVELS];
+    let mut roughness = [0.0; MAX_LEVELS];
     for (value, level) in roughness.iter_mut().zip(&chain.levels) {
         *value = level.roughness as f32;
     }
-    let count = chain.levels.len() as u32;
     let scale = (exponent as f32).exp2();
     Ok(Cube { view, exponent, ladder: LadderUniform { count, roughness, scale, levels_from_source } })
 }

@@ -19,7 +19,7 @@ use crate::light_scale::LightScale;
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
 use crate::reflector::ReflectorSettings;
-use crate::table_bytes::{LIMIT, Served};
+use crate::table_bytes::{LIMIT, LobeRequest};
 use glam::{DMat3, DVec3};
 use std::cell::OnceCell;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -112,8 +112,11 @@ impl Light {
         if table.oem_size.is_none() {
             size.inner = size.inner.min(LARGEST);
         }
-        let served =
-            [Filter::Box, Filter::Fitted(4)].map(|filter| Served { lobe: Lobe::Ggx, roughness: 1.0, filter });
+        let served = [Filter::Box, Filter::Fitted(4)].map(|filter| LobeRequest {
+            lobe: Lobe::Ggx,
+            roughness: 1.0,
+            filter,
+        });
         let settled = ReflectorSettings { oem_size: Some(size.inner), ..settings };
         settled.check_memory("this viewer", environment.layout(), &served, LIMIT)?;
         let texture = upload(context, &environment)?;

@@ -26,10 +26,10 @@ mod model;
 mod panel;
 mod present;
 mod renderer;
+mod resources;
 mod roughness_map;
 pub mod scene;
 mod screenshot;
-mod textures;
 mod truth;
 mod viewer;
 #[cfg(target_arch = "wasm32")]
@@ -42,11 +42,11 @@ pub use camera::{Camera, Frame, field_around};
 pub use levels::Levels;
 pub use light::Light;
 pub use look::{Ground, Look, Object, Paint, Show, Technique, Tone};
-pub use present::Viewport;
+pub use present::{Display, Viewport};
 pub use renderer::Renderer;
 pub use screenshot::{Screenshot, screenshot};
 pub use truth::Truth;
 pub use viewer::Viewer;
-pub use window::Start;
 #[cfg(not(target_arch = "wasm32"))]
-pub use window::run;
+pub use viewer::run;
+pub use window::Start;

@@ -1,7 +1,7 @@
 //! A mesh on the GPU: triangles, materials and textures.
 
 use super::mip_levels::{Space, halved};
-use super::textures::texture_of;
+use super::resources::{filled_texture, texture_of, write_level};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::mesh::{Image, Material, Mesh, SubMesh, Texture, Wrap};
@@ -57,19 +57,15 @@ impl Surface {
         Self { uniform, base: base.clone(), surface: surface.clone() }
     }
 
-    /// Bind group entries from binding `first` on.
-    pub(super) fn entries(&self, first: u32) -> Vec<wgpu::BindGroupEntry<'_>> {
-        let resources = [
+    /// Resources of the material's bindings.
+    pub(super) fn resources(&self) -> [wgpu::BindingResource<'_>; 5] {
+        [
             self.uniform.as_entire_binding(),
             wgpu::BindingResource::TextureView(&self.base.0),
             wgpu::BindingResource::Sampler(&self.base.1),
             wgpu::BindingResource::TextureView(&self.surface.0),
             wgpu::BindingResource::Sampler(&self.surface.1),
-        ];
-        (first..)
-            .zip(resources)
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-            .collect()
+        ]
     }
 }
 
@@ -184,32 +180,17 @@ fn upload(context: &Context, image: &Image, space: Space) -> Result<wgpu::Textur
         )));
     }
     let levels = width.max(height).ilog2() + 1;
-    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
-        label: Some("texture of a mesh"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: levels,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: match space {
-            Space::Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
-            Space::Linear => wgpu::TextureFormat::Rgba8Unorm,
-        },
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    let format = match space {
+        Space::Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
+        Space::Linear => wgpu::TextureFormat::Rgba8Unorm,
+    };
+    let texture = filled_texture(context, "texture of a mesh", format, [width, height, 1], levels);
     let mut level = std::borrow::Cow::Borrowed(image);
     for mip_level in 0..levels {
         if mip_level > 0 {
             level = std::borrow::Cow::Owned(halved(&level, space));
         }
-        let size = wgpu::Extent3d { width: level.width, height: level.height, depth_or_array_layers: 1 };
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(4 * level.width),
-            rows_per_image: None,
-        };
-        let place = wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() };
-        context.queue().write_texture(place, bytemuck::cast_slice(&level.texels), layout, size);
+        write_level(context, &texture, mip_level, bytemuck::cast_slice(&level.texels));
     }
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
 }

@@ -100,7 +100,7 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 None,
             );
             choice(ui, "Show", &mut look.show, &Show::ALL, None);
-            choice(ui, "Tone", &mut look.tone, Tone::NAMES, None);
+            choice(ui, "Tone", &mut look.tone, &Tone::ALL.map(|value| (value, value.name())), None);
             ui.label(if painted { "Tint" } else { "Metal" });
             ui.color_edit_button_rgb(if painted { &mut look.tint } else { &mut look.metal });
             ui.end_row();

@@ -1,6 +1,7 @@
 //! Tone-maps a linear picture for the display.
 
 use super::look::{Look, Tone};
+use super::resources::{Draw, draw_pass, group};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
 use std::collections::HashMap;
@@ -29,6 +30,19 @@ pub struct Viewport {
     pub height: u32,
 }
 
+/// Where a picture is shown: in `viewport` of `view`, by a pass of `encoder`.
+#[derive(Debug)]
+pub struct Display<'a> {
+    /// Records the pass.
+    pub encoder: &'a mut wgpu::CommandEncoder,
+    /// The target.
+    pub view: &'a wgpu::TextureView,
+    /// Its format.
+    pub format: wgpu::TextureFormat,
+    /// The picture's position.
+    pub viewport: Viewport,
+}
+
 /// Presents pictures to textures of any format.
 #[derive(Debug)]
 pub(super) struct Presenter {
@@ -41,40 +55,15 @@ impl Presenter {
         Self { context: context.clone(), pipelines: HashMap::new() }
     }
 
-    /// Draws the linear `picture` into `viewport` of `view`, tone-mapped, in sRGB.
-    pub(super) fn present(
-        &mut self,
-        picture: &wgpu::TextureView,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-        look: &Look,
-    ) {
-        let device = self.context.device();
+    /// Draws the linear `picture` to `display`, tone-mapped, in sRGB.
+    pub(super) fn present(&mut self, picture: &wgpu::TextureView, display: Display<'_>, look: &Look) {
+        let Display { encoder, view, format, viewport } = display;
         let pipeline = self.pipelines.entry(format).or_insert_with(|| {
             let module = shader::module(&self.context, "view/present.wgsl");
-            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("present"),
-                layout: None,
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("cover"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: None,
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("show"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(format.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
+            let entries = ["cover", "show"];
+            let target = format.into();
+            Draw { module: &module, entries, layout: None, corners: None, target, depth: None }
+                .pipeline(&self.context)
         });
         let tone = match look.tone {
             _ if look.show.is_false_colour() => 3,
@@ -93,27 +82,9 @@ impl Presenter {
         };
         // One for each pass: a write to a shared one would also reach passes recorded before and not yet run.
         let uniform = self.context.uniform("present", &uniform);
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("present"),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(picture) },
-            ],
-        });
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("present"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
+        let resources = [uniform.as_entire_binding(), wgpu::BindingResource::TextureView(picture)];
+        let group = group(&self.context, "present", &pipeline.get_bind_group_layout(0), resources);
+        let mut pass = draw_pass(encoder, "present", view, true, None, None);
         let Viewport { x, y, width, height } = viewport;
         pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
         pass.set_pipeline(pipeline);

@@ -5,13 +5,16 @@ use super::frame::{LadderUniform, ViewFrame};
 use super::light::{Light, Passes};
 use super::look::{Look, Object, Show, Technique};
 use super::model::{Model, Surface};
-use super::present::{Presenter, Viewport};
-use super::roughness_map::RoughnessMap;
-use super::textures::{roughness_texture, target, texture_of};
+use super::present::{Display, Presenter};
+use super::resources::{
+    Draw, PICTURE, SAMPLER, Targets, UNIFORM, draw_pass, group, group_layout, pipeline_layout, target,
+    texture_binding, texture_of,
+};
+use super::roughness_map::{self, roughness_map};
 use super::truth::PixelQuery;
 use crate::bake::dfg::{DfgBlue, DfgForm, dfg_table};
 use crate::environment::Environment;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::Context;
 use crate::gpu::box_filter::SatTextures;
 use crate::gpu::device::timer::Timer;
@@ -26,9 +29,7 @@ use std::ops::Range;
 /// Texels along an edge of the split-sum table.
 const SPLIT_SUM: u32 = 64;
 
-const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
-const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Source of a pixel's radiance: a shader file and its resources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -76,15 +77,6 @@ impl PassOutput {
     }
 }
 
-/// Textures as large as the picture.
-#[derive(Debug)]
-struct Targets {
-    width: u32,
-    height: u32,
-    picture: wgpu::TextureView,
-    depth: wgpu::TextureView,
-}
-
 /// Pipelines and resources for drawing on one device.
 #[derive(Debug)]
 pub struct Renderer {
@@ -118,52 +110,31 @@ impl Renderer {
     /// Compiles the common pipelines; others are compiled on first use.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if a shader fails to compile.
+    /// [`crate::Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context) -> Result<Self> {
         let device = context.device();
-        let uniform = |label, size| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
+        let frame = wgpu::BufferDescriptor {
+            label: Some("view frame"),
+            size: size_of::<ViewFrame>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
         };
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-            ty,
-            count: None,
-        };
-        let buffer = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let texture = |filterable, view_dimension| wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable },
-            view_dimension,
-            multisampled: false,
-        };
-        let flat = texture(false, wgpu::TextureViewDimension::D2);
-        let cube = texture(true, wgpu::TextureViewDimension::Cube);
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-        let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
-        };
-        let image = texture(true, wgpu::TextureViewDimension::D2);
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let flat = texture_binding(false, wgpu::TextureViewDimension::D2);
+        let image = texture_binding(true, wgpu::TextureViewDimension::D2);
+        let cube = texture_binding(true, wgpu::TextureViewDimension::Cube);
         // Entries of the picture, then those of the material.
-        let frame_entries: Vec<_> = (0..)
-            .zip([buffer, flat, flat, flat, buffer, buffer, image, sampler, image, sampler])
-            .map(|(binding, ty)| entry(binding, ty))
-            .collect();
+        let frame_entries = [UNIFORM, flat, flat, flat, UNIFORM, UNIFORM, image, SAMPLER, image, SAMPLER];
+        let roughness = |size, texels: &[u8]| {
+            texture_of(&context, "roughness map", wgpu::TextureFormat::R8Unorm, [size; 2], texels)
+        };
         let table = dfg_table(SPLIT_SUM, DfgForm::SplitSum, DfgBlue::Empty)?;
         let split_sum: Vec<[f32; 2]> = table.texels.iter().map(|[scale, bias, _]| [*scale, *bias]).collect();
         let renderer = Self {
             passes: Passes::new(&context),
-            frame: uniform("view frame", size_of::<ViewFrame>() as u64),
-            frame_layout: layout("view frame", &frame_entries),
-            levels_layout: layout("prefiltered cube", &[entry(0, cube), entry(1, sampler)]),
+            frame: device.create_buffer(&frame),
+            frame_layout: group_layout(&context, "view frame", stages, &frame_entries),
+            levels_layout: group_layout(&context, "prefiltered cube", stages, &[cube, SAMPLER]),
             boxes_layout: SatTextures::bind_group_layout(device, wgpu::ShaderStages::FRAGMENT),
             fitted_layout: FittedTables::bind_group_layout(device, wgpu::ShaderStages::FRAGMENT),
             pipelines: HashMap::new(),
@@ -174,8 +145,8 @@ impl Renderer {
                 [SPLIT_SUM; 2],
                 bytemuck::cast_slice(&split_sum),
             ),
-            roughness: roughness_texture(&context, &RoughnessMap::own())?,
-            even: roughness_texture(&context, &RoughnessMap::even())?,
+            roughness: roughness(roughness_map::SIZE, &roughness_map()),
+            even: roughness(1, &[255]),
             trilinear: device.create_sampler(&wgpu::SamplerDescriptor {
                 mag_filter: wgpu::FilterMode::Linear,
                 min_filter: wgpu::FilterMode::Linear,
@@ -205,8 +176,8 @@ impl Renderer {
     /// Prepares `environment` on an OEM of the size, border and scan of `table`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels, [`Error::Limit`] if the tables do not fit the device,
-    /// [`Error::Unsupported`] for a scan that runs on the CPU only.
+    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables do not fit the device,
+    /// [`crate::Error::Unsupported`] for a scan that runs on the CPU only.
     pub fn light(&mut self, environment: &Environment, table: &ReflectorSettings) -> Result<Light> {
         Light::new(&self.context, &self.passes, environment, table)
     }
@@ -214,7 +185,7 @@ impl Renderer {
     /// Sets the mesh of [`Object::Mesh`].
     ///
     /// # Errors
-    /// [`Error::Limit`] and [`Error::Parameter`] if it does not fit the device.
+    /// [`crate::Error::Limit`] and [`crate::Error::Parameter`] if it does not fit the device.
     pub fn set_mesh(&mut self, mesh: &Mesh) -> Result<()> {
         self.mesh = Some(Model::new(&self.context, mesh)?);
         self.context.check()
@@ -228,7 +199,7 @@ impl Renderer {
     /// Draws the linear picture with `width` x `height` samples.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an unsupported look, [`Error::Gpu`] if the device fails.
+    /// [`crate::Error::Parameter`] for an unsupported look, [`crate::Error::Gpu`] if the device fails.
     pub fn draw(&mut self, look: &Look, light: &Light, width: u32, height: u32) -> Result<()> {
         self.draw_rows(look, light, (width, height), 0..height)
     }
@@ -284,7 +255,7 @@ impl Renderer {
     /// more.
     ///
     /// # Errors
-    /// Those of [`Renderer::draw`], and [`Error::Gpu`] if the adapter has no timestamp queries.
+    /// Those of [`Renderer::draw`], and [`crate::Error::Gpu`] if the adapter has no timestamp queries.
     pub(super) fn times(
         &mut self,
         look: &Look,
@@ -317,20 +288,9 @@ impl Renderer {
         self.truth = texture_of(&self.context, "truth", SAMPLES, size, bytemuck::cast_slice(answers));
     }
 
-    fn make_next(&mut self, (width, height): (u32, u32)) -> Result<()> {
-        let most = self.context.device().limits().max_texture_dimension_2d;
-        if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
-            return Err(Error::Parameter(format!(
-                "a picture of {width} x {height} pixels; each side must be 1 to {most}"
-            )));
-        }
-        if self.next.as_ref().is_none_or(|had| (had.width, had.height) != (width, height)) {
-            let view = |label, format| {
-                target(&self.context, label, format, [width, height])
-                    .create_view(&wgpu::TextureViewDescriptor::default())
-            };
-            let (picture, depth) = (view("picture", PICTURE), view("depth", DEPTH));
-            self.next = Some(Targets { width, height, picture, depth });
+    fn make_next(&mut self, size: (u32, u32)) -> Result<()> {
+        if self.next.as_ref().is_none_or(|had| had.size != size) {
+            self.next = Some(Targets::new(&self.context, size)?);
         }
         Ok(())
     }
@@ -351,7 +311,7 @@ impl Renderer {
             self.pipeline(source, output, true);
         }
         let cube = if source == RadianceSource::Levels { Some(light.levels(&self.context)?) } else { None };
-        let Targets { width, height, depth, .. } = self.next.as_ref().expect("made before");
+        let Targets { size: (width, height), depth, .. } = self.next.as_ref().expect("made before");
         let frame = look.camera.frame(f64::from(*width) / f64::from(*height), look.field());
         let uniform = ViewFrame::new(
             look,
@@ -388,51 +348,17 @@ impl Renderer {
             (RadianceSource::Box, _) => Some(light.boxes().bind_group(device, &self.boxes_layout)),
             (RadianceSource::Fitted, _) => Some(light.fitted().bind_group(device, &self.fitted_layout)),
             (RadianceSource::Levels, Some(cube)) => {
-                Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("prefiltered cube"),
-                    layout: &self.levels_layout,
-                    entries: &[
-                        wgpu::BindGroupEntry {
-                            binding: 0,
-                            resource: wgpu::BindingResource::TextureView(&cube.view),
-                        },
-                        wgpu::BindGroupEntry {
-                            binding: 1,
-                            resource: wgpu::BindingResource::Sampler(&self.trilinear),
-                        },
-                    ],
-                }))
+                let view = wgpu::BindingResource::TextureView(&cube.view);
+                let sampler = wgpu::BindingResource::Sampler(&self.trilinear);
+                Some(group(&self.context, "prefiltered cube", &self.levels_layout, [view, sampler]))
             }
             (RadianceSource::Levels, None) | (RadianceSource::Truth, _) => None,
         };
         let (first, last) = (rows.start == 0, rows.end >= *height);
         self.context.submit(|encoder| {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("picture"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: if first {
-                            wgpu::LoadOp::Clear(wgpu::Color::BLACK)
-                        } else {
-                            wgpu::LoadOp::Load
-                        },
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: depth,
-                    depth_ops: Some(wgpu::Operations {
-                        load: if first { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load },
-                        store: if last { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store },
-                    }),
-                    stencil_ops: None,
-                }),
-                timestamp_writes: self.timer.as_ref().map(|(timer, place)| timer.render_writes(*place)),
-                ..Default::default()
-            });
+            let store = if last { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
+            let writes = self.timer.as_ref().map(|(timer, place)| timer.render_writes(*place));
+            let mut pass = draw_pass(encoder, "picture", view, first, Some((depth, store)), writes);
             pass.set_scissor_rect(0, rows.start, *width, rows.end.min(*height) - rows.start);
             pass.set_bind_group(0, &plain, &[]);
             if let Some(answers) = &answers {
@@ -456,20 +382,10 @@ impl Renderer {
     /// Bind group 0 for pictures of `look` under `light`, for surfaces of one material.
     fn frame_group(&self, look: &Look, light: &Light, surface: &Surface) -> wgpu::BindGroup {
         let roughness = if look.textured { &self.roughness } else { &self.even };
-        let textures = [&self.split_sum, roughness, &self.truth];
-        let textures = (1..).zip(textures).map(|(binding, view)| wgpu::BindGroupEntry {
-            binding,
-            resource: wgpu::BindingResource::TextureView(view),
-        });
-        let buffers = [(0, &self.frame), (4, light.diffuse())];
-        let buffers = buffers
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
-        let entries: Vec<_> = buffers.into_iter().chain(textures).chain(surface.entries(5)).collect();
-        self.context.device().create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("view frame"),
-            layout: &self.frame_layout,
-            entries: &entries,
-        })
+        let textures = [&self.split_sum, roughness, &self.truth].map(wgpu::BindingResource::TextureView);
+        let picture = std::iter::once(self.frame.as_entire_binding()).chain(textures);
+        let resources = picture.chain([light.diffuse().as_entire_binding()]).chain(surface.resources());
+        group(&self.context, "view frame", &self.frame_layout, resources)
     }
 
     /// Compiles the pipeline for `output`: for meshes, or for the triangle that covers the picture.
@@ -477,22 +393,20 @@ impl Renderer {
         if self.pipelines.contains_key(&(source, output, of_mesh)) {
             return;
         }
-        let device = self.context.device();
         let module = shader::module(&self.context, source.file());
-        let group = match source {
+        let own = match source {
             RadianceSource::Box => Some(&self.boxes_layout),
             RadianceSource::Fitted => Some(&self.fitted_layout),
             RadianceSource::Levels => Some(&self.levels_layout),
             RadianceSource::Truth => None,
         };
-        let groups: Vec<_> = std::iter::once(&self.frame_layout).chain(group).map(Some).collect();
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(source.file()),
-            bind_group_layouts: &groups,
-            immediate_size: 0,
-        });
+        let groups = std::iter::once(&self.frame_layout).chain(own);
+        let layout = pipeline_layout(&self.context, source.file(), groups);
         let (cover, mesh) = output.entry_points();
-        let fragment = if of_mesh { mesh.expect("meshes are drawn") } else { cover };
+        let entries = match (of_mesh, mesh) {
+            (true, Some(mesh)) => ["transform", mesh],
+            _ => ["cover", cover],
+        };
         let corners = wgpu::VertexBufferLayout {
             array_stride: size_of::<Vertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
@@ -500,36 +414,16 @@ impl Renderer {
                 0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2, 4 => Float32x2
             ],
         };
-        let buffers = [Some(corners)];
-        let depth_compare =
-            if of_mesh { wgpu::CompareFunction::LessEqual } else { wgpu::CompareFunction::Always };
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(fragment),
+        let compare = if of_mesh { wgpu::CompareFunction::LessEqual } else { wgpu::CompareFunction::Always };
+        let pipeline = Draw {
+            module: &module,
+            entries,
             layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(if of_mesh { "transform" } else { "cover" }),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: if of_mesh { &buffers } else { &[] },
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(of_mesh),
-                depth_compare: Some(depth_compare),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some(fragment),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(output.format().into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+            corners: of_mesh.then_some(corners),
+            target: output.format().into(),
+            depth: Some((of_mesh, compare)),
+        }
+        .pipeline(&self.context);
         self.pipelines.insert((source, output, of_mesh), pipeline);
     }
 
@@ -544,20 +438,13 @@ impl Renderer {
         })
     }
 
-    /// Draws the last picture into `viewport` of `view`, tone-mapped, in sRGB, as one pass of `encoder`.
+    /// Draws the last picture to `display`, tone-mapped, in sRGB.
     ///
     /// # Panics
     /// If no picture was drawn.
-    pub fn present(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-        look: &Look,
-    ) {
+    pub fn present(&mut self, display: Display<'_>, look: &Look) {
         let picture = &self.shown.as_ref().expect("a picture was drawn").picture;
-        self.presenter.present(picture, encoder, view, format, viewport, look);
+        self.presenter.present(picture, display, look);
     }
 }
 

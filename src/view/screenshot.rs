@@ -1,8 +1,8 @@
 //! Renders pictures without a window.
 
 use super::legend::{legend, put, shown};
-use super::textures::target;
-use super::{Light, Look, Renderer, Show, Truth, Viewport};
+use super::resources::target;
+use super::{Display, Light, Look, Renderer, Show, Truth, Viewport};
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::gpu::device::readback;
@@ -44,10 +44,7 @@ pub async fn screenshot(
     }
     renderer.draw(look, light, columns, rows)?;
     let context = renderer.context().clone();
-    let mut picture = presented(&context, [width, height], |encoder, view, format, viewport| {
-        renderer.present(encoder, view, format, viewport, look);
-    })
-    .await?;
+    let mut picture = presented(&context, [width, height], |display| renderer.present(display, look)).await?;
     if let Some(values) = renderer.values().filter(|_| look.show != Show::Scene) {
         let values = values.await?;
         let shown = shown(look, &values, look.exposure.ev(light.exposure()));
@@ -65,13 +62,13 @@ pub async fn screenshot(
 pub(super) async fn presented(
     context: &Context,
     [width, height]: [u32; 2],
-    present: impl FnOnce(&mut wgpu::CommandEncoder, &wgpu::TextureView, wgpu::TextureFormat, Viewport),
+    present: impl FnOnce(Display<'_>),
 ) -> Result<RgbImage> {
     let format = wgpu::TextureFormat::Rgba8Unorm;
     let texture = target(context, "screenshot", format, [width, height]);
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
     let viewport = Viewport { x: 0, y: 0, width, height };
-    context.submit(|encoder| present(encoder, &view, format, viewport));
+    context.submit(|encoder| present(Display { encoder, view: &view, format, viewport }));
     let pixels: Vec<[u8; 4]> = readback::read_texture(context, &texture).await?;
     let mut picture = RgbImage::new(width, height);
     for (pixel, [r, g, b, _]) in picture.pixels_mut().zip(pixels) {

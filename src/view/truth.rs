@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::filter::Filter;
 use crate::lobe::Lobe;
 use crate::reflector::{Reflector, ReflectorSettings, Workspace};
-use crate::table_bytes::{LIMIT, Served};
+use crate::table_bytes::{LIMIT, LobeRequest};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -31,7 +31,7 @@ impl Truth {
     /// Those of [`Reflector::new`].
     pub fn new(environment: &Environment) -> Result<Self> {
         // Sharp lobes read bilinear cells, wide ones constant ones.
-        let served = |roughness| Served { lobe: Lobe::Ggx, roughness, filter: Filter::Adaptive(1e-3) };
+        let served = |roughness| LobeRequest { lobe: Lobe::Ggx, roughness, filter: Filter::Adaptive(1e-3) };
         let all = [served(1e-3), served(1.0)];
         let (layout, default) = (environment.layout(), ReflectorSettings::default());
         let (size, _) = default.plan(layout)?;

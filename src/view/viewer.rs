@@ -1,14 +1,18 @@
 //! The viewer without its window: progressive drawing of the picture, and opening of files.
 
+use super::camera::Camera;
 use super::later::{Later, later};
 use super::legend::{self, INSET};
 use super::levels::Levels;
 use super::light::Light;
 use super::look::{Look, Object, Show, Technique};
 use super::panel::{Motion, Status, panel};
-use super::present::Viewport;
+use super::present::{Display, Viewport};
 use super::renderer::Renderer;
 use super::truth::{PixelQuery, Truth};
+#[cfg(not(target_arch = "wasm32"))]
+use super::window;
+use super::window::{FromStart, Start, WindowContent, beside_panel};
 use crate::chain::Chain;
 use crate::environment::Environment;
 use crate::error::Result;
@@ -38,7 +42,7 @@ const SLICE: Duration = Duration::from_millis(60);
 const COARSEST: f64 = 10.0;
 
 /// Most bands of a full picture.
-const MOST_BANDS: f64 = 16.0;
+const MAX_BANDS: f64 = 16.0;
 
 /// Refinement steps of the certified tier: pixels per sample along an edge.
 const STEPS: [u32; 4] = [8, 4, 2, 1];
@@ -51,7 +55,7 @@ const TIMES: Duration = Duration::from_millis(500);
 
 /// Progress of the certified tier on one picture.
 #[derive(Debug)]
-struct Work {
+struct Refinement {
     look: Look,
     /// Pixels of the final picture.
     full: (u32, u32),
@@ -135,7 +139,7 @@ pub struct Viewer {
     before: Before,
     /// Duration of a frame that draws no picture.
     bare: Option<Duration>,
-    work: Option<Work>,
+    work: Option<Refinement>,
     note: Option<Note>,
     times: Vec<(&'static str, f64)>,
     pending_times: Option<Later<Vec<(&'static str, f64)>>>,
@@ -143,94 +147,15 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// A viewer of `environment`, named `name`, drawn by `renderer`.
-    ///
-    /// # Errors
-    /// Those of [`Renderer::light`].
-    pub fn new(
-        mut renderer: Renderer,
-        environment: &Environment,
-        name: String,
-        look: Look,
-        table: ReflectorSettings,
-    ) -> Result<Self> {
-        let light = renderer.light(environment, &table)?;
-        let now = Instant::now();
-        Ok(Self {
-            adapter: renderer.context().describe(),
-            has_mesh: look.object == Object::Mesh,
-            renderer,
-            // Other environments have other sizes.
-            table: ReflectorSettings { oem_size: None, ..table },
-            light,
-            truth: None,
-            look,
-            motion: Motion::default(),
-            name,
-            message: None,
-            panel_hidden: false,
-            slider: None,
-            drawn: None,
-            full: (1, 1),
-            bands: None,
-            lamp_lit: false,
-            started: now,
-            changed: now,
-            last_frame: now,
-            coarseness: 2.0,
-            reported_size: (0, 0),
-            before: Before::Other,
-            bare: None,
-            work: None,
-            note: None,
-            times: Vec::new(),
-            pending_times: None,
-            timed: now,
-        })
-    }
-
-    /// Sets the levels of the bake whose level 0 is the environment.
-    ///
-    /// # Errors
-    /// Those of [`Light::set_levels`].
-    pub fn set_levels(&mut self, levels: &Levels) -> Result<()> {
-        self.light.set_levels(self.renderer.context(), levels)
-    }
-
-    /// The device.
-    #[must_use]
-    pub const fn context(&self) -> &Context {
-        self.renderer.context()
-    }
-
     /// The current look, for changes.
     pub const fn look_mut(&mut self) -> &mut Look {
         &mut self.look
-    }
-
-    /// Hides the panel, or shows it if it is hidden.
-    pub fn toggle_panel(&mut self) {
-        self.panel_hidden = !self.panel_hidden;
-        // The picture's size changes.
-        self.drawn = None;
     }
 
     /// Samples of the current picture, columns and rows.
     #[must_use]
     pub fn picture_size(&self) -> (u32, u32) {
         self.drawn.as_ref().map_or((0, 0), |(_, size)| *size)
-    }
-
-    /// [`Viewer::open`] for a file on disk.
-    pub(crate) fn open_file(&mut self, path: &Path) {
-        let outcome = if is_mesh(path) {
-            Mesh::read(path).and_then(|mesh| self.take_mesh(&mesh))
-        } else {
-            let chain = if path.is_dir() || starts_as_chain(path) { io::read_chain(path).ok() } else { None };
-            io::read(path, &options())
-                .and_then(|loaded| self.take_environment(&loaded.environment, chain, path))
-        };
-        self.message = outcome.err().map(|error| error.to_string());
     }
 
     fn take_mesh(&mut self, mesh: &Mesh) -> Result<()> {
@@ -266,23 +191,6 @@ impl Viewer {
         self.work = None;
         self.drawn = None;
         taken.map(drop)
-    }
-
-    /// Whether the next frame will differ from the last.
-    #[must_use]
-    pub fn is_busy(&self) -> bool {
-        let settled = self.drawn.as_ref().is_some_and(|(look, _)| *look == self.look);
-        let Motion { turning, lamp, timing } = self.motion;
-        // The panel shows the picture's size.
-        let size_shown = self.panel_hidden || self.reported_size == self.picture_size();
-        !settled
-            || !size_shown
-            || turning
-            || lamp
-            || timing
-            || self.work.is_some()
-            || self.coarse()
-            || self.is_noting()
     }
 
     /// Whether the legend is not ready.
@@ -327,22 +235,6 @@ impl Viewer {
             area.interactable(false).show(context, |ui| ui.image(legend));
         }
         Ok(())
-    }
-
-    /// Draws as much of a picture of `full` pixels as the frame time allows.
-    pub fn draw(&mut self, full: (u32, u32)) {
-        let drawn = self.try_draw(full);
-        self.take_note();
-        if let Err(error) = drawn {
-            // Do not retry before something changes.
-            self.drawn = Some((self.look.clone(), full));
-            self.work = None;
-            self.message = Some(error.to_string());
-        }
-        // Measure consecutive frames only.
-        if !self.is_busy() {
-            self.before = Before::Other;
-        }
     }
 
     fn try_draw(&mut self, full: (u32, u32)) -> Result<()> {
@@ -411,7 +303,7 @@ impl Viewer {
                 rows: f64::from(height) / self.coarseness.powi(2),
             },
             |bands| {
-                let least = f64::from(height) / MOST_BANDS;
+                let least = f64::from(height) / MAX_BANDS;
                 Bands { rows: (bands.rows / self.pace(passed).clamp(0.5, 2.0)).max(least), ..bands }
             },
         );
@@ -473,11 +365,11 @@ impl Viewer {
         Ok(())
     }
 
-    fn begin(&mut self, step: usize) -> Result<Work> {
+    fn begin(&mut self, step: usize) -> Result<Refinement> {
         let size = coarser(self.full, f64::from(STEPS[step]));
         let samples = self.renderer.samples(&self.look, &self.light, size.0, size.1)?;
         let asked = later(self.renderer.context(), samples);
-        Ok(Work { look: self.look.clone(), full: self.full, step, size, asked, answers: Vec::new() })
+        Ok(Refinement { look: self.look.clone(), full: self.full, step, size, asked, answers: Vec::new() })
     }
 
     /// Measures the times of the passes at intervals.
@@ -514,28 +406,20 @@ impl Viewer {
         Ok(())
     }
 
-    /// Draws the current picture into `viewport` of `view`.
-    pub fn present(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-    ) {
-        if let Some((look, _)) = &self.drawn {
-            self.renderer.present(encoder, view, format, viewport, look);
-        }
-    }
-
     /// [`Viewer::show_note`]; errors become messages.
     fn note_or_message(&mut self, context: &egui::Context, left: f32) {
         if let Err(error) = self.show_note(context, left) {
             self.message = Some(error.to_string());
         }
     }
+}
 
-    /// Runs the panel; returns the viewport left for the picture, in pixels of a target of `size`.
-    pub fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport {
+impl WindowContent for Viewer {
+    fn context(&self) -> &Context {
+        self.renderer.context()
+    }
+
+    fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport {
         let (width, height) = size;
         if self.panel_hidden {
             self.slider = None;
@@ -576,9 +460,147 @@ impl Viewer {
         self.slider = Some(shown.inner);
         let right = shown.response.rect.right();
         self.note_or_message(ui.ctx(), right);
-        let edge = (right * ui.ctx().pixels_per_point()).round() as u32;
-        let x = edge.min(width.saturating_sub(1));
-        Viewport { x, y: 0, width: width - x, height }
+        beside_panel(ui, right, (width, height))
+    }
+
+    fn draw(&mut self, full: (u32, u32)) {
+        let drawn = self.try_draw(full);
+        self.take_note();
+        if let Err(error) = drawn {
+            // Do not retry before something changes.
+            self.drawn = Some((self.look.clone(), full));
+            self.work = None;
+            self.message = Some(error.to_string());
+        }
+        // Measure consecutive frames only.
+        if !self.is_busy() {
+            self.before = Before::Other;
+        }
+    }
+
+    fn present(&mut self, display: Display<'_>) {
+        if let Some((look, _)) = &self.drawn {
+            self.renderer.present(display, look);
+        }
+    }
+
+    fn is_busy(&self) -> bool {
+        let settled = self.drawn.as_ref().is_some_and(|(look, _)| *look == self.look);
+        let Motion { turning, lamp, timing } = self.motion;
+        // The panel shows the picture's size.
+        let size_shown = self.panel_hidden || self.reported_size == self.picture_size();
+        !settled
+            || !size_shown
+            || turning
+            || lamp
+            || timing
+            || self.work.is_some()
+            || self.coarse()
+            || self.is_noting()
+    }
+
+    fn open(&mut self, path: &Path, bytes: &[u8]) {
+        let outcome = if is_mesh(path) {
+            Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
+        } else {
+            let chain = if is_chain(bytes) {
+                io::read_chain_from_memory(path, bytes, options().memory_limit).ok()
+            } else {
+                None
+            };
+            io::read_from_memory(path, bytes, &options())
+                .and_then(|loaded| self.take_environment(&loaded.environment, chain, path))
+        };
+        self.message = outcome.err().map(|error| error.to_string());
+    }
+
+    fn open_file(&mut self, path: &Path) {
+        let outcome = if is_mesh(path) {
+            Mesh::read(path).and_then(|mesh| self.take_mesh(&mesh))
+        } else {
+            let chain = if path.is_dir() || starts_as_chain(path) { io::read_chain(path).ok() } else { None };
+            io::read(path, &options())
+                .and_then(|loaded| self.take_environment(&loaded.environment, chain, path))
+        };
+        self.message = outcome.err().map(|error| error.to_string());
+    }
+
+    fn camera(&mut self) -> &mut Camera {
+        &mut self.look.camera
+    }
+
+    fn reset_camera(&mut self) {
+        self.look.camera = self.look.first_camera();
+    }
+
+    fn has_panel(&self) -> bool {
+        !self.panel_hidden
+    }
+
+    fn toggle_panel(&mut self) {
+        self.panel_hidden = !self.panel_hidden;
+        // The picture's size changes.
+        self.drawn = None;
+    }
+
+    fn show_message(&mut self, message: String) {
+        self.message = Some(message);
+    }
+}
+
+impl FromStart for Viewer {
+    type Start = Start;
+
+    fn adapter(start: &Start) -> Option<&str> {
+        start.adapter.as_deref()
+    }
+
+    fn new(context: Context, start: Start) -> Result<Self> {
+        let Start { environment, name, levels, mesh, look, table, .. } = start;
+        let mut renderer = Renderer::new(context)?;
+        if let Some(mesh) = &mesh {
+            renderer.set_mesh(mesh)?;
+        }
+        let mut light = renderer.light(&environment, &table)?;
+        if let Some(levels) = &levels {
+            light.set_levels(renderer.context(), levels)?;
+        }
+        let now = Instant::now();
+        Ok(Self {
+            adapter: renderer.context().describe(),
+            has_mesh: look.object == Object::Mesh,
+            renderer,
+            // Other environments have other sizes.
+            table: ReflectorSettings { oem_size: None, ..table },
+            light,
+            truth: None,
+            look,
+            motion: Motion::default(),
+            name,
+            message: None,
+            panel_hidden: false,
+            slider: None,
+            drawn: None,
+            full: (1, 1),
+            bands: None,
+            lamp_lit: false,
+            started: now,
+            changed: now,
+            last_frame: now,
+            coarseness: 2.0,
+            reported_size: (0, 0),
+            before: Before::Other,
+            bare: None,
+            work: None,
+            note: None,
+            times: Vec::new(),
+            pending_times: None,
+            timed: now,
+        })
+    }
+
+    fn content(&mut self) -> &mut dyn WindowContent {
+        self
     }
 }
 
@@ -609,38 +631,10 @@ impl Viewer {
         &self.name
     }
 
-    /// Whether the panel is shown.
-    #[must_use]
-    pub const fn panel(&self) -> bool {
-        !self.panel_hidden
-    }
-
     /// Position of the roughness slider in the panel: left, top, right and bottom in points.
     #[must_use]
     pub fn roughness_slider(&self) -> Option<[f32; 4]> {
         self.slider.map(|slider| [slider.left(), slider.top(), slider.right(), slider.bottom()])
-    }
-
-    /// Sets the message to the user.
-    pub fn show_message(&mut self, message: String) {
-        self.message = Some(message);
-    }
-
-    /// Opens an environment or a mesh from `bytes`, a file named `path`. On failure sets the message and
-    /// keeps the current content.
-    pub fn open(&mut self, path: &Path, bytes: &[u8]) {
-        let outcome = if is_mesh(path) {
-            Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
-        } else {
-            let chain = if is_chain(bytes) {
-                io::read_chain_from_memory(path, bytes, options().memory_limit).ok()
-            } else {
-                None
-            };
-            io::read_from_memory(path, bytes, &options())
-                .and_then(|loaded| self.take_environment(&loaded.environment, chain, path))
-        };
-        self.message = outcome.err().map(|error| error.to_string());
     }
 }
 
@@ -670,4 +664,14 @@ fn is_chain(bytes: &[u8]) -> bool {
 fn starts_as_chain(path: &Path) -> bool {
     let mut start = Vec::new();
     open_regular(path).is_ok_and(|file| file.take(12).read_to_end(&mut start).is_ok() && is_chain(&start))
+}
+
+/// Opens a window and runs its event loop until it is closed.
+///
+/// # Errors
+/// [`crate::Error::Gpu`] if no window or no device is available.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn run(start: Start) -> Result<()> {
+    let (name, size) = (start.name.clone(), start.size);
+    window::open::<Viewer>(start, &name, size)
 }

@@ -1,11 +1,10 @@
-//! A window around a [`Viewer`]: events, the surface, and the panel over the picture.
+//! A window around a viewer: events, the surface, and the panel over the picture.
 
 use super::camera::Camera;
 use super::levels::Levels;
 use super::look::Look;
-use super::present::Viewport;
-use super::renderer::Renderer;
-use super::viewer::Viewer;
+use super::present::{Display, Viewport};
+use super::resources::draw_pass;
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
@@ -43,7 +42,7 @@ pub struct Start {
 }
 
 /// Content that a window opens with.
-pub(super) trait FromStart: Content + Sized + 'static {
+pub(super) trait FromStart: Sized + 'static {
     /// What it is created from.
     type Start: 'static;
 
@@ -52,10 +51,14 @@ pub(super) trait FromStart: Content + Sized + 'static {
 
     /// Creates the content.
     fn new(context: Context, start: Self::Start) -> Result<Self>;
+
+    /// What the window shows now.
+    fn content(&mut self) -> &mut dyn WindowContent;
 }
 
-/// What a window shows: [`Viewer`] or a scene.
-pub(super) trait Content {
+/// What a window shows: the viewer of an environment or of a scene.
+#[cfg_attr(not(target_arch = "wasm32"), expect(dead_code, reason = "only a page calls some of them"))]
+pub(super) trait WindowContent {
     /// The device.
     fn context(&self) -> &Context;
 
@@ -65,19 +68,16 @@ pub(super) trait Content {
     /// Draws as much of a picture of `full` pixels as the frame time allows.
     fn draw(&mut self, full: (u32, u32));
 
-    /// Draws the current picture into `viewport` of `view`.
-    fn present(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-    );
+    /// Draws the current picture to `display`.
+    fn present(&mut self, display: Display<'_>);
 
     /// Whether the next frame will differ from the last.
     fn is_busy(&self) -> bool;
 
-    /// Opens a file dropped on the window.
+    /// Opens `bytes`, a file named `path`. On failure sets the message and keeps the current content.
+    fn open(&mut self, path: &Path, bytes: &[u8]);
+
+    /// [`WindowContent::open`] for a file on disk.
     fn open_file(&mut self, path: &Path);
 
     /// The camera.
@@ -86,92 +86,30 @@ pub(super) trait Content {
     /// Moves the camera back to its first place.
     fn reset_camera(&mut self);
 
+    /// Whether the panel is shown.
+    fn has_panel(&self) -> bool;
+
     /// Shows or hides the panel.
     fn toggle_panel(&mut self);
+
+    /// Sets the message to the user.
+    fn show_message(&mut self, message: String);
 }
 
-impl FromStart for Viewer {
-    type Start = Start;
-
-    fn adapter(start: &Start) -> Option<&str> {
-        start.adapter.as_deref()
-    }
-
-    fn new(context: Context, start: Start) -> Result<Self> {
-        let mut renderer = Renderer::new(context)?;
-        if let Some(mesh) = &start.mesh {
-            renderer.set_mesh(mesh)?;
-        }
-        let mut viewer = Self::new(renderer, &start.environment, start.name, start.look, start.table)?;
-        if let Some(levels) = &start.levels {
-            viewer.set_levels(levels)?;
-        }
-        Ok(viewer)
-    }
-}
-
-impl Content for Viewer {
-    fn context(&self) -> &Context {
-        self.context()
-    }
-
-    fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport {
-        self.interface(ui, size)
-    }
-
-    fn draw(&mut self, full: (u32, u32)) {
-        self.draw(full);
-    }
-
-    fn present(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-    ) {
-        self.present(encoder, view, format, viewport);
-    }
-
-    fn is_busy(&self) -> bool {
-        self.is_busy()
-    }
-
-    fn open_file(&mut self, path: &Path) {
-        self.open_file(path);
-    }
-
-    fn camera(&mut self) -> &mut Camera {
-        &mut self.look_mut().camera
-    }
-
-    fn reset_camera(&mut self) {
-        let look = self.look_mut();
-        look.camera = look.first_camera();
-    }
-
-    fn toggle_panel(&mut self) {
-        self.toggle_panel();
-    }
+/// The viewport right of a panel that ends at `right` points, in a target of these sides.
+pub(super) fn beside_panel(ui: &egui::Ui, right: f32, (width, height): (u32, u32)) -> Viewport {
+    let edge = (right * ui.ctx().pixels_per_point()).round() as u32;
+    let x = edge.min(width.saturating_sub(1));
+    Viewport { x, y: 0, width: width - x, height }
 }
 
 /// Message to the event loop: the device, or why there is none.
-pub(super) struct Ready<V = Viewer>(Box<Result<OpenWindow<V>>>);
-
-/// Opens a window and runs its event loop until it is closed.
-///
-/// # Errors
-/// [`Error::Gpu`] if no window or no device is available.
-#[cfg(not(target_arch = "wasm32"))]
-pub fn run(start: Start) -> Result<()> {
-    let (name, size) = (start.name.clone(), start.size);
-    open::<Viewer>(start, &name, size)
-}
+pub(super) struct Ready<V>(Box<Result<OpenWindow<V>>>);
 
 /// Opens a window of `size` in points, named `name`, and runs its event loop until it is closed.
 ///
 /// # Errors
-/// Those of [`run`].
+/// [`Error::Gpu`] if no window or no device is available.
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) fn open<V: FromStart>(start: V::Start, name: &str, (width, height): (u32, u32)) -> Result<()> {
     // The system's message follows the location in winit's source.
@@ -190,7 +128,7 @@ pub(super) fn open<V: FromStart>(start: V::Start, name: &str, (width, height): (
 }
 
 /// A window with its device.
-pub(super) struct OpenWindow<V = Viewer> {
+pub(super) struct OpenWindow<V> {
     pub(super) window: Arc<Window>,
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
@@ -205,7 +143,7 @@ pub(super) struct OpenWindow<V = Viewer> {
 }
 
 /// State of the event loop.
-pub(super) struct Application<V: FromStart = Viewer> {
+pub(super) struct Application<V: FromStart> {
     start: Option<(V::Start, WindowAttributes)>,
     messages: EventLoopProxy<Ready<V>>,
     /// `None` until the device is ready.
@@ -286,7 +224,7 @@ impl<V: FromStart> OpenWindow<V> {
     fn resize(&mut self, size: PhysicalSize<u32>) {
         if size.width > 0 && size.height > 0 {
             (self.configuration.width, self.configuration.height) = (size.width, size.height);
-            self.surface.configure(self.viewer.context().device(), &self.configuration);
+            self.surface.configure(self.viewer.content().context().device(), &self.configuration);
             self.window.request_redraw();
         }
     }
@@ -297,12 +235,12 @@ impl<V: FromStart> OpenWindow<V> {
         let input = self.egui.take_egui_input(&self.window);
         let interface = self.egui.egui_ctx().clone();
         let mut viewport = None;
-        let output = interface.run_ui(input, |ui| viewport = Some(self.viewer.interface(ui, size)));
+        let output = interface.run_ui(input, |ui| viewport = Some(self.viewer.content().interface(ui, size)));
         let Some(viewport) = viewport else { return Ok(()) };
         self.egui.handle_platform_output(&self.window, output.platform_output);
-        self.viewer.draw((viewport.width, viewport.height));
+        self.viewer.content().draw((viewport.width, viewport.height));
 
-        let context = self.viewer.context().clone();
+        let context = self.viewer.content().context().clone();
         let frame = match self.surface.get_current_texture() {
             wgpu::CurrentSurfaceTexture::Success(frame) | wgpu::CurrentSurfaceTexture::Suboptimal(frame) => {
                 frame
@@ -331,18 +269,10 @@ impl<V: FromStart> OpenWindow<V> {
             pixels_per_point: output.pixels_per_point,
         };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.viewer.present(&mut encoder, &view, self.configuration.format, viewport);
+        let format = self.configuration.format;
+        self.viewer.content().present(Display { encoder: &mut encoder, view: &view, format, viewport });
         let uploads = self.painter.update_buffers(device, queue, &mut encoder, &triangles, &screen);
-        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("panel"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-            })],
-            ..Default::default()
-        });
+        let pass = draw_pass(&mut encoder, "panel", &view, false, None, None);
         let mut pass = pass.forget_lifetime();
         self.painter.render(&mut pass, &triangles, &screen);
         drop(pass);
@@ -354,7 +284,7 @@ impl<V: FromStart> OpenWindow<V> {
         }
         context.check()?;
         let again = output.viewport_output.values().any(|viewport| viewport.repaint_delay.is_zero());
-        if again || self.viewer.is_busy() {
+        if again || self.viewer.content().is_busy() {
             self.window.request_redraw();
         }
         Ok(())
@@ -363,7 +293,7 @@ impl<V: FromStart> OpenWindow<V> {
     /// Handles camera input, keys and dropped files.
     fn on_event(&mut self, event: &WindowEvent) {
         match event {
-            WindowEvent::DroppedFile(path) => self.viewer.open_file(path),
+            WindowEvent::DroppedFile(path) => self.viewer.content().open_file(path),
             WindowEvent::MouseInput { state, button: MouseButton::Left, .. } => {
                 self.dragging = *state == ElementState::Pressed;
             }
@@ -385,9 +315,9 @@ impl<V: FromStart> OpenWindow<V> {
             WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
                 match &event.logical_key {
                     Key::Character(text) if text.eq_ignore_ascii_case("h") => {
-                        self.viewer.toggle_panel();
+                        self.viewer.content().toggle_panel();
                     }
-                    Key::Named(NamedKey::Home) => self.viewer.reset_camera(),
+                    Key::Named(NamedKey::Home) => self.viewer.content().reset_camera(),
                     _ => {}
                 }
             }
@@ -421,14 +351,14 @@ impl<V: FromStart> OpenWindow<V> {
 
     /// Divides the camera's distance by `times`.
     fn approach(&mut self, times: f64) {
-        let camera = self.viewer.camera();
+        let camera = self.viewer.content().camera();
         camera.distance = (camera.distance / times).clamp(1.05, 100.0);
     }
 
     /// Orbits the camera by a drag in pixels: half a turn for the window's height.
     fn orbit(&mut self, right: f64, down: f64) {
         let turn = std::f64::consts::PI / f64::from(self.configuration.height);
-        let camera = self.viewer.camera();
+        let camera = self.viewer.content().camera();
         camera.yaw = (camera.yaw - right * turn).rem_euclid(std::f64::consts::TAU);
         camera.pitch =
             (camera.pitch + down * turn).clamp(-super::camera::MAX_PITCH, super::camera::MAX_PITCH);
@@ -525,7 +455,7 @@ impl<V: FromStart> ApplicationHandler<Ready<V>> for Application<V> {
                 if !response.consumed || released {
                     shown.on_event(&event);
                 }
-                if shown.viewer.is_busy() {
+                if shown.viewer.content().is_busy() {
                     shown.window.request_redraw();
                 }
             }

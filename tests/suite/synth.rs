@@ -3,8 +3,9 @@
 use crate::support::written::{names_in, read_exr_rgb, to_half};
 use glam::DVec3;
 use octagloss::internals::environment::{Environment, Layout, Rgb, luminance};
+use octagloss::internals::format::OutputLayout;
 use octagloss::internals::io::environment_write::write_environment;
-use octagloss::internals::io::layout::Unfolding;
+use octagloss::internals::io::layout::image_from_faces;
 use octagloss::internals::io::output::Existing;
 use octagloss::internals::sphere::cube::{self, Face};
 use octagloss::internals::sphere::equirect::equirect_from_direction;
@@ -34,7 +35,9 @@ fn first_far(found: &[Rgb], expected: &[Rgb], step: f32) -> Option<usize> {
 
 fn image_of(environment: &Environment) -> Vec<Rgb> {
     match environment.layout() {
-        Layout::Cube { size } => Unfolding::Cross.image_from_faces(size, environment.texels()),
+        Layout::Cube { size } => {
+            image_from_faces(OutputLayout::Cross, size, environment.texels()).expect("a cross").1
+        }
         _ => environment.texels().to_vec(),
     }
 }

@@ -1,6 +1,6 @@
 //! A lobe around one direction, in the oracle's own formulas.
 
-use crate::lobe::{LEAST_CHARLIE_ROUGHNESS, Lobe};
+use crate::lobe::{Lobe, MIN_CHARLIE_ROUGHNESS};
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, SQRT_2};
 
@@ -78,7 +78,7 @@ impl Kernel {
             }
             Lobe::Cosine => Profile::Cosine,
             Lobe::Charlie => {
-                Profile::Charlie { power: 1.0 / (2.0 * roughness.max(LEAST_CHARLIE_ROUGHNESS).powi(2)) }
+                Profile::Charlie { power: 1.0 / (2.0 * roughness.max(MIN_CHARLIE_ROUGHNESS).powi(2)) }
             }
         };
         let support = match profile {

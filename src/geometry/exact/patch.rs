@@ -272,13 +272,13 @@ impl Band {
         let level = direction.x.hypot(direction.z);
         let mut places = vec![west, east];
         for polar in [self.polar.low, self.polar.high] {
+            // Where there is no crossing, the edge's own extremes do no harm.
             let cosine = -direction.y * polar.cosine / (level * polar.sine);
-            if cosine.abs() < 1.0 {
-                for turn in [cosine.acos(), -cosine.acos()] {
-                    let place = direction.z.atan2(direction.x) + turn;
-                    let place = west + (place - west).rem_euclid(2.0 * PI);
-                    places.extend((place < east).then_some(place));
-                }
+            let turn = cosine.clamp(-1.0, 1.0).acos();
+            for turn in [turn, -turn] {
+                let place = direction.z.atan2(direction.x) + turn;
+                let place = west + (place - west).rem_euclid(2.0 * PI);
+                places.extend((place < east).then_some(place));
             }
         }
         places.sort_by(f64::total_cmp);
@@ -345,32 +345,21 @@ impl Patch for Band {
     }
 
     fn sample(&self, rule: &[(f64, f64)], visit: &mut impl FnMut(Sample)) {
-        if self.part.is_some() {
-            for &(a, weight_a) in rule {
-                let longitude = self.longitude.at(a);
-                let [from, to] = self.ends(longitude);
-                let area = weight_a * self.longitude.width() * (to - from);
-                for &(b, weight_b) in rule {
-                    let polar = Angle::new(from + b * (to - from));
-                    let point = band_direction(longitude, polar);
-                    visit(Sample { point, length_squared: 1.0, weight: area * weight_b * polar.sine });
-                }
-            }
-            return;
-        }
-        let area = self.longitude.width() * self.polar.width();
         // Room for the greatest order.
-        let mut longitudes = [self.longitude.middle; ORDERS[ORDERS.len() - 1] as usize];
-        for (longitude, &(a, _)) in longitudes.iter_mut().zip(rule) {
-            *longitude = self.longitude.at(a);
+        let mut polars = [self.polar.middle; ORDERS[ORDERS.len() - 1] as usize];
+        for (polar, &(b, _)) in polars.iter_mut().zip(rule) {
+            *polar = self.polar.at(b);
         }
-        for &(b, weight_b) in rule {
-            let polar = self.polar.at(b);
-            for (&longitude, &(_, weight_a)) in longitudes.iter().zip(rule) {
+        for &(a, weight_a) in rule {
+            let longitude = self.longitude.at(a);
+            let [from, to] = self.ends(longitude);
+            let area = weight_a * self.longitude.width() * (to - from);
+            for (&polar, &(b, weight_b)) in polars.iter().zip(rule) {
+                let polar = if self.part.is_some() { Angle::new(from + b * (to - from)) } else { polar };
                 visit(Sample {
                     point: band_direction(longitude, polar),
                     length_squared: 1.0,
-                    weight: weight_a * weight_b * area * polar.sine,
+                    weight: area * weight_b * polar.sine,
                 });
             }
         }

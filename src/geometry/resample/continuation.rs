@@ -60,7 +60,7 @@ impl<'a> Continuation<'a> {
                         if mean[0].is_nan() {
                             let (x, y) = ((i % width) as u32, k as u32 * BLOCK + (i / width) as u32);
                             let solid_angle = self.inside(Texel { component, x, y });
-                            totals = totals.plus(&Totals::of(found.map(f64::from), solid_angle));
+                            totals = totals.plus(&Totals::new(found.map(f64::from), solid_angle));
                             *mean = found;
                         }
                     }

@@ -14,7 +14,7 @@ const NONE: u32 = u32::MAX;
 
 /// Bytes per target texel without mirrors, which share them: its place, the place's texel and sums, and its
 /// image.
-pub(super) const MOST_BYTES: usize = 4 + 4 + 4 * size_of::<f64>() + 4;
+pub(super) const MAX_BYTES: usize = 4 + 4 + 4 * size_of::<f64>() + 4;
 
 /// Sums over target texels: for every image red, green and blue, then the solid angle of one image.
 pub(super) struct Sums {
@@ -141,7 +141,7 @@ pub(super) struct Totals {
 
 impl Totals {
     /// Those of `radiance` over `solid_angle`, of which nothing arrived.
-    pub(super) fn of(radiance: [f64; 3], solid_angle: f64) -> Self {
+    pub(super) fn new(radiance: [f64; 3], solid_angle: f64) -> Self {
         let held = radiance.map(|value| value * solid_angle);
         let squares = radiance.map(|value| value * value * solid_angle);
         Self { arrived: [0.0; 3], held, squares }
@@ -186,7 +186,7 @@ fn to_means(sums: &mut [f64], images: &[u32], solid_angle: f64, totals: &mut Tot
         let arrived: [f64; 3] = std::array::from_fn(|c| parts().map(|part| sums[3 * part + c]).sum());
         let means = arrived.map(|sum| sum / total);
         if total > 0.0 {
-            *totals = totals.plus(&Totals { arrived, ..Totals::of(means, solid_angle) });
+            *totals = totals.plus(&Totals { arrived, ..Totals::new(means, solid_angle) });
         }
         for part in parts() {
             sums[3 * part..3 * part + 3].copy_from_slice(&means);

@@ -35,6 +35,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/scan.wgsl",
     "common/shadow.wgsl",
     "common/source_pieces.wgsl",
+    "common/tints.wgsl",
     "common/sum.wgsl",
     "common/table.wgsl",
     "common/u64.wgsl",

@@ -2,7 +2,7 @@
 
 use super::view::{Bounded, octants};
 use super::view_group;
-use crate::direct::{DirectMap, MOST, check_near};
+use crate::direct::{DirectMap, MAX, check_near};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use glam::DVec3;
@@ -28,7 +28,7 @@ impl OctantDraws {
     /// Moves the map to `centre`, which the caller calls `name`, from the next submission on.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an invalid `near` and a `centre` that is not finite or beyond [`MOST`].
+    /// [`Error::Parameter`] for an invalid `near` and a `centre` that is not finite or beyond [`MAX`].
     pub(in crate::gpu) fn place(
         &self,
         context: &Context,
@@ -38,9 +38,9 @@ impl OctantDraws {
     ) -> Result<()> {
         check_near(near)?;
         // Also true for NaN.
-        if !centre.to_array().iter().all(|x| x.abs() <= f64::from(MOST)) {
+        if !centre.to_array().iter().all(|x| x.abs() <= f64::from(MAX)) {
             return Err(Error::Parameter(format!(
-                "`{name}` is at {centre}; coordinates must be finite and at most {MOST:e}"
+                "`{name}` is at {centre}; coordinates must be finite and at most {MAX:e}"
             )));
         }
         for ((uniform, _), Bounded { view, .. }) in self.views.iter().zip(octants(self.map, near)) {

@@ -1,6 +1,6 @@
 //! Colour scales.
 
-use super::style::{Colour, mix};
+use super::style::{Colour, mix, rgb};
 use crate::image::tone::srgb;
 
 /// Colour scale over the logarithm of a positive value.
@@ -15,8 +15,8 @@ pub struct ColourScale {
 /// Colours along a scale.
 #[derive(Clone, Copy, Debug)]
 enum Shade {
-    /// Interpolates between colours, in 32 steps, whose edges form contour lines.
-    Stops(&'static [Colour]),
+    /// Interpolates between colours (0xRRGGBB), in 32 steps, whose edges form contour lines.
+    Stops(&'static [u32]),
     /// Black for 0, then blue over red to pale yellow. Perceived lightness is linear in the logarithm (a
     /// spiral in Ottosson's OKLab, 2020).
     Spiral,
@@ -26,15 +26,7 @@ enum Shade {
 /// mean (oversampled), purple ones larger (undersampled).
 pub const RELATIVE_SOLID_ANGLE: ColourScale = ColourScale {
     shade: Shade::Stops(&[
-        [11, 83, 40],
-        [62, 145, 80],
-        [143, 199, 143],
-        [207, 233, 202],
-        [247, 247, 245],
-        [229, 208, 232],
-        [186, 148, 202],
-        [131, 80, 158],
-        [69, 14, 92],
+        0x0b5328, 0x3e9150, 0x8fc78f, 0xcfe9ca, 0xf7f7f5, 0xe5d0e8, 0xba94ca, 0x83509e, 0x450e5c,
     ]),
     low: 0.25,
     high: 4.0,
@@ -43,15 +35,7 @@ pub const RELATIVE_SOLID_ANGLE: ColourScale = ColourScale {
 
 /// Anisotropy: ratio of both stretches.
 pub const ANISOTROPY: ColourScale = ColourScale {
-    shade: Shade::Stops(&[
-        [253, 251, 226],
-        [213, 234, 186],
-        [148, 209, 186],
-        [80, 174, 190],
-        [38, 124, 178],
-        [36, 72, 146],
-        [20, 28, 84],
-    ]),
+    shade: Shade::Stops(&[0xfdfbe2, 0xd5eaba, 0x94d1ba, 0x50aebe, 0x267cb2, 0x244892, 0x141c54]),
     low: 1.0,
     high: 4.0,
     ticks: &[
@@ -109,7 +93,7 @@ impl ColourScale {
         let Shade::Stops(stops) = self.shade else { return spiral(share) };
         let at = (share * STEPS).round() / STEPS * (stops.len() - 1) as f64;
         let k = (at as usize).min(stops.len() - 2);
-        mix(stops[k], stops[k + 1], at - k as f64)
+        mix(rgb(stops[k]), rgb(stops[k + 1]), at - k as f64)
     }
 }
 

@@ -29,6 +29,12 @@ pub(crate) const GAP: f64 = 16.0;
 /// Distance of the baselines of lines of text, in ems.
 pub(crate) const LINE: f64 = 1.45;
 
+/// The colour 0xRRGGBB.
+pub(crate) const fn rgb(number: u32) -> Colour {
+    let [_, red, green, blue] = number.to_be_bytes();
+    [red, green, blue]
+}
+
 /// Interpolates from `a` (0) to `b` (1).
 pub(crate) fn mix(a: Colour, b: Colour, share: f64) -> Colour {
     std::array::from_fn(|c| {

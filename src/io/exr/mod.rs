@@ -1,6 +1,6 @@
 //! OpenEXR files.
 
-pub(super) mod deflate;
+mod deflate;
 pub mod parts;
 pub(super) mod read;
 pub mod write;

@@ -3,7 +3,7 @@
 //! "OpenEXR File Layout" and "Technical Introduction to OpenEXR" (openexr.com): parts share their display
 //! window, chunks store their part number, and a MIP map halves down to one pixel.
 
-use super::write::{Attribute, BLOCK_ROWS, Image, Packer, Samples, header_bytes, preamble};
+use super::write::{Attribute, Block, Image, Samples, header_bytes, preamble, push_blocks};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::format::Pixel;
@@ -45,50 +45,31 @@ pub(crate) fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8
         return Err(Error::Parameter("an EXR file needs at least one part".to_owned()));
     }
     let mut out = preamble(SEVERAL_PARTS);
-    for (index, part) in parts.iter().enumerate() {
-        let double = parts[..index].iter().any(|other| other.name == part.name);
+    let mut blocks = Vec::new();
+    for (index, part) in (0..).zip(parts) {
+        let double = parts[..index as usize].iter().any(|other| other.name == part.name);
         if part.name.is_empty() || double {
             return Err(Error::Parameter(format!(
                 "{:?} cannot be the name of an EXR part, or is a duplicate",
                 part.name
             )));
         }
-        let image = image(part, pixel);
+        let image =
+            Image { width: part.width, height: part.height, samples: Samples::Rgb(part.texels), pixel };
         image.check()?;
-        let chunks = (part.height as usize).div_ceil(BLOCK_ROWS) as i32;
+        let own = image.scan_line_blocks(&[index]);
         let required: [(&str, &str, &[u8]); 3] = [
             ("name", "string", part.name.as_bytes()),
             ("type", "string", b"scanlineimage"),
-            ("chunkCount", "int", &chunks.to_le_bytes()),
+            ("chunkCount", "int", &(own.len() as i32).to_le_bytes()),
         ];
         header_bytes(&image, display, &required, &part.attributes, &mut out);
+        blocks.extend(own);
     }
     // An empty header ends the list.
     out.push(0);
-    let blocks = |part: &Part<'_>| (part.height as usize).div_ceil(BLOCK_ROWS);
-    let mut entry = out.len();
-    out.resize(entry + parts.iter().map(blocks).sum::<usize>() * 8, 0);
-    let mut packer = Packer::new();
-    for (index, part) in (0_i32..).zip(parts) {
-        let (columns, rows) = (part.width as usize, part.height as usize);
-        for first_row in (0..rows).step_by(BLOCK_ROWS) {
-            let offset = out.len() as u64;
-            out[entry..][..8].copy_from_slice(&offset.to_le_bytes());
-            entry += 8;
-            out.extend([index, first_row as i32].iter().flat_map(|word| word.to_le_bytes()));
-            packer.push(
-                &image(part, pixel),
-                0..columns,
-                first_row..(first_row + BLOCK_ROWS).min(rows),
-                &mut out,
-            );
-        }
-    }
+    push_blocks(&blocks, &mut out);
     Ok(out)
-}
-
-const fn image<'a>(part: &Part<'a>, pixel: Pixel) -> Image<'a> {
-    Image { width: part.width, height: part.height, samples: Samples::Rgb(part.texels), pixel }
 }
 
 /// Encodes a tiled EXR file with the MIP levels `levels`, each row-major. Sides halve, rounded down, to one
@@ -121,22 +102,20 @@ pub(crate) fn exr_mips_bytes(
     // Tile edges, then the mode: MIP levels, sizes rounded down.
     let tiles: Vec<u8> = TILE.to_le_bytes().into_iter().chain(TILE.to_le_bytes()).chain([1]).collect();
     header_bytes(&images[0], (width, height), &[("tiles", "tiledesc", &tiles)], attributes, &mut out);
-    let count = |image: &Image<'_>| (image.width.div_ceil(TILE) * image.height.div_ceil(TILE)) as usize;
-    let mut entry = out.len();
-    out.resize(entry + images.iter().map(count).sum::<usize>() * 8, 0);
-    let mut packer = Packer::new();
-    for (level, image) in (0_u32..).zip(&images) {
-        for tile_y in 0..image.height.div_ceil(TILE) {
-            for tile_x in 0..image.width.div_ceil(TILE) {
-                let offset = out.len() as u64;
-                out[entry..][..8].copy_from_slice(&offset.to_le_bytes());
-                entry += 8;
-                out.extend([tile_x, tile_y, level, level].iter().flat_map(|word| word.to_le_bytes()));
-                let span =
-                    |tile: u32, side: u32| (tile * TILE) as usize..((tile + 1) * TILE).min(side) as usize;
-                packer.push(image, span(tile_x, image.width), span(tile_y, image.height), &mut out);
-            }
+    let mut blocks = Vec::new();
+    for (level, image) in (0_i32..).zip(&images) {
+        let span = |tile: u32, side: u32| (tile * TILE) as usize..((tile + 1) * TILE).min(side) as usize;
+        for (y, x) in (0..image.height.div_ceil(TILE))
+            .flat_map(|y| (0..image.width.div_ceil(TILE)).map(move |x| (y, x)))
+        {
+            blocks.push(Block {
+                image: *image,
+                place: vec![x as i32, y as i32, level, level],
+                columns: span(x, image.width),
+                rows: span(y, image.height),
+            });
         }
     }
+    push_blocks(&blocks, &mut out);
     Ok(out)
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Rows of a ZIP block.
-pub(in crate::io) const BLOCK_ROWS: usize = 16;
+const BLOCK_ROWS: usize = 16;
 
 /// Blocks compressed in parallel before they are joined; bounds memory.
 const BLOCKS_AT_ONCE: usize = 64;
@@ -56,46 +56,26 @@ pub fn exr_bytes(
     image.check()?;
     let mut out = preamble(0);
     header_bytes(&image, (width, height), &[], attributes, &mut out);
-    let columns = width as usize;
-    let rows = height as usize;
-    let table = out.len();
-    out.resize(table + rows.div_ceil(BLOCK_ROWS) * 8, 0);
-    out.reserve(columns * rows * image.pixel_bytes());
-    let pack = |packer: &mut Packer, block: usize| {
-        let first_row = block * BLOCK_ROWS;
-        let mut bytes = (first_row as i32).to_le_bytes().to_vec();
-        packer.push(&image, 0..columns, first_row..(first_row + BLOCK_ROWS).min(rows), &mut bytes);
-        bytes
-    };
-    let blocks = rows.div_ceil(BLOCK_ROWS);
-    for first in (0..blocks).step_by(BLOCKS_AT_ONCE) {
-        let some = first..blocks.min(first + BLOCKS_AT_ONCE);
-        let packed: Vec<Vec<u8>> = some.clone().into_par_iter().map_init(Packer::new, pack).collect();
-        for (block, bytes) in some.zip(packed) {
-            let offset = out.len() as u64;
-            out[table + block * 8..][..8].copy_from_slice(&offset.to_le_bytes());
-            out.extend(bytes);
-        }
-    }
+    push_blocks(&image.scan_line_blocks(&[]), &mut out);
     Ok(out)
 }
 
 /// Magic number and version 2 with `flags`: names up to 31 bytes; without flags a single part of scan lines.
-pub(in crate::io) fn preamble(flags: u32) -> Vec<u8> {
+pub(super) fn preamble(flags: u32) -> Vec<u8> {
     [20_000_630_u32, 2 | flags].iter().flat_map(|word| word.to_le_bytes()).collect()
 }
 
 /// Samples and their storage.
 #[derive(Clone, Copy)]
-pub(in crate::io) struct Image<'a> {
-    pub(in crate::io) width: u32,
-    pub(in crate::io) height: u32,
-    pub(in crate::io) samples: Samples<'a>,
-    pub(in crate::io) pixel: Pixel,
+pub(super) struct Image<'a> {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) samples: Samples<'a>,
+    pub(super) pixel: Pixel,
 }
 
 impl Image<'_> {
-    pub(in crate::io) fn check(&self) -> Result<()> {
+    pub(super) fn check(&self) -> Result<()> {
         let Self { width, height, samples, pixel } = *self;
         let count = match samples {
             Samples::Rgb(texels) => texels.len(),
@@ -114,7 +94,7 @@ impl Image<'_> {
     }
 
     /// Bytes of all channels of a pixel.
-    pub(in crate::io) const fn pixel_bytes(&self) -> usize {
+    const fn pixel_bytes(&self) -> usize {
         let sample = if matches!(self.pixel, Pixel::F32) { 4 } else { 2 };
         match self.samples {
             Samples::Rgb(_) => 3 * sample,
@@ -123,36 +103,64 @@ impl Image<'_> {
     }
 }
 
-/// Reusable block compressor.
-pub(in crate::io) struct Packer {
-    deflater: Deflater,
-    raw: Vec<u8>,
-    scratch: Vec<u8>,
+/// Samples that are compressed together.
+pub(super) struct Block<'a> {
+    pub(super) image: Image<'a>,
+    /// Numbers before the block in the file: part, then first row, or column and row of a tile and its level.
+    pub(super) place: Vec<i32>,
+    pub(super) columns: Range<usize>,
+    pub(super) rows: Range<usize>,
 }
 
-impl Packer {
-    pub(in crate::io) fn new() -> Self {
-        Self { deflater: Deflater::new(), raw: Vec::new(), scratch: Vec::new() }
+impl<'a> Image<'a> {
+    /// The blocks of an image in scan lines; `part` is its number in a file of several.
+    pub(super) fn scan_line_blocks(self, part: &[i32]) -> Vec<Block<'a>> {
+        let (columns, height) = (self.width as usize, self.height as usize);
+        let block = |first: usize| Block {
+            image: self,
+            place: part.iter().copied().chain([first as i32]).collect(),
+            columns: 0..columns,
+            rows: first..(first + BLOCK_ROWS).min(height),
+        };
+        (0..height).step_by(BLOCK_ROWS).map(block).collect()
     }
+}
 
-    /// Appends the block of `columns` and `rows` of `image`: length, then bytes.
-    pub(in crate::io) fn push(
-        &mut self,
-        image: &Image<'_>,
-        columns: Range<usize>,
-        rows: Range<usize>,
-        out: &mut Vec<u8>,
-    ) {
-        self.raw.clear();
-        for row in rows {
-            let start = row * image.width as usize;
-            push_row(image.samples, start + columns.start..start + columns.end, image.pixel, &mut self.raw);
+/// Appends the table of offsets, and `blocks`.
+pub(super) fn push_blocks(blocks: &[Block<'_>], out: &mut Vec<u8>) {
+    let mut entry = out.len();
+    out.resize(entry + 8 * blocks.len(), 0);
+    let packer = || (Deflater::new(), Vec::new());
+    for blocks in blocks.chunks(BLOCKS_AT_ONCE) {
+        let packed: Vec<Vec<u8>> = blocks
+            .par_iter()
+            .map_init(packer, |(deflater, scratch), block| block.packed(deflater, scratch))
+            .collect();
+        for bytes in packed {
+            let offset = out.len() as u64;
+            out[entry..][..8].copy_from_slice(&offset.to_le_bytes());
+            entry += 8;
+            out.extend(bytes);
         }
+    }
+}
+
+impl Block<'_> {
+    /// Its place, length and compressed samples.
+    fn packed(&self, deflater: &mut Deflater, scratch: &mut Vec<u8>) -> Vec<u8> {
+        let Self { image, place, columns, rows } = self;
+        let mut raw = Vec::with_capacity(rows.len() * columns.len() * image.pixel_bytes());
+        for row in rows.clone() {
+            let start = row * image.width as usize;
+            push_row(image.samples, start + columns.start..start + columns.end, image.pixel, &mut raw);
+        }
+        let mut out: Vec<u8> = place.iter().flat_map(|word| word.to_le_bytes()).collect();
         let size_at = out.len();
         out.extend([0; 4]);
-        zip_block(&self.raw, &mut self.deflater, &mut self.scratch, out);
+        zip_block(&raw, deflater, scratch, &mut out);
         let size = (out.len() - size_at - 4) as i32;
         out[size_at..][..4].copy_from_slice(&size.to_le_bytes());
+        out
     }
 }
 
@@ -196,7 +204,7 @@ fn zip_block(raw: &[u8], deflater: &mut Deflater, scratch: &mut Vec<u8>, out: &m
 
 /// Appends the header of `image` in a display window of `display` columns and rows: the common attributes,
 /// those its kind requires (`required`: name, type and value), and `attributes`.
-pub(in crate::io) fn header_bytes(
+pub(super) fn header_bytes(
     image: &Image<'_>,
     display: (u32, u32),
     required: &[(&str, &str, &[u8])],

@@ -6,7 +6,6 @@ use crate::error::Result;
 use crate::io::color::{self, Primaries};
 use crate::io::key_values::value_of;
 use crate::io::ktx2::write::ROUGHNESS_KEY;
-use crate::io::layout::Content;
 use crate::io::map_header::MapHeader;
 use crate::io::picture::{LevelHeader, Picture};
 use crate::io::provenance::{KEY_PREFIX, Provenance};
@@ -106,7 +105,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     let provenance =
         Provenance::of_texts(&|key| header.text(key)).map_err(|message| source.error(message))?;
     let map = MapHeader::of_texts(source, &|key| header.text(key))?;
-    Ok(Picture { width, height, texels, content: Content::Image, map, format, warnings, provenance })
+    Ok(Picture { width, height, texels, is_cube: false, map, format, warnings, provenance })
 }
 
 impl PixelOrder {

@@ -2,7 +2,6 @@
 
 use crate::environment::Rgb;
 use crate::error::Result;
-use crate::io::layout::Content;
 use crate::io::picture::Picture;
 use crate::io::provenance::Provenance;
 use crate::io::source::{Source, TEXEL_BYTES};
@@ -82,7 +81,7 @@ fn picture(name: &str, bits: u32, (width, height): (u32, u32), texels: Vec<Rgb>)
         width,
         height,
         texels,
-        content: Content::Image,
+        is_cube: false,
         map: None,
         format: format!("{name}, {bits} bits a channel, sRGB"),
         warnings: vec![format!("a {name} is not HDR: radiance above its white is clipped")],

@@ -4,11 +4,11 @@ use super::look::SceneLook;
 use super::part::{Gloss, Motion, Part};
 use super::split::split;
 use super::texture::Texels;
-use super::uniforms::{LightUniform, MOST_PROBES, PartUniform, SceneCorner, TextureUniform};
+use super::uniforms::{LightUniform, MAX_PROBES, PartUniform, SceneCorner, TextureUniform};
 use crate::direct::{Corner, Triangles};
 use crate::error::{Error, Result};
-use crate::mesh::{Image, MOST_INDICES, MOST_VERTICES};
-use glam::{DMat3, DMat4, DVec3};
+use crate::mesh::{Image, MAX_INDICES, MAX_VERTICES};
+use glam::{DMat4, DVec3};
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -82,22 +82,22 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a scene without triangles, indices out of range, numbers that are not finite,
-    /// images whose texels do not match their sides, and more than [`MOST_PROBES`] glossy parts;
+    /// images whose texels do not match their sides, and more than [`MAX_PROBES`] glossy parts;
     /// [`Error::Limit`] for too many corners.
     pub fn textured(mut parts: Vec<Part>, images: &[Image], light: SceneLight) -> Result<Self> {
         let invalid = |message: String| Err(Error::Parameter(message));
         parts.sort_by_key(|part| part.gloss.is_some());
         let glossy = parts.iter().filter(|part| part.gloss.is_some()).count();
-        if glossy > MOST_PROBES {
-            return invalid(format!("{glossy} glossy parts; a scene has at most {MOST_PROBES}"));
+        if glossy > MAX_PROBES {
+            return invalid(format!("{glossy} glossy parts; a scene has at most {MAX_PROBES}"));
         }
         let corners: usize = parts.iter().map(|part| part.corners.len()).sum();
         let indices: usize = parts.iter().map(|part| part.indices.len()).sum();
-        if corners > MOST_VERTICES || indices > MOST_INDICES {
+        if corners > MAX_VERTICES || indices > MAX_INDICES {
             return Err(Error::Limit {
                 what: format!("a scene of {corners} corners and {indices} indices"),
                 needed: (64 * corners + 4 * indices) as u64,
-                available: (64 * MOST_VERTICES + 4 * MOST_INDICES) as u64,
+                available: (64 * MAX_VERTICES + 4 * MAX_INDICES) as u64,
                 remedy: "use a scene of fewer triangles".to_owned(),
             });
         }
@@ -107,7 +107,7 @@ impl Scene {
         for (number, part) in parts.iter().enumerate() {
             part.check(number, images)?;
         }
-        let bounds = Bounds::of(&parts);
+        let bounds = Bounds::around(&parts);
         let texels = Texels::new(images, parts.iter().flat_map(Part::textures))?;
         split(&mut parts, &texels, bounds.radius);
         let mut scene = Self {
@@ -197,30 +197,18 @@ impl Scene {
         LightUniform { towards, pad_0: 0.0, lamp, pad_1: 0.0, above, pad_2: 0.0, below, pad_3: 0.0 }
     }
 
-    /// The triangles around `centre` at `time`, with the radiance of matte parts; glossy parts only emit, and
-    /// part `hidden` is a point at the centre, as in the map of a probe.
+    /// The triangles around part `hidden` at time 0, without radiance. That part is a point at the centre, as
+    /// in the map of its probe.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for corners beyond [`crate::direct::MOST`].
-    pub fn triangles(&self, time: f64, centre: DVec3, hidden: Option<usize>) -> Result<Triangles> {
-        let SceneLight { towards, lamp, above, below } = self.light;
-        let towards = towards.normalize_or(DVec3::Y);
-        let world: Vec<DMat4> = (0..self.parts.len()).map(|part| self.world_from_part(part, time)).collect();
+    /// [`Error::Parameter`] for corners beyond [`crate::direct::MAX`].
+    pub fn triangles(&self, hidden: usize) -> Result<Triangles> {
+        let world: Vec<DMat4> = (0..self.parts.len()).map(|part| self.world_from_part(part, 0.0)).collect();
         let posed = |corner: &SceneCorner| {
             let part = corner.part as usize;
-            let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-            let position = world[part].transform_point3(vector(corner.position)) - centre;
-            let normal = DMat3::from_mat4(world[part]) * vector(corner.normal);
-            let share = 0.5 + 0.5 * normal.y;
-            let facing = normal.dot(towards).max(0.0);
-            let light = vector(below).lerp(vector(above), share) + facing * vector(lamp);
-            let Placed { gloss, base, glow, .. } = &self.parts[part];
-            let colour = |texture| self.texels.colour_of_corner(texture, corner);
-            let reflected = if gloss.is_some() { DVec3::ZERO } else { light };
-            let radiance =
-                vector(corner.albedo) * colour(base) * reflected + vector(corner.emission) * colour(glow);
-            let position = if hidden == Some(part) { DVec3::ZERO } else { position };
-            Corner::new(position.as_vec3().to_array(), radiance.as_vec3().extend(1.0).to_array())
+            let position = world[part].transform_point3(DVec3::from_array(corner.position.map(f64::from)));
+            let position = if part == hidden { DVec3::ZERO } else { position - self.place(hidden, 0.0) };
+            Corner::new(position.as_vec3().to_array(), [0.0; 4])
         };
         Triangles::new(self.corners.iter().map(posed).collect(), self.indices.clone())
     }
@@ -228,7 +216,7 @@ impl Scene {
 
 impl Bounds {
     /// Bounds of the matte parts that neither move nor are distant, or of all that are not distant.
-    fn of(parts: &[Part]) -> Self {
+    fn around(parts: &[Part]) -> Self {
         let still = |part: &&Part| part.motion == Motion::default() && !part.distant && part.gloss.is_none();
         let chosen: Vec<&Part> = match parts.iter().filter(still).count() {
             0 => parts.iter().filter(|part| !part.distant).collect(),
@@ -254,7 +242,7 @@ mod tests {
     use super::{Gloss, Part, Scene, SceneLight};
     use crate::error::Error;
     use crate::mesh::{Image, Texture, Wrap};
-    use crate::view::scene::uniforms::MOST_PROBES;
+    use crate::view::scene::uniforms::MAX_PROBES;
     use glam::DVec3;
 
     fn message(parts: Vec<Part>) -> String {
@@ -296,11 +284,11 @@ mod tests {
             assert!(message.contains(words), "{message}");
         }
         let gloss = Some(Gloss { reflectance: [1.0; 3], roughness: 0.5 });
-        let many = vec![Part { gloss, ..ball() }; MOST_PROBES + 1];
+        let many = vec![Part { gloss, ..ball() }; MAX_PROBES + 1];
         assert!(message(many).contains("at most 8"));
         let far = Part { place: DVec3::splat(1e20), ..ball() };
-        let scene = Scene::new(vec![far], SceneLight::default()).expect("finite");
-        let error = scene.triangles(0.0, DVec3::ZERO, None).expect_err("too far");
+        let scene = Scene::new(vec![ball(), far], SceneLight::default()).expect("finite");
+        let error = scene.triangles(0).expect_err("too far");
         assert!(matches!(&error, Error::Parameter(text) if text.contains("at most")), "{error}");
     }
 }

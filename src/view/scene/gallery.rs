@@ -5,7 +5,7 @@ use super::super::mip_levels::Space;
 use super::content::{Scene, SceneLight};
 use super::look::{Proxy, SceneLook};
 use super::part::{Gloss, Motion, Part};
-use super::uniforms::{MOST_PROBES, SceneCorner};
+use super::uniforms::{MAX_PROBES, SceneCorner};
 use crate::error::Result;
 use crate::mesh::{Image, Material, Mesh, Texture, Vertex, Wrap};
 use glam::DVec3;
@@ -108,7 +108,7 @@ impl Scene {
             }
         }
         metals.sort_by_key(|(indices, ..)| std::cmp::Reverse(indices.len()));
-        let few = metals.split_off(metals.len().min(MOST_PROBES));
+        let few = metals.split_off(metals.len().min(MAX_PROBES));
         for (indices, number, _) in &few {
             append(&mut matte[number + 1], mesh, indices, Some(&mesh.materials[*number]));
         }

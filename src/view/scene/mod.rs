@@ -29,10 +29,10 @@ pub use content::{Scene, SceneLight};
 pub use look::{Proxy, SceneLook};
 #[cfg(target_arch = "wasm32")]
 pub(in crate::view) use panel::Controls;
-pub use panel::MOST_BUDGET;
+pub use panel::MAX_BUDGET;
 pub use part::{Gloss, Motion, Part};
 pub use renderer::{SceneRenderer, SceneSettings, scene_boxes, screenshot_of_scene};
-pub use uniforms::{MOST_PROBES, SceneCorner};
+pub use uniforms::{MAX_PROBES, SceneCorner};
 pub use viewer::SceneStart;
 #[cfg(target_arch = "wasm32")]
 pub(in crate::view) use viewer::SceneViewer;

@@ -12,7 +12,7 @@ use egui::{Color32, Grid, RichText, Slider, SliderClamping, Ui};
 use std::ops::RangeInclusive;
 
 /// Greatest budget of the probes in milliseconds.
-pub const MOST_BUDGET: f64 = 1e4;
+pub const MAX_BUDGET: f64 = 1e4;
 
 /// Edges of maps.
 #[cfg(target_arch = "wasm32")]
@@ -59,8 +59,8 @@ impl Controls {
     /// [`Error::Parameter`] naming the value and its range.
     pub(super) fn check(&self) -> Result<()> {
         self.look.check()?;
-        if !(0.0..=MOST_BUDGET).contains(&self.budget) {
-            let message = format!("`probe_budget` {}; use 0 to {MOST_BUDGET} milliseconds", self.budget);
+        if !(0.0..=MAX_BUDGET).contains(&self.budget) {
+            let message = format!("`probe_budget` {}; use 0 to {MAX_BUDGET} milliseconds", self.budget);
             return Err(Error::Parameter(message));
         }
         let size = self.settings.size;
@@ -99,15 +99,15 @@ pub(super) fn panel(ui: &mut Ui, controls: &mut Controls, status: &Status<'_>) {
     ui.checkbox(moving, "move");
     ui.separator();
     Grid::new("scene").num_columns(2).show(ui, |ui| {
-        choice(ui, "Direct", &mut settings.method, Method::NAMES, None);
-        choice(ui, "Proxy", &mut look.proxy, Proxy::NAMES, None);
+        choice(ui, "Direct", &mut settings.method, &Method::ALL.map(|value| (value, value.name())), None);
+        choice(ui, "Proxy", &mut look.proxy, &Proxy::ALL.map(|value| (value, value.name())), None);
         let boxes = [(1, "fitted:1"), (2, "fitted:2"), (4, "fitted:4"), (8, "fitted:8")];
         choice(ui, "Filter", &mut settings.boxes, &boxes, None);
         let sizes = [(64, "64"), (128, "128"), (256, "256"), (512, "512"), (1024, "1024")];
         let own = (settings.size, "other");
         let further = sizes.iter().all(|(size, _)| *size != own.0).then_some(own);
         choice(ui, "OEM size", &mut settings.size, &sizes, further);
-        choice(ui, "Tone", &mut look.tone, Tone::NAMES, None);
+        choice(ui, "Tone", &mut look.tone, &Tone::ALL.map(|value| (value, value.name())), None);
     });
     if !settings.method.is_exact() {
         ui.label(RichText::new("This method draws wrong maps.").weak());

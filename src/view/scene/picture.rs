@@ -1,17 +1,16 @@
 //! Pipelines of pictures, and what a picture shows.
 
 use super::super::camera::field_of_angle;
+use super::super::resources::{
+    Draw, PICTURE, Targets, UNIFORM, draw_pass, group, group_layout, pipeline_layout, storage_binding,
+};
 use super::content::{Bounds, Scene};
 use super::look::SceneLook;
 use super::probe::SceneBuffers;
-use super::uniforms::{FrameUniform, MOST_PROBES, SceneCorner};
-use crate::error::{Error, Result};
+use super::uniforms::{FrameUniform, MAX_PROBES, SceneCorner};
 use crate::gpu::Context;
 use crate::gpu::device::shader;
 use glam::DVec3;
-
-pub(super) const PICTURE: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Vertical angle of view in radians.
 const ANGLE: f64 = 0.6;
@@ -25,14 +24,6 @@ pub(super) struct Drawn<'a> {
     pub(super) lives: Option<&'a wgpu::BindGroup>,
 }
 
-/// Textures of one size.
-#[derive(Debug)]
-pub(super) struct Targets {
-    pub(super) size: (u32, u32),
-    pub(super) picture: wgpu::TextureView,
-    depth: wgpu::TextureView,
-}
-
 /// Pipelines of pictures.
 #[derive(Debug)]
 pub(super) struct Pictures {
@@ -43,62 +34,28 @@ pub(super) struct Pictures {
     glossy: wgpu::RenderPipeline,
 }
 
-impl Targets {
-    /// # Errors
-    /// [`Error::Parameter`] for a size that the device does not have.
-    pub(super) fn new(context: &Context, size: (u32, u32)) -> Result<Self> {
-        let most = context.device().limits().max_texture_dimension_2d;
-        let (width, height) = size;
-        if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
-            return Err(Error::Parameter(format!(
-                "a picture of {width} x {height} pixels; each side must be 1 to {most}"
-            )));
-        }
-        let texture = |label, format| super::super::textures::target(context, label, format, [width, height]);
-        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let (picture, depth) = (texture("picture", PICTURE), texture("depth", DEPTH));
-        Ok(Self { size, picture: view(&picture), depth: view(&depth) })
-    }
-}
-
 impl Pictures {
     pub(super) fn new(
         context: &Context,
         live_layout: &wgpu::BindGroupLayout,
         buffers: &SceneBuffers,
     ) -> Self {
-        let device = context.device();
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-            count: None,
-        };
-        let uniform = wgpu::BufferBindingType::Uniform;
-        let storage = wgpu::BufferBindingType::Storage { read_only: true };
-        let frame_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("scene frame"),
-            entries: &[entry(0, uniform), entry(1, uniform), entry(2, storage), entry(3, storage)],
-        });
-        let frame = device.create_buffer(&wgpu::BufferDescriptor {
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let kinds = [UNIFORM, UNIFORM, storage_binding(true), storage_binding(true)];
+        let frame_layout = group_layout(context, "scene frame", stages, &kinds);
+        let frame = context.device().create_buffer(&wgpu::BufferDescriptor {
             label: Some("scene frame"),
             size: size_of::<FrameUniform>() as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         let resources = [&frame, &buffers.light, &buffers.parts, &buffers.texels];
-        let frame_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("scene frame"),
-            layout: &frame_layout,
-            entries: &[0, 1, 2, 3].map(|k| wgpu::BindGroupEntry {
-                binding: k as u32,
-                resource: resources[k].as_entire_binding(),
-            }),
-        });
+        let resources = resources.map(wgpu::Buffer::as_entire_binding);
+        let frame_group = group(context, "scene frame", &frame_layout, resources);
         let module = shader::module(context, "view/scene.wgsl");
-        let groups = [Some(&frame_layout), Some(live_layout)];
-        let build = |vertex, fragment, groups: &[Option<&wgpu::BindGroupLayout>], depth, blend| {
-            pipeline(device, &module, [vertex, fragment], groups, depth, blend)
+        let groups = [&frame_layout, live_layout];
+        let build = |vertex, fragment, groups: &[&wgpu::BindGroupLayout], depth, blend| {
+            pipeline(context, &module, [vertex, fragment], groups, depth, blend)
         };
         let (less, equal) = (wgpu::CompareFunction::Less, wgpu::CompareFunction::Equal);
         Self {
@@ -122,7 +79,7 @@ impl Pictures {
         let three = |v: DVec3| v.as_vec3().to_array();
         let frame = look.camera.frame(aspect, field_of_angle(ANGLE));
         let Bounds { low, high, radius } = *bounds;
-        let mut positions = [[0.0; 4]; MOST_PROBES];
+        let mut positions = [[0.0; 4]; MAX_PROBES];
         for (place, centre) in positions.iter_mut().zip(centres) {
             *place = centre.as_vec3().extend(0.0).to_array();
         }
@@ -148,28 +105,8 @@ impl Pictures {
         Drawn { scene, buffers, lives }: &Drawn<'_>,
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("picture"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &targets.picture,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &targets.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(1.0),
-                    store: wgpu::StoreOp::Discard,
-                }),
-                stencil_ops: None,
-            }),
-            timestamp_writes,
-            ..Default::default()
-        });
+        let depth = Some((&targets.depth, wgpu::StoreOp::Discard));
+        let mut pass = draw_pass(encoder, "picture", &targets.picture, true, depth, timestamp_writes);
         pass.set_vertex_buffer(0, buffers.corners.slice(..));
         pass.set_index_buffer(buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_bind_group(0, &self.frame_group, &[]);
@@ -198,18 +135,14 @@ fn added() -> wgpu::BlendState {
 }
 
 fn pipeline(
-    device: &wgpu::Device,
+    context: &Context,
     module: &wgpu::ShaderModule,
-    [vertex, fragment]: [&str; 2],
-    groups: &[Option<&wgpu::BindGroupLayout>],
-    depth_compare: wgpu::CompareFunction,
+    entries: [&str; 2],
+    groups: &[&wgpu::BindGroupLayout],
+    compare: wgpu::CompareFunction,
     blend: Option<wgpu::BlendState>,
 ) -> wgpu::RenderPipeline {
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(fragment),
-        bind_group_layouts: groups,
-        immediate_size: 0,
-    });
+    let layout = pipeline_layout(context, entries[1], groups.iter().copied());
     let attribute =
         |shader_location, offset, format| wgpu::VertexAttribute { format, offset, shader_location };
     let three = wgpu::VertexFormat::Float32x3;
@@ -222,39 +155,18 @@ fn pipeline(
         attribute(5, 28, wgpu::VertexFormat::Float32),
         attribute(6, 44, wgpu::VertexFormat::Float32),
     ];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(fragment),
+    let corners = wgpu::VertexBufferLayout {
+        array_stride: size_of::<SceneCorner>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &attributes,
+    };
+    Draw {
+        module,
+        entries,
         layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<SceneCorner>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &attributes,
-            })],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH,
-            depth_write_enabled: Some(blend.is_none()),
-            depth_compare: Some(depth_compare),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: PICTURE,
-                blend,
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+        corners: Some(corners),
+        target: wgpu::ColorTargetState { format: PICTURE, blend, write_mask: wgpu::ColorWrites::ALL },
+        depth: Some((blend.is_none(), compare)),
+    }
+    .pipeline(context)
 }

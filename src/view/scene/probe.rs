@@ -1,5 +1,6 @@
 //! Probes: maps of the scene around glossy parts, and their tables.
 
+use super::super::resources::{UNIFORM, group, group_layout, pipeline_layout, storage_binding};
 use super::content::Scene;
 use super::uniforms::{POSE_GROUP, PoseUniform};
 use crate::direct::{DirectMap, check_near};
@@ -73,27 +74,12 @@ impl ProbePasses {
         live: LivePasses,
     ) -> Result<Self> {
         let device = context.device();
-        let buffer = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-            count: None,
-        };
-        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
-        let uniform = wgpu::BufferBindingType::Uniform;
-        let kinds = [uniform, uniform, storage(true), storage(true), storage(true), storage(false)];
-        let entries: Vec<_> = (0..).zip(kinds).map(|(binding, ty)| buffer(binding, ty)).collect();
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("scene pose"),
-            entries: &entries,
-        });
+        let read = storage_binding(true);
+        let kinds = [UNIFORM, UNIFORM, read, read, read, storage_binding(false)];
+        let layout = group_layout(context, "scene pose", wgpu::ShaderStages::COMPUTE, &kinds);
         let module = shader::module(context, "view/scene_pose.wgsl");
-        let pipeline = |entry, groups: &[Option<&wgpu::BindGroupLayout>]| {
-            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(entry),
-                bind_group_layouts: groups,
-                immediate_size: 0,
-            });
+        let pipeline = |entry, groups: &[&wgpu::BindGroupLayout]| {
+            let layout = pipeline_layout(context, entry, groups.iter().copied());
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry),
                 layout: Some(&layout),
@@ -105,8 +91,8 @@ impl ProbePasses {
         };
         Ok(Self {
             direct: Direct::new(context, FORMAT, Overlap::Nearest)?,
-            matte: pipeline("pose_matte", &[Some(&layout)]),
-            glossy: pipeline("pose_glossy", &[Some(&layout), Some(live_layout)]),
+            matte: pipeline("pose_matte", &[&layout]),
+            glossy: pipeline("pose_glossy", &[&layout, live_layout]),
             layout,
             live,
         })
@@ -137,7 +123,7 @@ impl Probe {
         live: &mut LiveEnvironment,
     ) -> Result<Self> {
         check_near(NEAR)?;
-        let triangles = scene.triangles(0.0, scene.place(part, 0.0), Some(part))?;
+        let triangles = scene.triangles(part)?;
         let mesh = DirectMesh::upload(context, &triangles)?;
         let map = if method.is_cube() {
             // As many texels.
@@ -159,18 +145,8 @@ impl Probe {
                 let uniform = context.uniform("scene pose", &empty);
                 let SceneBuffers { light, parts, corners, texels, .. } = buffers;
                 let resources = [&uniform, light, parts, corners, texels, mesh.corners()];
-                let entries: Vec<_> = (0..)
-                    .zip(resources)
-                    .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                        binding,
-                        resource: buffer.as_entire_binding(),
-                    })
-                    .collect();
-                let group = context.device().create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("scene pose"),
-                    layout: &passes.layout,
-                    entries: &entries,
-                });
+                let resources = resources.map(wgpu::Buffer::as_entire_binding);
+                let group = group(context, "scene pose", &passes.layout, resources);
                 Pose { uniform, group, first, count, pipeline: pipeline.clone() }
             })
             .collect();

@@ -2,13 +2,14 @@
 
 use super::super::look::{Look, Technique, Tone};
 use super::super::model::filled_buffer;
-use super::super::present::{Presenter, Viewport};
+use super::super::present::{Display, Presenter};
+use super::super::resources::Targets;
 use super::super::screenshot::{Screenshot, presented};
 use super::content::Scene;
 use super::look::SceneLook;
-use super::picture::{Drawn, Pictures, Targets};
+use super::picture::{Drawn, Pictures};
 use super::probe::{Probe, ProbePasses, SceneBuffers};
-use super::uniforms::MOST_PROBES;
+use super::uniforms::MAX_PROBES;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::readback;
@@ -43,7 +44,7 @@ pub struct SceneSettings {
 
 impl Default for SceneSettings {
     fn default() -> Self {
-        Self { method: Method::Octants, probes: MOST_PROBES, size: 256, boxes: 4 }
+        Self { method: Method::Octants, probes: MAX_PROBES, size: 256, boxes: 4 }
     }
 }
 
@@ -308,21 +309,14 @@ impl SceneRenderer {
         self.targets.is_some()
     }
 
-    /// Draws the last picture into `viewport` of `view`, tone-mapped, in sRGB.
+    /// Draws the last picture to `display`, tone-mapped, in sRGB.
     ///
     /// # Panics
     /// If no picture was drawn.
-    pub fn present(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-        tone: Tone,
-    ) {
+    pub fn present(&mut self, display: Display<'_>, tone: Tone) {
         let picture = &self.targets.as_ref().expect("a picture was drawn").picture;
         let look = Look { tone, ..Look::default() };
-        self.presenter.present(picture, encoder, view, format, viewport, &look);
+        self.presenter.present(picture, display, &look);
     }
 
     /// Reads the map of a probe: linear radiance, 1 where it shows a triangle, row by row, face by face.
@@ -374,10 +368,7 @@ pub async fn screenshot_of_scene(
         progress(update + 1, ROUNDS * probes);
     }
     renderer.draw(look, (width.saturating_mul(samples), height.saturating_mul(samples)))?;
-    presented(&context, [width, height], |encoder, view, format, viewport| {
-        renderer.present(encoder, view, format, viewport, look.tone);
-    })
-    .await
+    presented(&context, [width, height], |display| renderer.present(display, look.tone)).await
 }
 
 /// A buffer of the scene's `content`.

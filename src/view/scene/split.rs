@@ -15,7 +15,7 @@ use std::collections::{HashMap, HashSet};
 const HALVINGS: i32 = 7;
 
 /// Most triangles of a scene with split ones.
-const MOST: usize = 1 << 17;
+const MAX: usize = 1 << 17;
 
 /// An edge: parts that move as one, and the ends.
 type Edge = (usize, [[u32; 3]; 2]);
@@ -29,7 +29,7 @@ pub(super) fn split(parts: &mut [Part], texels: &Texels, radius: f64) {
 }
 
 fn halve_long_edges(parts: &mut [Part], texels: &Texels, radius: f64) {
-    if parts.iter().map(|part| part.indices.len() / 3).sum::<usize>() > MOST {
+    if parts.iter().map(|part| part.indices.len() / 3).sum::<usize>() > MAX {
         return;
     }
     let spaces = spaces(parts);
@@ -47,7 +47,7 @@ fn halve_long_edges(parts: &mut [Part], texels: &Texels, radius: f64) {
                 let of = |triangle| 1 + is_long(number, triangle).iter().filter(|long| **long).count();
                 part.indices.chunks_exact(3).map(of).sum()
             };
-            if parts.iter().enumerate().map(triangles).sum::<usize>() > MOST {
+            if parts.iter().enumerate().map(triangles).sum::<usize>() > MAX {
                 return;
             }
             let halved: Vec<Part> = parts
@@ -178,7 +178,7 @@ fn set_spreads(part: &mut Part) {
 
 #[cfg(test)]
 mod tests {
-    use super::{MOST, Part, edge, sides, split};
+    use super::{MAX, Part, edge, sides, split};
     use crate::mesh::{Image, Texture, Wrap};
     use crate::view::scene::texture::Texels;
     use crate::view::scene::uniforms::SceneCorner;
@@ -282,10 +282,10 @@ mod tests {
     fn triangles_are_bounded() {
         let count = |parts: &[Part]| parts.iter().map(|part| part.indices.len() / 3).sum::<usize>();
         let few = parted(square(), 8192, 1.5);
-        assert!(count(&few) > MOST / 16 && count(&few) <= MOST, "{}", count(&few));
+        assert!(count(&few) > MAX / 16 && count(&few) <= MAX, "{}", count(&few));
         // Edges are all long in a scene that is small beside them.
         let many = parted(square(), 8192, 0.01);
-        assert!(count(&many) <= MOST, "{}", count(&many));
+        assert!(count(&many) <= MAX, "{}", count(&many));
         let plain = vec![square().remove(1)];
         assert_eq!(parted(plain.clone(), 8192, 1.5), plain, "nothing without textures is split");
     }

@@ -2,10 +2,9 @@
 //! `shaders/common/view_texture.wgsl` looks them up on the GPU.
 
 use super::super::mip_levels::{Space, halved};
-use super::uniforms::{SceneCorner, TextureUniform};
+use super::uniforms::TextureUniform;
 use crate::error::{Error, Result};
 use crate::mesh::{Image, Texture, Wrap};
-use glam::DVec3;
 use std::borrow::Cow;
 
 /// Address mode that mirrors an image every other time.
@@ -18,7 +17,7 @@ pub(in crate::view) const CLAMP: u32 = 2;
 pub(in crate::view) const NEAREST: u32 = 16;
 
 /// Most bytes of all texels: what every WebGPU device binds at once.
-const MOST_BYTES: usize = 128 << 20;
+const MAX_BYTES: usize = 128 << 20;
 
 /// Texels of images.
 #[derive(Clone, Debug)]
@@ -45,7 +44,7 @@ impl Texels {
                 )));
             }
         }
-        Ok(Self::within(images, &shown, MOST_BYTES / 4))
+        Ok(Self::within(images, &shown, MAX_BYTES / 4))
     }
 
     /// Those of the `shown` images, with `most` texels of all levels.
@@ -100,54 +99,6 @@ impl Texels {
     pub(super) fn sides(&self, texture: Texture) -> [u32; 2] {
         let TextureUniform { width, height, .. } = self.images[texture.image];
         [width, height]
-    }
-
-    /// The linear colour of `texture` at a corner, as the shader's `texture_of_corner` has it.
-    pub(super) fn colour_of_corner(&self, texture: &TextureUniform, corner: &SceneCorner) -> DVec3 {
-        let TextureUniform { width, height, modes, .. } = *texture;
-        if width == 0 {
-            return DVec3::ONE;
-        }
-        let side = width.max(height);
-        let spread = f64::from(corner.spread) * f64::from(side);
-        let level = spread.max(1.0).log2().min(f64::from(side.ilog2()));
-        let nearest = spread <= 1.0 && modes & NEAREST != 0;
-        let colour = |level: f64, nearest| self.level(texture, corner, level as u32, nearest);
-        let share = level.fract();
-        let fine = colour(level, nearest);
-        if share == 0.0 { fine } else { fine.lerp(colour(level + 1.0, false), share) }
-    }
-
-    /// The colour at a level, bilinear unless `nearest`.
-    fn level(&self, texture: &TextureUniform, corner: &SceneCorner, level: u32, nearest: bool) -> DVec3 {
-        let TextureUniform { mut first, mut width, mut height, modes } = *texture;
-        for _ in 0..level {
-            first += width * height;
-            (width, height) = ((width / 2).max(1), (height / 2).max(1));
-        }
-        let axis = |x: f32, side: u32, mode: u32| {
-            let wrap = match mode {
-                MIRROR => Wrap::Mirror,
-                CLAMP => Wrap::Clamp,
-                _ => Wrap::Repeat,
-            };
-            let at = wrap.within(f64::from(x)) * f64::from(side) - if nearest { 0.0 } else { 0.5 };
-            let side = i64::from(side);
-            let index = |at: i64| match wrap {
-                Wrap::Mirror | Wrap::Clamp => at.clamp(0, side - 1) as u32,
-                Wrap::Repeat => at.rem_euclid(side) as u32,
-            };
-            let low = at.floor();
-            (index(low as i64), index(low as i64 + 1), if nearest { 0.0 } else { at - low })
-        };
-        let (left, right, across) = axis(corner.u, width, modes & 3);
-        let (top, bottom, down) = axis(corner.v, height, (modes >> 2) & 3);
-        let texel = |x: u32, y: u32| {
-            let [red, green, blue, _] = self.words[(first + y * width + x) as usize];
-            DVec3::from_array([red, green, blue].map(|byte| f64::from(Space::Srgb.light(byte))))
-        };
-        let row = |y| texel(left, y).lerp(texel(right, y), across);
-        row(top).lerp(row(bottom), down)
     }
 }
 

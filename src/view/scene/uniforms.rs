@@ -2,7 +2,7 @@
 //! `shaders/view/scene_pose.wgsl`.
 
 /// Most probes, and most glossy parts.
-pub const MOST_PROBES: usize = 8;
+pub const MAX_PROBES: usize = 8;
 
 /// Invocations of a workgroup that places corners.
 pub(in crate::view) const POSE_GROUP: u32 = 64;
@@ -99,5 +99,5 @@ pub(in crate::view) struct FrameUniform {
     pub(super) high: [f32; 3],
     pub(super) probes: u32,
     pub(super) sphere: [f32; 4],
-    pub(super) centres: [[f32; 4]; MOST_PROBES],
+    pub(super) centres: [[f32; 4]; MAX_PROBES],
 }

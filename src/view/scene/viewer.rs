@@ -3,10 +3,10 @@
 use super::super::camera::Camera;
 use super::super::later::{Later, later};
 use super::super::panel::WIDTH;
-use super::super::present::Viewport;
+use super::super::present::{Display, Viewport};
 #[cfg(not(target_arch = "wasm32"))]
 use super::super::window::open;
-use super::super::window::{Content, FromStart};
+use super::super::window::{FromStart, WindowContent, beside_panel};
 use super::content::Scene;
 use super::look::SceneLook;
 use super::panel::{Controls, Status, panel};
@@ -130,11 +130,6 @@ impl SceneViewer {
         self.message.as_deref()
     }
 
-    /// Sets the message to the user.
-    pub(in crate::view) fn show_message(&mut self, message: String) {
-        self.message = Some(message);
-    }
-
     /// Triangles of the scene.
     pub(in crate::view) fn triangles(&self) -> usize {
         self.renderer.triangles()
@@ -143,17 +138,6 @@ impl SceneViewer {
     /// Passes and their times in seconds, as last measured.
     pub(in crate::view) fn times(&self) -> &[(&'static str, f64)] {
         &self.times
-    }
-
-    /// Opens the scene in `bytes`, a mesh file named `path`. On failure sets the message and keeps the scene.
-    pub(in crate::view) fn open(&mut self, path: &Path, bytes: &[u8]) {
-        let taken = Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_scene(path, &mesh));
-        self.message = taken.err().map(|error| error.to_string());
-    }
-
-    /// Whether the panel is shown.
-    pub(in crate::view) const fn has_panel(&self) -> bool {
-        !self.panel_hidden
     }
 }
 
@@ -313,9 +297,13 @@ impl FromStart for SceneViewer {
             drawn: None,
         })
     }
+
+    fn content(&mut self) -> &mut dyn WindowContent {
+        self
+    }
 }
 
-impl Content for SceneViewer {
+impl WindowContent for SceneViewer {
     fn context(&self) -> &Context {
         self.renderer.context()
     }
@@ -338,9 +326,7 @@ impl Content for SceneViewer {
             .exact_size(WIDTH)
             .resizable(false)
             .show(ui, |ui| ScrollArea::vertical().show(ui, |ui| panel(ui, &mut self.controls, &status)));
-        let edge = (shown.response.rect.right() * ui.ctx().pixels_per_point()).round() as u32;
-        let x = edge.min(width.saturating_sub(1));
-        Viewport { x, y: 0, width: width - x, height }
+        beside_panel(ui, shown.response.rect.right(), (width, height))
     }
 
     fn draw(&mut self, full: (u32, u32)) {
@@ -358,15 +344,9 @@ impl Content for SceneViewer {
         }
     }
 
-    fn present(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-        viewport: Viewport,
-    ) {
+    fn present(&mut self, display: Display<'_>) {
         if self.renderer.has_picture() {
-            self.renderer.present(encoder, view, format, viewport, self.controls.look.tone);
+            self.renderer.present(display, self.controls.look.tone);
         }
     }
 
@@ -374,6 +354,11 @@ impl Content for SceneViewer {
         let shown = (self.controls.look, self.shown_maps());
         let settled = self.drawn.is_some_and(|(look, maps, _)| (look, maps) == shown);
         self.controls.moving || self.controls.timing || self.due > 0 || self.submitted.is_some() || !settled
+    }
+
+    fn open(&mut self, path: &Path, bytes: &[u8]) {
+        let taken = Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_scene(path, &mesh));
+        self.message = taken.err().map(|error| error.to_string());
     }
 
     fn open_file(&mut self, path: &Path) {
@@ -389,7 +374,15 @@ impl Content for SceneViewer {
         self.controls.look.camera = self.first_camera;
     }
 
+    fn has_panel(&self) -> bool {
+        !self.panel_hidden
+    }
+
     fn toggle_panel(&mut self) {
         self.panel_hidden = !self.panel_hidden;
+    }
+
+    fn show_message(&mut self, message: String) {
+        self.message = Some(message);
     }
 }

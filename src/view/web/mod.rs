@@ -7,14 +7,13 @@ mod view_side;
 use super::look::Look;
 use super::scene::Scene;
 use super::viewer::{is_mesh, options};
-use super::window::{Application, OpenWindow, Ready, Start};
+use super::window::{Application, FromStart as _, OpenWindow, Ready, Start};
 use crate::error::Error;
 use crate::gpu::device::shader;
 use crate::io;
 use crate::mesh::Mesh;
 use crate::reflector::ReflectorSettings;
 use js_sys::Function;
-use serde::Serialize;
 use sides::{Side, SideName, Sides};
 use std::cell::RefCell;
 use std::path::Path;
@@ -41,14 +40,6 @@ fn start() {
 pub struct Page {
     application: Rc<RefCell<Application<Sides>>>,
     on_event: Function,
-}
-
-/// The state reported to the page.
-#[derive(Serialize)]
-#[serde(tag = "side", rename_all = "lowercase")]
-enum State<'a> {
-    View(view_side::State<'a>),
-    Scene(scene_side::State<'a>),
 }
 
 #[wasm_bindgen]
@@ -89,18 +80,12 @@ impl Page {
     /// Opens an environment or a mesh from `bytes`, the file named `name`; on the scene side the scene of a
     /// mesh file. On failure the panel shows the error and the picture stays.
     pub fn open(&self, name: &str, bytes: &[u8]) {
-        self.act(|sides| match sides.shown() {
-            Side::View(viewer) => viewer.open(Path::new(name), bytes),
-            Side::Scene(scene) => scene.open(Path::new(name), bytes),
-        });
+        self.act(|sides| sides.content().open(Path::new(name), bytes));
     }
 
     /// Shows a message in the panel.
     pub fn show_message(&self, message: String) {
-        self.act(|sides| match sides.shown() {
-            Side::View(viewer) => viewer.show_message(message),
-            Side::Scene(scene) => scene.show_message(message),
-        });
+        self.act(|sides| sides.content().show_message(message));
     }
 
     /// Shows the side named `side`: `view`, objects under an environment, or `scene`, a moving scene.
@@ -119,8 +104,8 @@ impl Page {
     pub fn state(&self) -> Result<String, JsError> {
         let mut application = self.application.borrow_mut();
         let state = application.shown.as_mut().map(|OpenWindow { viewer, .. }| match viewer.shown() {
-            Side::View(viewer) => State::View(view_side::State::of(viewer)),
-            Side::Scene(scene) => State::Scene(scene_side::State::of(scene)),
+            Side::View(viewer) => view_side::state(viewer),
+            Side::Scene(scene) => scene_side::state(scene),
         });
         Ok(serde_json::to_string(&state)?)
     }

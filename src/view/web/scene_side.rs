@@ -2,11 +2,12 @@
 
 use super::super::look::{Technique, Tone};
 use super::super::scene::{Controls, Proxy, SceneViewer, scene_boxes};
-use super::super::window::Content as _;
+use super::super::window::WindowContent as _;
 use super::parsed;
 use crate::error::Result;
 use crate::gpu::direct::Method;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer};
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 /// Changes of the controls; absent fields stay unchanged.
@@ -38,57 +39,32 @@ fn given<'de, D: Deserializer<'de>, T: Deserialize<'de>>(field: D) -> Result<Opt
 }
 
 /// The state reported to the page.
-#[derive(Debug, Serialize)]
-pub(super) struct State<'a> {
-    scene: &'a str,
-    message: Option<&'a str>,
-    adapter: String,
-    roughness: Option<f64>,
-    exposure: f64,
-    tone: String,
-    scene_time: f64,
-    moving: bool,
-    probes: usize,
-    probe_budget: Option<f64>,
-    proxy: String,
-    direct: String,
-    filter: String,
-    oem_size: u32,
-    triangles: usize,
-    /// Seconds of the passes, if they were measured.
-    gpu_times: BTreeMap<&'a str, f64>,
-    /// Samples of the picture.
-    size: (u32, u32),
-    /// Whether the picture is final.
-    settled: bool,
-    panel: bool,
-}
-
-impl<'a> State<'a> {
-    pub(super) fn of(viewer: &'a SceneViewer) -> Self {
-        let Controls { look, settings, time, moving, budget, limited, .. } = viewer.controls();
-        Self {
-            scene: viewer.name(),
-            message: viewer.message(),
-            adapter: viewer.context().describe(),
-            roughness: look.roughness,
-            exposure: look.exposure,
-            tone: look.tone.to_string(),
-            scene_time: time,
-            moving,
-            probes: settings.probes,
-            probe_budget: limited.then_some(budget),
-            proxy: look.proxy.to_string(),
-            direct: settings.method.to_string(),
-            filter: Technique::Fitted(settings.boxes).to_string(),
-            oem_size: settings.size,
-            triangles: viewer.triangles(),
-            gpu_times: viewer.times().iter().copied().collect(),
-            size: viewer.picture_size(),
-            settled: !viewer.is_busy(),
-            panel: viewer.has_panel(),
-        }
-    }
+pub(super) fn state(viewer: &SceneViewer) -> Value {
+    let Controls { look, settings, time, moving, budget, limited, .. } = viewer.controls();
+    json!({
+        "side": "scene",
+        "scene": viewer.name(),
+        "message": viewer.message(),
+        "adapter": viewer.context().describe(),
+        "roughness": look.roughness,
+        "exposure": look.exposure,
+        "tone": look.tone.name(),
+        "scene_time": time,
+        "moving": moving,
+        "probes": settings.probes,
+        "probe_budget": limited.then_some(budget),
+        "proxy": look.proxy.name(),
+        "direct": settings.method.name(),
+        "filter": Technique::Fitted(settings.boxes).to_string(),
+        "oem_size": settings.size,
+        "triangles": viewer.triangles(),
+        // Seconds of the passes, if they were measured.
+        "gpu_times": viewer.times().iter().copied().collect::<BTreeMap<_, _>>(),
+        // Samples of the picture, and whether it is final.
+        "size": viewer.picture_size(),
+        "settled": !viewer.is_busy(),
+        "panel": viewer.has_panel(),
+    })
 }
 
 impl Change {

@@ -2,10 +2,12 @@
 
 use super::super::look::{Look, Object, Paint, Technique};
 use super::super::viewer::Viewer;
+use super::super::window::WindowContent as _;
 use super::parsed;
 use crate::error::{Error, Result};
 use crate::image::exposure::Exposure;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde_json::{Value, json};
 
 /// Changes of a look; absent fields stay unchanged.
 #[derive(Debug, Deserialize)]
@@ -31,44 +33,26 @@ enum ExposureChange {
 }
 
 /// The state reported to the page.
-#[derive(Debug, Serialize)]
-pub(super) struct State<'a> {
-    environment: &'a str,
-    message: Option<&'a str>,
-    adapter: String,
-    roughness: f64,
-    roughness_factor: f64,
-    exposure: String,
-    filter: String,
-    object: String,
-    paint: String,
-    /// Samples of the picture.
-    size: (u32, u32),
-    /// Whether the picture is final.
-    settled: bool,
-    panel: bool,
-    /// Left, top, right and bottom in CSS pixels.
-    roughness_slider: Option<[f32; 4]>,
-}
-
-impl<'a> State<'a> {
-    pub(super) fn of(viewer: &'a Viewer) -> Self {
-        Self {
-            environment: viewer.name(),
-            message: viewer.message(),
-            adapter: viewer.context().describe(),
-            roughness: viewer.look().roughness,
-            roughness_factor: viewer.look().roughness_factor,
-            exposure: viewer.look().exposure.to_string(),
-            filter: viewer.look().filter.to_string(),
-            object: viewer.look().object.to_string(),
-            paint: viewer.look().paint.to_string(),
-            size: viewer.picture_size(),
-            settled: !viewer.is_busy(),
-            panel: viewer.panel(),
-            roughness_slider: viewer.roughness_slider(),
-        }
-    }
+pub(super) fn state(viewer: &Viewer) -> Value {
+    let look = viewer.look();
+    json!({
+        "side": "view",
+        "environment": viewer.name(),
+        "message": viewer.message(),
+        "adapter": viewer.context().describe(),
+        "roughness": look.roughness,
+        "roughness_factor": look.roughness_factor,
+        "exposure": look.exposure.to_string(),
+        "filter": look.filter.to_string(),
+        "object": look.object.name(),
+        "paint": look.paint.name(),
+        // Samples of the picture, and whether it is final.
+        "size": viewer.picture_size(),
+        "settled": !viewer.is_busy(),
+        "panel": viewer.has_panel(),
+        // Left, top, right and bottom in CSS pixels.
+        "roughness_slider": viewer.roughness_slider(),
+    })
 }
 
 impl Change {
@@ -102,7 +86,7 @@ impl Change {
             return Err(Error::Parameter("no mesh is loaded; open one first".to_owned()));
         }
         *viewer.look_mut() = look;
-        if self.panel.is_some_and(|shown| shown != viewer.panel()) {
+        if self.panel.is_some_and(|shown| shown != viewer.has_panel()) {
             viewer.toggle_panel();
         }
         Ok(())

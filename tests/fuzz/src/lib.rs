@@ -1,6 +1,6 @@
 //! Shared code of the fuzz targets.
 
-use octagloss::internals::io::{self, LayoutChoice, ReadOptions};
+use octagloss::internals::io::{self, InputLayout, ReadOptions};
 use std::path::Path;
 
 /// Memory limit of a reader for one input, in bytes.
@@ -9,12 +9,12 @@ pub const MEMORY_LIMIT: u64 = 64 << 20;
 /// Reads `bytes` as an environment if they begin with `magic`; `name` has the usual extension of the format.
 pub fn read_environment(name: &str, magic: &[u8], bytes: &[u8]) {
     if bytes.starts_with(magic) {
-        read_with_layout(name, bytes, LayoutChoice::Auto);
+        read_with_layout(name, bytes, InputLayout::Auto);
     }
 }
 
 /// Reads `bytes` as an environment in `layout` and checks the guarantees of the result.
-pub fn read_with_layout(name: &str, bytes: &[u8], layout: LayoutChoice) {
+pub fn read_with_layout(name: &str, bytes: &[u8], layout: InputLayout) {
     let options =
         ReadOptions { layout, sanitize: true, memory_limit: MEMORY_LIMIT, ..ReadOptions::default() };
     match io::read_from_memory(Path::new(name), bytes, &options) {

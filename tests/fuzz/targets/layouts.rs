@@ -3,16 +3,16 @@
 //! The last byte chooses the layout; the rest is a file of any format.
 
 use libfuzzer_sys::fuzz_target;
-use octagloss::internals::io::LayoutChoice;
+use octagloss::internals::io::InputLayout;
 use octagloss_fuzz::read_with_layout;
 
-const LAYOUTS: [LayoutChoice; 6] = [
-    LayoutChoice::Auto,
-    LayoutChoice::Equirect,
-    LayoutChoice::Cross,
-    LayoutChoice::Strip,
-    LayoutChoice::Faces,
-    LayoutChoice::Octahedral,
+const LAYOUTS: [InputLayout; 6] = [
+    InputLayout::Auto,
+    InputLayout::Equirect,
+    InputLayout::Cross,
+    InputLayout::Strip,
+    InputLayout::Faces,
+    InputLayout::Octahedral,
 ];
 
 fuzz_target!(|bytes: &[u8]| {

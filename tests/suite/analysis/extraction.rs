@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use octagloss::internals::analysis::delivered::even_directions;
-use octagloss::internals::analysis::extraction::{Extraction, MOST_LAMPS, Suns, Why, extract};
+use octagloss::internals::analysis::extraction::{Extraction, MAX_LAMPS, Suns, Why, extract};
 use octagloss::internals::analysis::sun::Sun;
 use octagloss::{Environment, Layout};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -277,7 +277,7 @@ fn dark_and_tiny_environments_have_no_sun() {
     for value in [0.0, 3.0] {
         for layout in [Layout::Cube { size: 8 }, Layout::Panorama { width: 2, height: 1 }] {
             let source = environment(layout, |_| [value; 3]);
-            for suns in [Suns::Brightest, Suns::Strongest(MOST_LAMPS), Suns::Towards(vec![DVec3::X])] {
+            for suns in [Suns::Brightest, Suns::Strongest(MAX_LAMPS), Suns::Towards(vec![DVec3::X])] {
                 let extraction = extract(&source, &suns);
                 assert!(extraction.lamps.is_empty() && extraction.sunless.texels() == source.texels());
                 assert!(extraction.warnings()[0].contains("no sun detected"), "{:?}", extraction.warnings());

@@ -545,3 +545,14 @@ fn a_hemisphere_takes_what_coarse_texels_have_in_it() {
         assert!((30.0 * share - 1.0).abs() < 1e-7, "texel {inside}: {share}");
     }
 }
+
+#[test]
+fn a_cosine_takes_its_share_of_texels_that_the_horizon_touches() {
+    let layout = Layout::Panorama { width: 3, height: 6 };
+    let direction = DVec3::new(0.0, 1.0, 1.0).normalize();
+    // By a product of midpoint rules. The horizon touches the middle of the texel's own middle.
+    for (texel, share) in [(0, 0.043_633_79), (3, 0.037_867_43), (4, 0.118_602_67), (13, 0.000_751_54)] {
+        let found = Oracle::new(&lone(layout, texel, 1.0)).reflect(Lobe::Cosine, 1.0, direction)[0];
+        assert!((found - share).abs() < 3e-8, "texel {texel}: {found}");
+    }
+}

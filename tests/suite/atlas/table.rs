@@ -105,9 +105,9 @@ impl Atlas {
     /// [`Error::Parameter`] if `side` is not a power of two from 4 to 16384, or `border` is 0 or leaves no
     /// map.
     pub(crate) fn new(side: u32, border: u32) -> Result<Self> {
-        if !side.is_power_of_two() || !(LEAST..=MOST).contains(&side) {
+        if !side.is_power_of_two() || !(MIN..=MAX).contains(&side) {
             return Err(Error::Parameter(format!(
-                "an atlas of {side} texels; choose a power of two from {LEAST} to {MOST}"
+                "an atlas of {side} texels; choose a power of two from {MIN} to {MAX}"
             )));
         }
         if border == 0 || u64::from(side) <= 2 * u64::from(border) {
@@ -235,10 +235,10 @@ impl Atlas {
 }
 
 /// Largest edge of an atlas in texels.
-const MOST: u32 = 16_384;
+const MAX: u32 = 16_384;
 
 /// Fewest texels along an edge of an atlas: two by two, and a border of one.
-const LEAST: u32 = 4;
+const MIN: u32 = 4;
 
 fn mixed(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
     std::array::from_fn(|c| a[c] * (1.0 - share) + b[c] * share)

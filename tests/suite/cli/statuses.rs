@@ -1,7 +1,10 @@
 //! Exit statuses and counts: usage is 2, what is missing is 1.
 
-use crate::cli::{done, fails, json, octagloss, with_sky};
+use crate::cli::{done, fails, json, json_file, octagloss, with_sky, write_panorama};
 use std::fs;
+use std::thread;
+use std::time::Duration;
+use tempfile::TempDir;
 
 #[test]
 fn what_is_missing_is_a_failure_and_not_usage() {
@@ -177,5 +180,38 @@ fn git_ignores_what_the_readmes_commands_write() {
     assert!(outputs.contains(&"sky.ktx2") && outputs.contains(&"baked"), "{outputs:?}");
     for output in outputs {
         assert!(patterns.iter().any(|pattern| pattern.matches(output)), "{output} is not in .gitignore");
+    }
+}
+
+/// Whatever the moment, the report describes the light that was baked, or the bake fails.
+#[test]
+fn inputs_that_change_during_a_bake_are_told_or_baked_whole() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let (path, other) = (folder.path().join("a.exr"), folder.path().join("b.exr"));
+    write_panorama(&path, 512, |_| [1.0; 3]);
+    write_panorama(&other, 512, |_| [4.0; 3]);
+    let contents = [&path, &other].map(|path| fs::read(path).expect("written"));
+    for milliseconds in [0, 3, 6, 10, 15, 25] {
+        fs::write(&path, &contents[0]).expect("writable");
+        let ran = thread::scope(|scope| {
+            scope.spawn(|| {
+                thread::sleep(Duration::from_millis(milliseconds));
+                fs::write(&path, &contents[1]).expect("writable");
+            });
+            octagloss(
+                folder.path(),
+                &["bake", "a.exr", "--size", "8", "--levels", "3", "--force", "-o", "a.ktx2"],
+            )
+        });
+        if ran.code != 0 {
+            let words = ["changed while it was read; run again", "truncated", "the file is empty"];
+            assert!(ran.code == 1 && words.iter().any(|words| ran.err.contains(words)), "{}", ran.err);
+            continue;
+        }
+        let report = json_file(&folder.path().join("a.ktx2.report.json"));
+        let mean = report["energy"]["mean_luminance"].as_f64().expect("a number");
+        let baked = [1.0, 4.0].iter().position(|whole| (mean - whole).abs() < 1e-6);
+        let hash = blake3::hash(&contents[baked.expect("one of both, whole")]).to_hex().to_string();
+        assert_eq!(report["input_files"][0]["blake3"], *hash, "after {milliseconds} ms");
     }
 }

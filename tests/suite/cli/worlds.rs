@@ -19,7 +19,7 @@ use std::path::Path;
 use tempfile::TempDir;
 
 /// Greatest error of a moment, in degrees: texels of small levels are wide.
-const MOST: f64 = 5.0;
+const MAX: f64 = 5.0;
 
 /// Directions of the source's red, green and blue lamps.
 const LAMPS: [DVec3; 3] =
@@ -124,7 +124,7 @@ fn check(folder: &Path, out: &str, is_whole: bool, world: [DVec3; 3], what: &str
         }
         let loaded = loaded.unwrap_or_else(|error| panic!("{what}: {error}"));
         // A Charlie lobe is a band with a small first moment; a wrong turn is off by 20 degrees and more.
-        let most = if name.starts_with("sheen") { 12.0 } else { MOST };
+        let most = if name.starts_with("sheen") { 12.0 } else { MAX };
         let off = angle(moments(&loaded.environment), world);
         assert!(off < most, "{what}: {name} is {off} degrees off its world");
         if let Ok(bake) = load_chain(&path) {
@@ -171,7 +171,7 @@ fn a_wrong_flip_is_detected() {
         }
         Chain { levels: vec![Level::cube(8, 0.0, texels)] }
     };
-    assert!(angle(moments_of(&cube(Flip::None).levels[0]), world) < MOST);
+    assert!(angle(moments_of(&cube(Flip::None).levels[0]), world) < MAX);
     for flip in [Flip::X, Flip::Z] {
         assert!(angle(moments_of(&cube(flip).levels[0]), world) > 20.0, "{flip:?}");
     }

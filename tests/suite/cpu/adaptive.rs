@@ -73,8 +73,7 @@ fn outcomes(
     (0..scenes)
         .into_par_iter()
         .flat_map_iter(|scene| {
-            let Examination { scene, spread, questions } =
-                Examination::new(lobe, seed, scene, questions, &size);
+            let TestScene { scene, spread, questions } = TestScene::new(lobe, seed, scene, questions, &size);
             let cells = Cells::new(&scene.oem, 1, spread);
             questions
                 .into_iter()
@@ -85,14 +84,14 @@ fn outcomes(
 }
 
 /// A scene with questions and their answers by exhaustive integration.
-pub(crate) struct Examination {
+pub(crate) struct TestScene {
     pub(crate) scene: Scene,
     pub(crate) spread: Reconstruction,
     pub(crate) questions: Vec<(Question, [f64; 3])>,
 }
 
-impl Examination {
-    /// Draws the `index`th examination of `seed`, with `lobe` or any lobe.
+impl TestScene {
+    /// Draws the `index`th test scene of `seed`, with `lobe` or any lobe.
     pub(crate) fn new(
         lobe: Option<Lobe>,
         seed: u64,
@@ -273,10 +272,10 @@ fn one_wrong_texel_breaks_a_bound() {
     let mut random = Random::new(31);
     let (mut broken, mut compared) = (0, 0);
     for _ in 0..20 {
-        let (examination, wrong) = Examination::with_wrong_texel(&mut random, Lobe::Ggx, 10.0);
-        let cells = Cells::new(&wrong, 1, examination.spread);
-        for (question, truth) in &examination.questions {
-            broken += usize::from(!outcome(&examination.scene, &cells, question, *truth).holds());
+        let (test_scene, wrong) = TestScene::with_wrong_texel(&mut random, Lobe::Ggx, 10.0);
+        let cells = Cells::new(&wrong, 1, test_scene.spread);
+        for (question, truth) in &test_scene.questions {
+            broken += usize::from(!outcome(&test_scene.scene, &cells, question, *truth).holds());
             compared += 1;
         }
     }
@@ -337,7 +336,8 @@ fn answers_of_a_reflector_lie_within_their_bounds() {
     assert_eq!(compared, 300);
 }
 
-/// Greatest root mean square error of a channel around `environment`, over its mean, for `lobe` at `roughness`.
+/// Greatest root mean square error of a channel around `environment`, over its mean, for `lobe` at
+/// `roughness`.
 fn colour_error(
     environment: &Environment,
     truth: &Environment,

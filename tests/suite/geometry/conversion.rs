@@ -35,7 +35,7 @@ fn single_bright_texels_keep_their_energy_in_every_map() {
     {
         for degrees in [0.0, 31.0] {
             let environment = panorama(width, lamp, brightest).rotated_y(degrees);
-            let source = Source::of_environment(environment).expect("2:1");
+            let source = Source::from_environment(environment).expect("2:1");
             for map in &MAPS {
                 let off = off(&source, map, size);
                 assert!(off < LOST, "{width} to {} turned by {degrees}: {off:e}", map.name);
@@ -52,7 +52,7 @@ fn pictures_of_maps_keep_their_energy() {
     let texels: Vec<_> = (0..216).map(|k| if k == 77 { [1e5, 3e38, 0.5] } else { [0.0, 0.0, 0.5] }).collect();
     for degrees in [0.0_f64, 31.0] {
         let turn = DMat3::from_rotation_y(degrees.to_radians());
-        let source = Source::of_texels(cube, texels.clone(), turn);
+        let source = Source::from_texels(cube, texels.clone(), turn);
         for map in &MAPS {
             let off = off(&source, map, 5);
             assert!(off < LOST, "a cube to {} turned by {degrees}: {off:e}", map.name);
@@ -64,7 +64,7 @@ fn pictures_of_maps_keep_their_energy() {
 fn the_greatest_radiance_stays_finite() {
     let texels = vec![[f32::MAX; 3]; 512];
     let environment = Environment::new(Layout::Panorama { width: 32, height: 16 }, texels).expect("valid");
-    let source = Source::of_environment(environment).expect("2:1");
+    let source = Source::from_environment(environment).expect("2:1");
     for map in &MAPS {
         let means = source.converted(map, 7).expect("fits");
         assert!(means.as_flattened().iter().all(|value| value.is_finite()), "{}", map.name);
@@ -73,7 +73,7 @@ fn the_greatest_radiance_stays_finite() {
 
 #[test]
 fn lost_energy_is_detected() {
-    let source = Source::of_environment(panorama(16, [12, 4], [5, 3])).expect("2:1");
+    let source = Source::from_environment(panorama(16, [12, 4], [5, 3])).expect("2:1");
     let map = MAPS.iter().find(|map| map.name == "cube").expect("a map");
     let sent = energy(source.grid(), source.light().texels);
     let mut means = source.converted(map, 8).expect("fits");

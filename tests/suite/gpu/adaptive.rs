@@ -3,7 +3,7 @@
 
 use super::transfer::{Upload as _, tree_of_cells, tree_of_leaves};
 use super::{UNIT, exceeds, wait, with_passes};
-use crate::cpu::adaptive::{Examination, FURNACE, Outcome, Question, judge, luminance};
+use crate::cpu::adaptive::{FURNACE, Outcome, Question, TestScene, judge, luminance};
 use crate::support::common::{Random, environment, landmarks, oem, sweep};
 use glam::DVec3;
 use octagloss::Layout;
@@ -45,20 +45,20 @@ fn evaluate(
     wait(context, passes.adaptive.evaluate(context, &parts, packets))
 }
 
-/// Draws the examinations of `seed`, with `lobe` or any lobe.
-fn examinations(
+/// Draws the test scenes of `seed`, with `lobe` or any lobe.
+fn test_scenes(
     lobe: Option<Lobe>,
     seed: u64,
     scenes: u64,
     questions: usize,
     size: fn(&mut Random) -> u32,
-) -> Vec<Examination> {
-    (0..scenes).into_par_iter().map(|index| Examination::new(lobe, seed, index, questions, size)).collect()
+) -> Vec<TestScene> {
+    (0..scenes).into_par_iter().map(|index| TestScene::new(lobe, seed, index, questions, size)).collect()
 }
 
-/// Runs the questions of `examination` on the GPU, over the OEM `served`.
-fn outcomes(context: &Context, passes: &Engine, examination: &Examination, served: &Oem) -> Vec<Outcome> {
-    let Examination { scene, spread, questions } = examination;
+/// Runs the questions of `test_scene` on the GPU, over the OEM `served`.
+fn outcomes(context: &Context, passes: &Engine, test_scene: &TestScene, served: &Oem) -> Vec<Outcome> {
+    let TestScene { scene, spread, questions } = test_scene;
     let cells = tree(context, passes, served, 1, *spread);
     let outcome = |(question, truth): &(Question, [f64; 3])| {
         let Question { directions, lane, lobe, roughness, error } = question;
@@ -70,37 +70,40 @@ fn outcomes(context: &Context, passes: &Engine, examination: &Examination, serve
     questions.iter().map(outcome).collect()
 }
 
-fn judge_bounds(name: &str, examinations: &[Examination]) {
+fn judge_bounds(name: &str, test_scenes: &[TestScene]) {
     with_passes(name, |context, passes| {
-        let of = |examination: &Examination| outcomes(context, passes, examination, &examination.scene.oem);
-        let outcomes: Vec<Outcome> = examinations.iter().flat_map(of).collect();
-        let asked = examinations.iter().map(|examination| examination.questions.len()).sum();
+        let of = |test_scene: &TestScene| outcomes(context, passes, test_scene, &test_scene.scene.oem);
+        let outcomes: Vec<Outcome> = test_scenes.iter().flat_map(of).collect();
+        let asked = test_scenes.iter().map(|test_scene| test_scene.questions.len()).sum();
         judge(&format!("{name}, {}", context.describe()), &outcomes, asked);
     });
 }
 
 #[test]
 fn certified_bounds_hold() {
-    judge_bounds("bounds", &examinations(None, 1000, 40, 20, |random| 32 + random.below(65)));
+    judge_bounds("bounds", &test_scenes(None, 1000, sweep(12, 40), 20, |random| 32 + random.below(65)));
 }
 
 #[test]
 fn certified_bounds_hold_for_tiny_oems() {
-    judge_bounds("bounds of tiny OEMs", &examinations(None, 3000, 40, 8, |random| 1 + random.below(9)));
+    judge_bounds(
+        "bounds of tiny OEMs",
+        &test_scenes(None, 3000, sweep(20, 40), 8, |random| 1 + random.below(9)),
+    );
 }
 
 #[test]
 fn certified_bounds_of_sheen_hold() {
-    let scenes = sweep(20, 60);
+    let scenes = sweep(10, 60);
     let sizes = |random: &mut Random| 16 + random.below(33);
-    judge_bounds("bounds of sheen", &examinations(Some(Lobe::Charlie), 5000, scenes, 6, sizes));
+    judge_bounds("bounds of sheen", &test_scenes(Some(Lobe::Charlie), 5000, scenes, 6, sizes));
 }
 
 #[test]
 fn certified_bounds_of_sheen_hold_for_tiny_oems() {
     let scenes = sweep(20, 60);
     let sizes = |random: &mut Random| 1 + random.below(9);
-    judge_bounds("bounds of sheen, tiny OEMs", &examinations(Some(Lobe::Charlie), 4000, scenes, 6, sizes));
+    judge_bounds("bounds of sheen, tiny OEMs", &test_scenes(Some(Lobe::Charlie), 4000, scenes, 6, sizes));
 }
 
 #[test]
@@ -108,8 +111,7 @@ fn one_wrong_texel_breaks_a_bound() {
     let mut random = Random::new(71);
     // Charlie's band takes many more leaves, and their bounds add.
     for (lobe, times) in [(Lobe::Ggx, 10.0), (Lobe::Charlie, 300.0)] {
-        let cases: Vec<_> =
-            (0..10).map(|_| Examination::with_wrong_texel(&mut random, lobe, times)).collect();
+        let cases: Vec<_> = (0..10).map(|_| TestScene::with_wrong_texel(&mut random, lobe, times)).collect();
         with_passes("one wrong texel", |context, passes| {
             let outcomes = cases.iter().flat_map(|(case, wrong)| outcomes(context, passes, case, wrong));
             let broken = outcomes.filter(|outcome| !outcome.holds()).count();
@@ -331,7 +333,7 @@ fn a_furnace_is_white() {
     with_passes("furnace", |context, passes| {
         let mut random = Random::new(72);
         let mut directions = landmarks();
-        directions.extend((0..20).map(|_| random.direction()));
+        directions.extend((0..sweep(6, 20)).map(|_| random.direction()));
         let constant = [0.25, 1.0, 3e4];
         for (k, layout) in layouts.into_iter().enumerate() {
             let furnace = environment(layout, vec![constant.map(|c| c as f32); layout.texel_count()]);

@@ -209,7 +209,7 @@ fn every_lobe_bakes_within_its_bounds() {
     let (_, environment) = environments().swap_remove(1);
     with_passes("bakes of every lobe", |context, passes| {
         for lobe in [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Charlie] {
-            let settings = BakeSettings { lobe, ..settings(Filter::Adaptive(0.02)) };
+            let settings = BakeSettings { lobe, ..settings(Filter::Adaptive(sweep(0.05, 0.02))) };
             let expected = bake(&environment, &settings).expect("a small bake");
             let found = wait(context, bake_one(passes, &environment, &settings));
             let on_gpu = found.stats.iter().all(|level| level.processor == Processor::Gpu);

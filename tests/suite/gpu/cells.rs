@@ -177,9 +177,9 @@ impl Bound {
         if far(0..3, centroid) {
             return Some(format!("centroid beyond {centroid:e}"));
         }
-        // A tint's variation sums differences of texels' energies, each at most 14 times its luminance, and of
-        // their shares of the luminance: off by as much as these, and by 2e-6 a merge (the CPU by 1e-6). Its
-        // moments weight them by offsets from the centroid, which are off themselves, and their squares.
+        // A tint's variation sums differences of texels' energies, each at most 14 times its luminance, and
+        // of their shares of the luminance: off by as much as these, and by 2e-6 a merge (the CPU by 1e-6).
+        // Its moments weight them by offsets from the centroid, which are off themselves, and their squares.
         let variation =
             14.0 * (4.0 * noise + raw.luminance * (merges + 1.0) * (relative + 16.0 * UNIT + 3e-6));
         let dipole = variation * extent + 28.0 * raw.luminance * centroid;

@@ -164,7 +164,7 @@ pub(super) fn difference(
     let settings = ReflectorSettings { oem_size: Some(64), fitted: true, ..ReflectorSettings::default() };
     let reflector = Reflector::new(environment, &settings).expect("a small environment");
     let layout = environment.layout();
-    let mean = Statistics::of(environment).mean;
+    let mean = Statistics::new(environment).mean;
     let far = |found: &[f32; 4], expected: [f64; 3], allowed: [f64; 3]| {
         (0..3).any(|c| exceeds((f64::from(found[c]) - expected[c]).abs(), allowed[c]))
     };

@@ -117,7 +117,7 @@ fn one_look_up_reads_any_probe_as_if_it_were_alone() {
 fn more_probes_than_a_binding_holds_are_refused() {
     in_full("too many probes", |context| {
         let new = |size, count| LiveProbes::new(context.device(), context.queue(), size, count);
-        for count in [0, LiveProbes::MOST + 1] {
+        for count in [0, LiveProbes::MAX + 1] {
             let error = new(SIZE, count).expect_err("no such number");
             let message = format!("`count` is {count} environments; choose 1 to 14");
             assert!(matches!(&error, Error::Parameter(text) if *text == message), "{error}");

@@ -4,7 +4,7 @@ use super::{in_full, wait};
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::reflector::ReflectorSettings;
 use octagloss::internals::synth::synth;
-use octagloss::internals::view::{Look, Renderer, Screenshot, Tone, Viewport, screenshot};
+use octagloss::internals::view::{Display, Look, Renderer, Screenshot, Tone, Viewport, screenshot};
 use octagloss::wgpu;
 
 #[test]
@@ -33,13 +33,8 @@ fn frames_of_pictures_of_several_sizes_can_share_a_submission() {
                 view_formats: &[],
             });
             let viewport = Viewport { x: 0, y: 0, width, height };
-            renderer.present(
-                &mut encoder,
-                &texture.create_view(&Default::default()),
-                format,
-                viewport,
-                &look,
-            );
+            let view = texture.create_view(&Default::default());
+            renderer.present(Display { encoder: &mut encoder, view: &view, format, viewport }, &look);
             textures.push(texture);
         }
         context.queue().submit([encoder.finish()]);

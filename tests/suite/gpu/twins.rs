@@ -10,8 +10,6 @@ use std::path::Path;
 /// Constants of shaders, by file, whose twin in Rust has another name or is one of several of its name.
 const RENAMED: &[(&str, &str, &str)] = &[
     ("adaptive.wgsl", "DIMMEST", "cells::DIMMEST"),
-    // The GPU's differences are less exact.
-    ("adaptive.wgsl", "TINT_ROUNDING", "2.0 * adaptive::TINT_ROUNDING"),
     ("blur.wgsl", "EDGE", "octaves::EDGE"),
     ("common/fitted.wgsl", "FIRST_OCTAVE", "tables::OCTAVES[0]"),
     ("common/fitted.wgsl", "FIRST_KNOT", "KNOTS[0]"),
@@ -37,9 +35,11 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("common/view_scene.wgsl", "BALLS", "look::ROW"),
     ("common/view_texture.wgsl", "MIRROR", "texture::MIRROR"),
     ("common/view_texture.wgsl", "NEAREST", "texture::NEAREST"),
-    ("common/view_scene.wgsl", "MOST_LEVELS", "frame::MOST_LEVELS"),
+    ("common/view_scene.wgsl", "MAX_LEVELS", "frame::MAX_LEVELS"),
     ("common/source_pieces.wgsl", "CUBE", "source_texels::CUBE"),
     ("common/source_pieces.wgsl", "PANORAMA", "source_texels::PANORAMA"),
+    // The GPU's differences are less exact.
+    ("common/tints.wgsl", "TINT_ROUNDING", "2.0 * adaptive::TINT_ROUNDING"),
     ("direct/cull.wgsl", "GROUP_SIZE", "list::GROUP_SIZE"),
     ("direct/offsets.wgsl", "GROUP_SIZE", "list::GROUP_SIZE"),
     ("direct/split.wgsl", "GROUP_SIZE", "list::GROUP_SIZE"),
@@ -71,7 +71,7 @@ const OWN: &[(&str, &[&str])] = &[
         ],
     ),
     ("blur.wgsl", &["GROUP_SIZE", "LINE_SIZE", "REACH", "SCAN_SIZE"]),
-    ("common/charlie.wgsl", &["ERROR_OF_S", "LEAST_X"]),
+    ("common/charlie.wgsl", &["ERROR_OF_S", "MIN_X"]),
     ("common/fitted.wgsl", &["UNIT"]),
     ("common/view_draw.wgsl", &["GREATEST"]),
     ("direct/cull.wgsl", &["SCAN_SIZE"]),
@@ -84,7 +84,7 @@ const OWN: &[(&str, &[&str])] = &[
     ("reparameterise.wgsl", &["CHUNK"]),
     ("sat_f32.wgsl", &["GROUP_SIZE"]),
     ("sat_scan.wgsl", &["EDGE", "PART", "SCAN_SIZE", "SKEW"]),
-    ("view/scene.wgsl", &["MOST_RADIANCE"]),
+    ("view/scene.wgsl", &["MAX_RADIANCE"]),
 ];
 
 /// Structs in buffers that no struct in Rust has.

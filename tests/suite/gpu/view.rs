@@ -11,8 +11,8 @@ use octagloss::internals::lobe::Lobe;
 use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::internals::synth::synth;
 use octagloss::internals::view::{
-    Camera, Ground, Light, Look, Mesh, Object, Renderer, Screenshot, Show, Technique, Tone, Truth, Viewport,
-    screenshot,
+    Camera, Display, Ground, Light, Look, Mesh, Object, Renderer, Screenshot, Show, Technique, Tone, Truth,
+    Viewport, screenshot,
 };
 use octagloss::{Environment, Error, Layout, wgpu};
 use rayon::prelude::*;
@@ -324,7 +324,9 @@ fn bands_make_the_same_picture() {
             });
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
             let viewport = Viewport { x: 0, y: 0, width: WIDTH, height: HEIGHT };
-            context.submit(|encoder| renderer.present(encoder, &view, format, viewport, look));
+            context.submit(|encoder| {
+                renderer.present(Display { encoder, view: &view, format, viewport }, look);
+            });
             wait(context, readback::read_texture::<[u8; 4]>(context, &texture))
         };
         for object in [Object::Row, Object::Knot] {

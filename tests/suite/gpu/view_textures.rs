@@ -59,6 +59,18 @@ fn image(side: u32, colour: impl Fn(DVec2) -> DVec3) -> Image {
     Image { width: side, height: side, texels: (0..side * side).map(texel).collect() }
 }
 
+/// The next mip level of `image`.
+fn halved(from: &Image) -> Image {
+    let texel = |x: u32, y: u32| {
+        let [red, green, blue, _] = from.texels[(y * from.width + x) as usize];
+        DVec3::from_array([red, green, blue].map(light))
+    };
+    image(from.width / 2, |uv| {
+        let [x, y] = (uv * f64::from(from.width)).to_array().map(|x| x as u32);
+        (texel(x - 1, y - 1) + texel(x, y - 1) + texel(x - 1, y) + texel(x, y)) / 4.0
+    })
+}
+
 /// Red along u and green along v.
 fn ramps(side: u32) -> Image {
     image(side, |uv| uv.extend(0.0))
@@ -145,8 +157,24 @@ impl Expected {
 
     /// Radiance of the square at `uv`, by the finest texels.
     fn radiance(&self, uv: DVec2) -> DVec3 {
-        let colour = |image| -> DVec3 {
-            self.texels(image, uv).into_iter().map(|(weight, light)| weight * light).sum()
+        ALBEDO * self.colour(&self.base, uv) + EMISSION * self.colour(&self.glow, uv)
+    }
+
+    fn colour(&self, image: &Image, uv: DVec2) -> DVec3 {
+        self.texels(image, uv).into_iter().map(|(weight, light)| weight * light).sum()
+    }
+
+    /// Radiance of a corner at `uv` whose farthest neighbour is `spread` away along u or v: by the two mip
+    /// levels whose texels are nearest that wide.
+    fn radiance_of_corner(&self, uv: DVec2, spread: f64) -> DVec3 {
+        let colour = |image: &Image| {
+            let level = (spread * f64::from(image.width)).max(1.0).log2().min(f64::from(image.width).log2());
+            let mut levels = vec![image.clone()];
+            while levels.len() as f64 <= level.ceil() {
+                levels.push(halved(&levels[levels.len() - 1]));
+            }
+            let [fine, coarse] = [level.floor(), level.ceil()].map(|k| self.colour(&levels[k as usize], uv));
+            fine.lerp(coarse, level.fract())
         };
         ALBEDO * colour(&self.base) + EMISSION * colour(&self.glow)
     }
@@ -237,11 +265,26 @@ fn maps_of_probes_show_textures() {
 fn maps_of_probes_are_those_of_the_scene_s_triangles() {
     let expected = Expected::new(ramps(16), checks(16));
     let scene = expected.scene(AWAY);
-    let all = scene.triangles(0.0, DVec3::ZERO, Some(1)).expect("triangles");
+    let all = scene.triangles(1).expect("triangles");
+    let position = |index: u32| DVec3::from_array(all.corners()[index as usize].position.map(f64::from));
+    let uv = |index: u32| met(DVec3::ZERO, position(index), AWAY).expect("a corner of the square");
     // Without those of the ball, which are points.
-    let is_seen = |index: &u32| all.corners()[*index as usize].position != [0.0; 3];
-    let indices = all.indices().iter().copied().filter(is_seen).collect();
-    let triangles = Triangles::new(all.corners().to_vec(), indices).expect("the square");
+    let indices: Vec<u32> = all.indices().iter().copied().filter(|k| position(*k) != DVec3::ZERO).collect();
+    let mut spreads = vec![0.0_f64; all.corners().len()];
+    for [a, b, c] in indices.as_chunks().0 {
+        for [from, to] in [[*a, *b], [*b, *c], [*c, *a]] {
+            let spread = (uv(from) - uv(to)).abs().max_element();
+            for end in [from, to].map(|index| index as usize) {
+                spreads[end] = spreads[end].max(spread);
+            }
+        }
+    }
+    let mut corners = all.corners().to_vec();
+    for index in &indices {
+        let radiance = expected.radiance_of_corner(uv(*index), spreads[*index as usize]);
+        corners[*index as usize].value = radiance.as_vec3().extend(1.0).to_array();
+    }
+    let triangles = Triangles::new(corners, indices).expect("the square");
     let map = DirectMap::Octahedral { size: MAP };
     let oracle = TriangleOracle::new(&triangles, map, 0.02).expect("a valid map");
     let decided: Vec<_> = (0..MAP * MAP)

@@ -4,7 +4,7 @@ mod chart;
 
 use glam::DVec3;
 use octagloss::internals::image::drawing::scale::{ANISOTROPY, RELATIVE_SOLID_ANGLE};
-use octagloss::internals::plot::catalogue::{Content, Entry, Kind, entries};
+use octagloss::internals::plot::catalogue::{Entry, FigureContent, Kind, entries};
 use octagloss::internals::plot::figure::{Figure, Form};
 use octagloss::internals::sphere::equirect::direction_from_equirect;
 use octagloss::internals::sphere::registry::MAPS;
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// A small panorama.
-fn content() -> Content {
+fn content() -> FigureContent {
     let texel = |k: u32| {
         let d: DVec3 =
             direction_from_equirect((f64::from(k % 32) + 0.5) / 32.0, (f64::from(k / 32) + 0.5) / 16.0);
@@ -22,7 +22,7 @@ fn content() -> Content {
     let panorama =
         Environment::new(Layout::Panorama { width: 32, height: 16 }, (0..512).map(texel).collect())
             .expect("sound");
-    Content {
+    FigureContent {
         panorama,
         panorama_name: "a & b".to_owned(),
         size: 8,
@@ -199,11 +199,11 @@ fn sizes_and_borders_that_cannot_be_drawn_are_named() {
         (13, 0, "`size` is 13"),
         (4, 5, "`border` 5 exceeds the map's side of 4 texels"),
     ] {
-        let error = entry("border").draw(&Content { size, border, ..content() }).expect_err(words);
+        let error = entry("border").draw(&FigureContent { size, border, ..content() }).expect_err(words);
         assert!(error.to_string().contains(words), "{error}");
     }
     for (size, border) in [(1, 0), (1, 1), (12, 0), (12, 1), (12, 12), (11, 11), (10, 10)] {
-        let figure = entry("border").draw(&Content { size, border, ..content() }).expect("a figure");
+        let figure = entry("border").draw(&FigureContent { size, border, ..content() }).expect("a figure");
         let texts = figure.texts();
         let side = (size + 2 * border) as usize;
         assert!(texts.len() > side * side, "a name for every texel");
@@ -213,7 +213,7 @@ fn sizes_and_borders_that_cannot_be_drawn_are_named() {
             assert!(covered.is_none(), "{size}, {border}: {text:?} covers {covered:?}");
         }
     }
-    let one = entry("border").draw(&Content { size: 1, border: 1, ..content() }).expect("a figure");
+    let one = entry("border").draw(&FigureContent { size: 1, border: 1, ..content() }).expect("a figure");
     assert!(one.texts().iter().any(|(text, _)| text.contains("square of 1 texel with")), "one texel");
 }
 

@@ -169,8 +169,8 @@ impl Outcome {
         let (values, truths) = (with_luminance(radiance.map(f64::from)), with_luminance(truth));
         let bounds = bound.values().map(f64::from);
         let case = format!(
-            "{scene} {lobe:?} roughness {roughness} E {error} {} lanes {}: {values:?} against {truths:?}, bounds \
-             {bounds:?}",
+            "{scene} {lobe:?} roughness {roughness} E {error} {} lanes {}: {values:?} against {truths:?}, \
+             bounds {bounds:?}",
             directions.len(),
             directions[*lane],
         );

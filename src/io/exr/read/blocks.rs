@@ -25,7 +25,7 @@ const BLOCK_COPIES: u64 = 6;
 const IN_FLIGHT_BYTES: u64 = 256 << 20;
 
 /// Smaller layers are decoded on the calling thread; starting others would take longer.
-pub(super) const PARALLEL_BYTES: usize = 1 << 20;
+const PARALLEL_BYTES: usize = 1 << 20;
 
 /// Number of blocks to decode in parallel: enough for every thread, few enough to be small relative to the
 /// texels.
@@ -57,7 +57,7 @@ pub(super) fn check_blocks(source: &Source<'_>, header: &Header, window: &Window
 /// Number of blocks of the largest level, and their minimum size in a file.
 fn least_bytes(header: &Header) -> (u64, u64) {
     // Offset table entry; block coordinate and length; one byte of data.
-    const LEAST_BLOCK: u64 = 8 + 8 + 1;
+    const MIN_BLOCK: u64 = 8 + 8 + 1;
     let (width, height) = (header.layer_size.x() as u64, header.layer_size.y() as u64);
     let block = header.max_block_pixel_size();
     let across = |side: u64, block: usize| side.div_ceil((block as u64).max(1));
@@ -73,7 +73,7 @@ fn least_bytes(header: &Header) -> (u64, u64) {
         _ => 0,
     };
     let samples = width.saturating_mul(height).saturating_mul(header.channels.bytes_per_pixel as u64);
-    (count, count.saturating_mul(LEAST_BLOCK).max(samples.checked_div(most).unwrap_or(0)))
+    (count, count.saturating_mul(MIN_BLOCK).max(samples.checked_div(most).unwrap_or(0)))
 }
 
 /// Decodes the selected channels of the largest level into `texels`, in rows of the display window.

@@ -4,15 +4,14 @@
 mod blocks;
 mod select;
 mod window;
-mod zip;
 
 use crate::chain::{Chain, Level};
 use crate::environment::Rgb;
 use crate::error::Result;
+use crate::io::LoadedChain;
 use crate::io::color::{self, Primaries};
-use crate::io::layout::Content;
 use crate::io::map_header::{BORDER_KEY, MapHeader};
-use crate::io::picture::{LevelHeader, Picture, Stored};
+use crate::io::picture::{LevelHeader, Picture};
 use crate::io::provenance::Provenance;
 use crate::io::source::{Source, TEXEL_BYTES};
 use crate::sphere::cube::Face;
@@ -42,7 +41,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
             width: size,
             height: 6 * size,
             texels,
-            content: Content::Cube,
+            is_cube: true,
             map: None,
             format: parts_format(&metadata),
             warnings: Vec::new(),
@@ -51,7 +50,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     }
     let selection = select::select(source, &metadata.headers)?;
     let header = &metadata.headers[selection.header];
-    let window = Window::of(source, header)?;
+    let window = Window::display(source, header)?;
     source.check_memory(window.width, window.height, TEXEL_BYTES)?;
     blocks::check_blocks(source, header, &window)?;
 
@@ -61,9 +60,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
         .try_reserve_exact(count)
         .map_err(|_| source.error("not enough memory for its texels; scale it down first"))?;
     texels.resize(count, Rgb::default());
-    if zip::decode_into(source, &metadata, &selection, &window, &mut texels).is_none() {
-        blocks::decode_into(source, reader, &metadata, &selection, &window, &mut texels)?;
-    }
+    blocks::decode_into(source, reader, &metadata, &selection, &window, &mut texels)?;
 
     let mut warnings = Vec::new();
     // The other parts of a bake's octahedral map are its rougher levels.
@@ -75,7 +72,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
         width: window.width,
         height: window.height,
         texels,
-        content: Content::Image,
+        is_cube: false,
         map: MapHeader::of_texts(source, &|key| header_text(header, key))?,
         format: describe(header, &selection),
         warnings,
@@ -84,7 +81,7 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
 }
 
 /// Decodes a cube chain with a part for each face of each level, as written by `bake --out-layout parts`.
-pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
+pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
     let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
         .map_err(|error| exr_error(source, &error))?;
     let mut levels = Vec::new();
@@ -105,7 +102,8 @@ pub(in crate::io) fn decode_chain(source: &Source<'_>) -> Result<Stored> {
     if !(0u32..).zip(&levels).all(halves) {
         return Err(source.error("the sizes of its levels do not halve; bake it again"));
     }
-    Ok(Stored {
+    Ok(LoadedChain {
+        path: source.path.to_owned(),
         chain: Chain { levels },
         provenance: provenance(source, &metadata.headers[0])?,
         format: parts_format(&metadata),
@@ -149,7 +147,7 @@ fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result
             return Err(source.error(format!("its part {name} is missing or not RGB; bake it again")));
         };
         let header = &metadata.headers[selection.header];
-        let window = Window::of_data(source, header)?;
+        let window = Window::data(source, header)?;
         if window.width != window.height || (face != Face::PosX && window.width != size) {
             return Err(source.error(format!(
                 "its part {name} is {}x{}; faces are square and all of a size",

@@ -28,7 +28,7 @@ pub(super) struct Window {
 
 impl Window {
     /// The whole data window as the image.
-    pub(super) fn of_data(source: &Source<'_>, header: &Header) -> Result<Self> {
+    pub(super) fn data(source: &Source<'_>, header: &Header) -> Result<Self> {
         let too_large = |_| source.error("its data window is larger than 32 bits can count");
         let (data_width, data_height) = (header.layer_size.x(), header.layer_size.y());
         Ok(Self {
@@ -41,7 +41,7 @@ impl Window {
         })
     }
 
-    pub(super) fn of(source: &Source<'_>, header: &Header) -> Result<Self> {
+    pub(super) fn display(source: &Source<'_>, header: &Header) -> Result<Self> {
         let display = header.shared_attributes.display_window;
         let data = header.own_attributes.layer_position;
         let too_large = |_| source.error("its display window is larger than 32 bits can count");

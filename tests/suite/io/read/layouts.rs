@@ -5,7 +5,7 @@ use crate::support::inputs::{Rgb, Sample, exr_rgb, numbered};
 use exr::prelude::Compression;
 use glam::DVec3;
 use octagloss::Layout;
-use octagloss::internals::io::{self, LayoutChoice, ReadOptions};
+use octagloss::internals::io::{self, InputLayout, ReadOptions};
 use octagloss::internals::sphere::cube::{Face, cube_from_direction, direction_from_texel};
 use std::fs;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ fn exr(size: (u32, u32), pixels: &[Rgb]) -> Vec<u8> {
     exr_rgb(size, Sample::Float, Compression::ZIP16, pixels)
 }
 
-fn under(choice: LayoutChoice) -> ReadOptions {
+fn under(choice: InputLayout) -> ReadOptions {
     ReadOptions { layout: choice, ..ReadOptions::default() }
 }
 
@@ -87,12 +87,12 @@ fn crosses_and_strips_become_cubes() {
     let row: Vec<_> = (0..6).map(in_order).map(|(face, k)| (face, k, 0, UPRIGHT)).collect();
     let column: Vec<_> = (0..6).map(in_order).map(|(face, k)| (face, 0, k, UPRIGHT)).collect();
     for ((size, image), name, choice) in [
-        (horizontal_cross(), "horizontal cross", LayoutChoice::Cross),
-        (vertical_cross(), "vertical cross", LayoutChoice::Cross),
-        (cells(6, 1, &row), "row strip", LayoutChoice::Strip),
-        (cells(1, 6, &column), "column strip", LayoutChoice::Strip),
+        (horizontal_cross(), "horizontal cross", InputLayout::Cross),
+        (vertical_cross(), "vertical cross", InputLayout::Cross),
+        (cells(6, 1, &row), "row strip", InputLayout::Strip),
+        (cells(1, 6, &column), "column strip", InputLayout::Strip),
     ] {
-        for choice in [LayoutChoice::Auto, choice] {
+        for choice in [InputLayout::Auto, choice] {
             let loaded = read_with("a.exr", &exr(size, &image), &under(choice)).unwrap();
             assert_eq!((loaded.layout, loaded.environment.layout()), (name, Layout::Cube { size: N }));
             assert_texels(loaded.environment.texels(), &cube());
@@ -147,7 +147,7 @@ fn crosses_are_continuous_across_their_inner_edges() {
 #[test]
 fn squares_are_octahedral() {
     let pixels = numbered(8, 8);
-    for choice in [LayoutChoice::Auto, LayoutChoice::Octahedral] {
+    for choice in [InputLayout::Auto, InputLayout::Octahedral] {
         let loaded = read_with("a.exr", &exr((8, 8), &pixels), &under(choice)).unwrap();
         assert_eq!(loaded.environment.layout(), Layout::Octahedral { size: 8 });
         assert_texels(loaded.environment.texels(), &pixels);
@@ -165,17 +165,14 @@ fn shapes_that_fit_nothing_name_size_and_remedy() {
     );
     for (choice, wanted) in [
         (
-            LayoutChoice::Equirect,
+            InputLayout::Equirect,
             "a panorama must be 2:1; `pad` fills it up, `crop` removes black bars; else resize it or set \
              another `layout`",
         ),
-        (LayoutChoice::Cross, "a cross must be 4:3 or 3:4; set another `layout`"),
-        (LayoutChoice::Strip, "a strip must be 6:1 or 1:6; set another `layout`"),
-        (
-            LayoutChoice::Faces,
-            "one image is not six faces; give six files, or set `layout` to cross or strip",
-        ),
-        (LayoutChoice::Octahedral, "an octahedral square must be 1:1; set another `layout`"),
+        (InputLayout::Cross, "a cross must be 4:3 or 3:4; set another `layout`"),
+        (InputLayout::Strip, "a strip must be 6:1 or 1:6; set another `layout`"),
+        (InputLayout::Faces, "one image is not six faces; give six files, or set `layout` to cross or strip"),
+        (InputLayout::Octahedral, "an octahedral square must be 1:1; set another `layout`"),
     ] {
         assert_eq!(error_of(read_with("a.exr", &file, &under(choice))), format!("a.exr: 9x4: {wanted}"));
     }
@@ -197,7 +194,7 @@ fn write_faces(folder: &std::path::Path, names: [&str; 6]) -> Vec<PathBuf> {
 #[test]
 fn six_files_are_a_cube_in_order_or_by_name() {
     let folder = tempfile::tempdir().unwrap();
-    let options = under(LayoutChoice::Faces);
+    let options = under(InputLayout::Faces);
     let numbered = write_faces(folder.path(), ["1", "2", "3", "4", "5", "6"]);
     assert_texels(io::read_faces(&numbered, &options).unwrap().environment.texels(), &cube());
     let mut named = write_faces(folder.path(), ["sky_px", "sky_nx", "sky_py", "sky_ny", "sky_pz", "sky_nz"]);
@@ -227,7 +224,7 @@ fn unequal_and_oblong_faces_are_named() {
         "a cube takes six face files, got 4"
     );
     assert_eq!(
-        error_of(io::read_faces(&files, &under(LayoutChoice::Cross))),
+        error_of(io::read_faces(&files, &under(InputLayout::Cross))),
         "six files are one cube; use `layout` faces"
     );
 }

@@ -5,7 +5,7 @@ use crate::support::inputs::{Rgb, numbered};
 use octagloss::Layout;
 use octagloss::internals::format::Pixel;
 use octagloss::internals::io::exr::write::{Attribute, Samples, exr_bytes};
-use octagloss::internals::io::{self, LayoutChoice, MapLight, Pad, ReadOptions};
+use octagloss::internals::io::{self, InputLayout, MapLight, Pad, ReadOptions};
 use octagloss::internals::sphere::grid::Grid;
 use octagloss::internals::sphere::map::Texel;
 use octagloss::internals::sphere::registry::{MAPS, NamedMap, named};
@@ -25,7 +25,7 @@ fn map(name: &str) -> &'static NamedMap {
     named(name).expect("a map")
 }
 
-fn under(layout: LayoutChoice) -> ReadOptions {
+fn under(layout: InputLayout) -> ReadOptions {
     ReadOptions { layout, ..ReadOptions::default() }
 }
 
@@ -45,13 +45,13 @@ fn the_header_names_the_layout_of_environments() {
     ] {
         let (bytes, _) = file(sides, &[("octaglossMap", name)]);
         assert_eq!(read("a.exr", &bytes).expect(name).environment.layout(), layout);
-        let wrong = if name == "cube" { LayoutChoice::Equirect } else { LayoutChoice::Strip };
+        let wrong = if name == "cube" { InputLayout::Equirect } else { InputLayout::Strip };
         let error = error_of(read_with("a.exr", &bytes, &under(wrong)));
         let words = format!("its header says that its map is {name} (octaglossMap), but `layout` is");
         assert!(error.contains(&words), "{error}");
     }
     let (bytes, _) = file([12, 2], &[("octaglossMap", "cube")]);
-    read_with("a.exr", &bytes, &under(LayoutChoice::Strip)).expect("what the header says");
+    read_with("a.exr", &bytes, &under(InputLayout::Strip)).expect("what the header says");
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn other_maps_are_no_environments_whatever_their_shape() {
     for row in MAPS.iter().filter(|row| !["equirect", "octahedral", "cube"].contains(&row.name)) {
         let grid = Grid::new(row.map, 2).expect("a size");
         let (bytes, _) = file(grid.picture_sides(0), &[("octaglossMap", row.name)]);
-        for choice in LayoutChoice::CHOICES {
+        for choice in InputLayout::ALL {
             let error = error_of(read_with("a.exr", &bytes, &under(choice)));
             let words =
                 format!("its map is {} (octaglossMap), which no environment has; convert it", row.name);
