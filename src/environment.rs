@@ -128,8 +128,8 @@ impl Layout {
         }
     }
 
-    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image`: a cube's face, of which
-    /// those beyond the last count as the last; without meaning elsewhere.
+    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image`: a cube's face, of
+    /// which those beyond the last count as the last; without meaning elsewhere.
     #[must_use]
     pub fn direction_from_texel(self, image: u32, i: u32, j: u32) -> DVec3 {
         match self {

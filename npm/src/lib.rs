@@ -11,11 +11,10 @@ mod source;
 
 use given::{Given, with_options};
 use js_sys::{Array, Error, Float32Array, Function, Object, Reflect, Uint8Array};
-use octagloss::internals::analysis::statistics::Statistics;
-use octagloss::internals::analysis::sun::{Brightest, Sun};
 use octagloss::internals::bake::report::{RepairReport, SunReport};
-use octagloss::internals::bake::{Progress, bake_all};
-use octagloss::internals::target::{TARGETS, Target};
+use octagloss::suns::{Brightest, Sun};
+use octagloss::targets::{TARGETS, Target};
+use octagloss::{Progress, Statistics, bake_all};
 use output::{Baked, Output, output};
 use plan::Request;
 use query::Query;

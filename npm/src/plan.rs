@@ -1,18 +1,15 @@
 //! Converts options to plans, by the rules that the command line shares.
 
 use crate::given::{Given, wrong};
+use octagloss::files::Overflow;
 use octagloss::files::{Container, OutputLayout, Pixel};
-use octagloss::internals::bake::Skybox;
-use octagloss::internals::bake::overflow::Overflow;
-use octagloss::internals::chain::ChainKind;
+use octagloss::harmonics::MAX_ORDER;
+use octagloss::harmonics::window::{self, ShWindow};
 use octagloss::internals::export::plan::{BakePlan, PlanOptions};
-use octagloss::internals::filter;
 use octagloss::internals::image::exposure::Exposure;
-use octagloss::internals::lobe::LOBES;
-use octagloss::internals::sh::MAX_ORDER;
-use octagloss::internals::sh::window::{self, ShWindow};
-use octagloss::internals::target::{Diffuse, Flip, TARGETS, Target};
-use octagloss::{Filter, Ladder, Layout, Lobe, Result};
+use octagloss::queries::parsed_filter;
+use octagloss::targets::{Diffuse, Flip, TARGETS, Target};
+use octagloss::{ChainKind, Filter, LOBES, Ladder, Layout, Lobe, Result, Skybox};
 
 /// Maximum edge of a cube or an octahedral map, in texels.
 const MAX_SIZE: u32 = 16_384;
@@ -93,7 +90,7 @@ fn options(given: &mut Given) -> Result<PlanOptions> {
         ladder: given.choice("ladder", &Ladder::ALL.map(|ladder| (ladder.name(), ladder)))?,
         chain: given.choice("chain", &ChainKind::ALL.map(|kind| (kind.name(), kind)))?,
         lobe: given.choice("lobe", &LOBES.map(|lobe| (lobe.name(), lobe)))?.unwrap_or(Lobe::Ggx),
-        filter: given.parsed_text("filter", filter::parsed)?.unwrap_or(Filter::Adaptive(0.005)),
+        filter: given.parsed_text("filter", parsed_filter)?.unwrap_or(Filter::Adaptive(0.005)),
         container: given.choice("format", &Container::ALL.map(|container| (container.name(), container)))?,
         out_layout: given.choice("outLayout", &OutputLayout::ALL.map(|layout| (layout.name(), layout)))?,
         pixel: given.choice("pixel", &Pixel::CHOICES.map(|pixel| (pixel.name(), pixel)))?,

@@ -2,11 +2,10 @@
 
 use crate::given::{Given, wrong};
 use glam::DVec3;
-use octagloss::internals::bake::query::Query as Directions;
-use octagloss::internals::filter;
-use octagloss::internals::lobe::LOBES;
-use octagloss::internals::reflector::sharpest;
-use octagloss::{Environment, Filter, Lobe, Reflector, ReflectorSettings, Result};
+use octagloss::queries::Query as Directions;
+use octagloss::queries::parsed_filter;
+use octagloss::queries::sharpest;
+use octagloss::{Answer, Bound, Environment, Filter, LOBES, Lobe, Reflector, ReflectorSettings, Result};
 
 /// Options of a query other than directions and roughness.
 pub(crate) struct Query {
@@ -21,7 +20,7 @@ impl Query {
     pub(crate) fn of(given: &mut Given) -> Result<Self> {
         let query = Self {
             lobe: given.choice("lobe", &LOBES.map(|lobe| (lobe.name(), lobe)))?.unwrap_or(Lobe::Ggx),
-            filter: given.parsed_text("filter", filter::parsed)?.unwrap_or(Filter::Adaptive(0.005)),
+            filter: given.parsed_text("filter", parsed_filter)?.unwrap_or(Filter::Adaptive(0.005)),
             bound: given.flag("bound")?,
             oem_size: given.whole("oemSize", 1..=16_384)?,
             border: given.whole("border", 0..=16_384)?,
@@ -61,8 +60,8 @@ impl Query {
         let query =
             Directions { lobe: self.lobe, filter: self.filter, directions: &directions, roughness: &each };
         let answers = query.answered(&reflector)?;
-        let row = |answer: &filter::Answer| {
-            let bounds = self.bound.then(|| answer.bound.unwrap_or(filter::Bound::NONE).values());
+        let row = |answer: &Answer| {
+            let bounds = self.bound.then(|| answer.bound.unwrap_or(Bound::NONE).values());
             answer.radiance.into_iter().chain(bounds.into_iter().flatten())
         };
         Ok(answers.iter().flat_map(row).collect())

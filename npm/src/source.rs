@@ -1,13 +1,12 @@
 //! Reads an environment as the command line opens its input.
 
 use crate::given::{Given, wrong};
-use octagloss::internals::analysis::extraction::Suns;
 use octagloss::internals::bake::report::SunReport;
 use octagloss::internals::bake::turned::Turn;
-use octagloss::internals::environment::MAX_DEGREES;
-use octagloss::internals::io::provenance::Provenance;
-use octagloss::internals::io::{self, InputLayout, Loaded, Pad, ReadOptions};
-use octagloss::{Environment, Result};
+use octagloss::read::Provenance;
+use octagloss::read::{self, InputLayout, Loaded, Pad, ReadOptions};
+use octagloss::suns::Suns;
+use octagloss::{Environment, MAX_DEGREES, Result};
 use std::path::Path;
 
 /// Most bytes that reading a file may take.
@@ -78,7 +77,7 @@ impl Reading {
 
     /// Reads the file `input` from `bytes`; rotates, mirrors and removes the sun.
     pub(crate) fn open(&self, input: &str, bytes: &[u8]) -> Result<Opened> {
-        let mut loaded = io::read_from_memory(Path::new(input), bytes, &self.options)?;
+        let mut loaded = read::read_from_memory(Path::new(input), bytes, &self.options)?;
         let nothing = Environment::new(octagloss::Layout::Cube { size: 1 }, vec![[0.0; 3]; 6])?;
         let environment = std::mem::replace(&mut loaded.environment, nothing);
         let turn =

@@ -1,17 +1,15 @@
 //! Parameters with a few values, by the names of the command line.
 
 use crate::errors::wrong;
+use octagloss::files::Overflow;
 use octagloss::files::{Container, OutputLayout, Pixel};
-use octagloss::internals::bake::dfg::DfgForm;
-use octagloss::internals::bake::overflow::Overflow;
-use octagloss::internals::chain::ChainKind;
-use octagloss::internals::filter;
-use octagloss::internals::io::{InputLayout, Pad};
-use octagloss::internals::lobe::LOBES;
-use octagloss::internals::sh::scale::ShScale;
-use octagloss::internals::sh::window::{self, ShWindow};
-use octagloss::internals::target::{TARGETS, Target};
-use octagloss::{Filter, Ladder, Lobe, Map};
+use octagloss::harmonics::ShScale;
+use octagloss::harmonics::window::{self, ShWindow};
+use octagloss::queries::parsed_filter;
+use octagloss::read::{InputLayout, Pad};
+use octagloss::reflectance::DfgForm;
+use octagloss::targets::{TARGETS, Target};
+use octagloss::{ChainKind, Filter, LOBES, Ladder, Lobe, Map};
 use pyo3::PyResult;
 
 /// The value of `choices` named `text`, for the parameter `setting`.
@@ -27,7 +25,7 @@ pub(crate) fn lobe(text: &str) -> PyResult<Lobe> {
 }
 
 pub(crate) fn filter(text: &str) -> PyResult<Filter> {
-    filter::parsed(text).map_err(|message| wrong(format!("`filter` is {text:?}; {message}")))
+    parsed_filter(text).map_err(|message| wrong(format!("`filter` is {text:?}; {message}")))
 }
 
 pub(crate) fn sh_window(setting: &str, text: &str) -> PyResult<ShWindow> {

@@ -7,15 +7,17 @@ use crate::query::{Asked, Roughness, Tables, sharpest_of};
 use crate::sun::Sun;
 use crate::work::run;
 use numpy::PyArrayDyn;
-use octagloss::internals::analysis::extraction::{Suns, extract};
-use octagloss::internals::analysis::sun::Sun as FoundSun;
+use octagloss::harmonics::scaled;
+use octagloss::harmonics::{MAX_ORDER, spherical_harmonics};
 use octagloss::internals::bake::report::{RepairReport, SunReport};
-use octagloss::internals::environment::{LUMINANCE, MAX_DEGREES, luminance};
-use octagloss::internals::io::provenance::{Provenance, TakenSun};
-use octagloss::internals::io::{self, ReadOptions, Repairs};
-use octagloss::internals::sh::scale::scaled;
-use octagloss::internals::sh::{MAX_ORDER, spherical_harmonics};
-use octagloss::{Environment as Light, Filter, Layout, Lobe, Map, ReflectorSettings, Rgb};
+use octagloss::read::{self, ReadOptions, Repairs};
+use octagloss::read::{Provenance, TakenSun};
+use octagloss::suns::Sun as FoundSun;
+use octagloss::suns::{Suns, extract};
+use octagloss::{
+    Environment as Light, Filter, LUMINANCE, Layout, Lobe, MAX_DEGREES, Map, ReflectorSettings, Rgb,
+    luminance,
+};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -213,8 +215,8 @@ impl Environment {
         };
         let loaded = run(py, move |_, pool| {
             pool.install(|| match path {
-                Paths::One(path) => io::read(&path, &options),
-                Paths::Several(paths) => io::read_faces(&paths, &options),
+                Paths::One(path) => read::read(&path, &options),
+                Paths::Several(paths) => read::read_faces(&paths, &options),
             })
         })?;
         for warning in &loaded.warnings {

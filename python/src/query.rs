@@ -7,11 +7,10 @@ use crate::errors::wrong;
 use crate::work::{Cancel, held, run};
 use glam::DVec3;
 use numpy::PyArrayDyn;
-use octagloss::internals::analysis::oracle::Oracle;
-use octagloss::internals::filter::Answer;
-use octagloss::internals::oem::OemSize;
-use octagloss::internals::reflector::{Workspace, check_answers, sharpest};
-use octagloss::{Environment as Light, Filter, Lobe, Reflector, ReflectorSettings};
+use octagloss::queries::{check_answers, sharpest};
+use octagloss::{
+    Answer, Environment as Light, Filter, Lobe, OemSize, Oracle, Reflector, ReflectorSettings, Workspace,
+};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rayon::prelude::*;

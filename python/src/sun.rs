@@ -1,7 +1,7 @@
 //! The sun, or the brightest region.
 
-use octagloss::internals::analysis::sun::{Brightest, Sun as Found};
 use octagloss::internals::bake::report::SunReport;
+use octagloss::suns::{Brightest, Sun as Found};
 use pyo3::prelude::*;
 
 /// The brightest region of an environment.

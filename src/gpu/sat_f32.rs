@@ -45,8 +45,8 @@ impl SatF32 {
         }
     }
 
-    /// The stage that fills the float32 table of `oem`; the table, four floats per entry, row by row, inclusive,
-    /// border included; and the mean of the bordered OEM that was subtracted before summing.
+    /// The stage that fills the float32 table of `oem`; the table, four floats per entry, row by row,
+    /// inclusive, border included; and the mean of the bordered OEM that was subtracted before summing.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] if it is larger than the device can bind.

@@ -176,8 +176,8 @@ impl Renderer {
     /// Prepares `environment` on an OEM of the size, border and scan of `table`.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables do not fit the device,
-    /// [`crate::Error::Unsupported`] for a scan that runs on the CPU only.
+    /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables do not fit
+    /// the device, [`crate::Error::Unsupported`] for a scan that runs on the CPU only.
     pub fn light(&mut self, environment: &Environment, table: &ReflectorSettings) -> Result<Light> {
         Light::new(&self.context, &self.passes, environment, table)
     }

@@ -337,9 +337,9 @@ fn clamp(shape: &Shape, alpha: f64, x: &mut [f64]) {
 /// boxes form pairs; in the other two mirrors each box is its own image. This is the best of all pairings
 /// tried.
 ///
-/// Around cone points three groups of four are images of each other in both mirrors, one towards the diagonals
-/// and one along the axes with narrow blurs, and one towards the diagonals with wide ones. There a small step
-/// asks for a quadrupole, which such groups yield linearly, by masses and half-widths.
+/// Around cone points three groups of four are images of each other in both mirrors, one towards the
+/// diagonals and one along the axes with narrow blurs, and one towards the diagonals with wide ones. There a
+/// small step asks for a quadrupole, which such groups yield linearly, by masses and half-widths.
 fn images(shape: &Shape) -> [Vec<usize>; 3] {
     let own: Vec<usize> = (0..shape.boxes()).collect();
     match (shape.grid, shape.boxes()) {

@@ -1,4 +1,5 @@
-//! Quadrature of a kernel over pieces of the sphere, which are cut in four until the kernel is smooth on them.
+//! Quadrature of a kernel over pieces of the sphere, which are cut in four until the kernel is smooth on
+//! them.
 
 use super::kernel::{Kernel, Side};
 use crate::environment::Layout;

@@ -1,8 +1,9 @@
 //! The oracle: exhaustive integration in plain double precision, slow and independent of the engines.
 //!
 //! [`Oracle::reflect`] is a lobe over the source environment, each texel constant over its exact solid angle,
-//! divided by the same sum over the kernel alone. It audits a whole bake, the reparameterisation included. The
-//! tests have another for the lobe over the OEM's own texels, which the engines serve to their bilinear share.
+//! divided by the same sum over the kernel alone. It audits a whole bake, the reparameterisation included.
+//! The tests have another for the lobe over the OEM's own texels, which the engines serve to their bilinear
+//! share.
 //!
 //! It shares with the engines the definitions of the maps (the directions of `sphere`) and nothing else:
 //! kernels, their integrals, quadrature and wrapping are its own.

@@ -102,8 +102,8 @@ fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
     }
 }
 
-/// WGSL for callers' shaders: the file `path` with its includes, and its `resources` at their bindings of group
-/// `group`. Whatever lacks our prefix at module scope gets `prefix`, which begins with it.
+/// WGSL for callers' shaders: the file `path` with its includes, and its `resources` at their bindings of
+/// group `group`. Whatever lacks our prefix at module scope gets `prefix`, which begins with it.
 pub(in crate::gpu) fn for_callers(path: &str, resources: &[&str], group: u32, prefix: &str) -> String {
     let declare =
         |(binding, resource): (u32, &&str)| format!("@group({group}) @binding({binding}) {resource};\n");

@@ -175,9 +175,9 @@ impl Table {
         Self { shape, values }
     }
 
-    /// The table in a file, which pages download compressed. By parameter, octave, knot and node: the value in
-    /// steps less the mean of two nodes before, signs folded as 0, -1, 1, -2, ..., in 16 bits; the lower bytes
-    /// of all before the upper ones.
+    /// The table in a file, which pages download compressed. By parameter, octave, knot and node: the value
+    /// in steps less the mean of two nodes before, signs folded as 0, -1, 1, -2, ..., in 16 bits; the lower
+    /// bytes of all before the upper ones.
     fn read(shape: &'static Shape, bytes: &[u8]) -> Self {
         let (low, high) = bytes.split_at(bytes.len() / 2);
         let mut folded = low.iter().zip(high).map(|(low, high)| i32::from(u16::from_le_bytes([*low, *high])));

@@ -372,8 +372,8 @@ fn the_perspective_map_with_its_image_on_the_faces_is_the_planar_one() {
 /// Minimum and maximum solid angle of a texel over the mean, for an image plane of normal `m`.
 ///
 /// With (a, b, c) the normal and q barycentric, direction is (q1/a, q2/b, q3/c) and the density is 1 / (abc
-/// |(q1/a, q2/b, q3/c)|^3): at the vertices a^2/(bc), b^2/(ac) and c^2/(ab), greatest where q is as (a^2, b^2,
-/// c^2): ((a^2 + b^2 + c^2)^3)^(1/2) / (abc). The mean is pi.
+/// |(q1/a, q2/b, q3/c)|^3): at the vertices a^2/(bc), b^2/(ac) and c^2/(ab), greatest where q is as (a^2,
+/// b^2, c^2): ((a^2 + b^2 + c^2)^3)^(1/2) / (abc). The mean is pi.
 fn relative_solid_angles(m: DVec3) -> [f64; 2] {
     let product = m.x * m.y * m.z;
     let squared = m.length_squared();
