@@ -102,11 +102,12 @@ A scene that moves is drawn straight into the octahedral map, by [`LiveEnvironme
 // Parts that only some features use; the build with cli, view and plot has no dead code.
 #![cfg_attr(
     not(all(feature = "cli", feature = "view", feature = "plot")),
-    allow(dead_code, unused_imports, reason = "for other features")
+    allow(dead_code, reason = "for other features")
 )]
+#![cfg_attr(not(feature = "internals"), allow(unreachable_pub, reason = "`internals` reaches them"))]
 #![cfg_attr(
-    not(feature = "internals"),
-    allow(unreachable_pub, unused_imports, reason = "`internals` reaches them")
+    not(all(feature = "cli", feature = "view", feature = "plot", feature = "internals")),
+    allow(unused_imports, reason = "exported for other features")
 )]
 
 mod analysis;

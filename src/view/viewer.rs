@@ -147,11 +147,6 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// The current look, for changes.
-    pub const fn look_mut(&mut self) -> &mut Look {
-        &mut self.look
-    }
-
     /// Samples of the current picture, columns and rows.
     #[must_use]
     pub fn picture_size(&self) -> (u32, u32) {
@@ -499,6 +494,7 @@ impl WindowContent for Viewer {
             || self.is_noting()
     }
 
+    #[cfg(target_arch = "wasm32")]
     fn open(&mut self, path: &Path, bytes: &[u8]) {
         let outcome = if is_mesh(path) {
             Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
@@ -533,6 +529,7 @@ impl WindowContent for Viewer {
         self.look.camera = self.look.first_camera();
     }
 
+    #[cfg(target_arch = "wasm32")]
     fn has_panel(&self) -> bool {
         !self.panel_hidden
     }
@@ -543,6 +540,7 @@ impl WindowContent for Viewer {
         self.drawn = None;
     }
 
+    #[cfg(target_arch = "wasm32")]
     fn show_message(&mut self, message: String) {
         self.message = Some(message);
     }
@@ -607,6 +605,11 @@ impl FromStart for Viewer {
 /// What the page asks.
 #[cfg(any(feature = "internals", target_arch = "wasm32"))]
 impl Viewer {
+    /// The current look, for changes.
+    pub const fn look_mut(&mut self) -> &mut Look {
+        &mut self.look
+    }
+
     /// The current look.
     #[must_use]
     pub const fn look(&self) -> &Look {
