@@ -31,14 +31,11 @@ impl Level {
         self.layout.sides().1
     }
 
-    /// The texels of one face of a cube, row-major.
-    ///
-    /// # Panics
-    /// If the level is no cube, or has fewer texels.
+    /// The texels of one face of a cube, row-major; empty where the level has fewer texels.
     #[must_use]
     pub fn face(&self, face: Face) -> &[Rgb] {
         let area = self.size() as usize * self.size() as usize;
-        &self.texels[face.index() * area..][..area]
+        self.texels.get(face.index() * area..).and_then(|rest| rest.get(..area)).unwrap_or_default()
     }
 }
 

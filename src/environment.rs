@@ -128,11 +128,8 @@ impl Layout {
         }
     }
 
-    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image` (a cube's face,
-    /// otherwise 0).
-    ///
-    /// # Panics
-    /// If a cube has no such face.
+    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image`: a cube's face, of
+    /// which those beyond the last count as the last; without meaning elsewhere.
     #[must_use]
     pub fn direction_from_texel(self, image: u32, i: u32, j: u32) -> DVec3 {
         match self {
@@ -140,7 +137,9 @@ impl Layout {
                 (f64::from(i) + 0.5) / f64::from(width),
                 (f64::from(j) + 0.5) / f64::from(height),
             ),
-            Self::Cube { size } => cube::direction_from_texel(cube::Face::ALL[image as usize], size, i, j),
+            Self::Cube { size } => {
+                cube::direction_from_texel(cube::Face::ALL[image.min(5) as usize], size, i, j)
+            }
             Self::Octahedral { size } => octahedral::direction_from_oct(octahedral::texel_centre(size, i, j)),
         }
     }

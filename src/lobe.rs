@@ -160,7 +160,7 @@ pub(crate) fn zonal_nodes(lobe: Lobe, alpha: f64) -> impl Iterator<Item = (f64, 
 
 /// Legendre's polynomials of order 0 to 4 at `x`.
 #[must_use]
-pub(crate) fn legendre(x: f64) -> [f64; 5] {
+pub fn legendre(x: f64) -> [f64; 5] {
     let x2 = x * x;
     [1.0, x, (3.0 * x2 - 1.0) / 2.0, (5.0 * x2 - 3.0) * x / 2.0, ((35.0 * x2 - 30.0) * x2 + 3.0) / 8.0]
 }

@@ -4,6 +4,7 @@
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
+use crate::smoothstep::smoothstep;
 use crate::sphere::octahedral::wrap_texel;
 
 /// The share of bilinear reconstruction in a lobe of `alpha` over `inner` x `inner` texels.
@@ -18,8 +19,7 @@ pub fn bilinear_share(lobe: Lobe, alpha: f64, inner: u32) -> f64 {
     }
     let alpha = lobe.served_roughness(alpha.sqrt()).powi(2);
     let texels = alpha * f64::from(inner) / 2.0;
-    let fade = ((4.0 - texels) / 2.0).clamp(0.0, 1.0);
-    fade * fade * (3.0 - 2.0 * fade)
+    smoothstep((4.0 - texels) / 2.0)
 }
 
 /// Size of an OEM.
@@ -91,11 +91,6 @@ impl Oem {
     #[must_use]
     pub fn texels(&self) -> &[[f32; 4]] {
         &self.texels
-    }
-
-    /// All texels, border included.
-    pub(crate) fn texels_mut(&mut self) -> &mut [[f32; 4]] {
-        &mut self.texels
     }
 
     /// Texel (`x`, `y`) of the square, 0 <= x, y < inner.

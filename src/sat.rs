@@ -181,7 +181,8 @@ pub struct Sat {
 
 impl Sat {
     /// A table of `entries`, row-major, already summed.
-    pub(crate) const fn from_entries(size: OemSize, fixed: FixedPoint, entries: Vec<[u64; 4]>) -> Self {
+    #[must_use]
+    pub const fn from_entries(size: OemSize, fixed: FixedPoint, entries: Vec<[u64; 4]>) -> Self {
         Self { size, fixed, entries }
     }
 
@@ -200,18 +201,6 @@ impl Sat {
             .map(|k| self.bordered_box(0, 0, at(k % inner), at(k / inner)))
             .collect();
         Self { size: OemSize { inner, border: 0 }, fixed, entries }
-    }
-
-    /// The table of a square of bordered `size` whose first texel is (`x`, `y`) of this table's square, with
-    /// this table's exponents.
-    ///
-    /// # Panics
-    /// If it leaves this table's border.
-    pub(crate) fn part(&self, [x, y]: [u32; 2], size: OemSize) -> Self {
-        let (x, y, side) = (i64::from(x), i64::from(y), i64::from(size.bordered()));
-        let entry = |k: i64| self.bordered_box(x, y, x + k % side + 1, y + k / side + 1);
-        let entries = (0..side * side).into_par_iter().map(entry).collect();
-        Self { size, fixed: self.fixed, entries }
     }
 
     /// Size of the OEM summed.

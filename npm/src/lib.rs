@@ -7,14 +7,13 @@ mod options;
 mod query;
 
 use js_sys::{Array, Error, Float32Array, Function, Object, Reflect, Uint8Array};
-use octagloss::internals::analysis::statistics::Statistics;
-use octagloss::internals::analysis::sun::{Brightest, Sun};
-use octagloss::internals::bake::{Progress, bake_all};
-use octagloss::internals::export::produce::{Baked, Products, json_bytes, name, produce, report_path};
-use octagloss::internals::io::Repairs;
-use octagloss::internals::recipe::source::{Source, SunReport};
-use octagloss::internals::recipe::{InputOptions, Recipe};
-use octagloss::internals::target::{TARGETS, Target};
+use octagloss::read::Repairs;
+use octagloss::recipes::{
+    Baked, InputOptions, Products, Recipe, Source, SunReport, json_bytes, name, produce, report_path,
+};
+use octagloss::suns::{Brightest, Sun};
+use octagloss::targets::{TARGETS, Target};
+use octagloss::{Progress, Statistics, bake_all};
 use options::{parsed, with_options};
 use query::Query;
 use serde::Serialize;

@@ -1,7 +1,6 @@
 //! Options from JavaScript: an object whose keys are the command line's options in camel case.
 
-use octagloss::internals::error::with_settings;
-use octagloss::internals::recipe::from_json;
+use octagloss::recipes::{from_json, with_settings};
 use octagloss::{Error, Result};
 use serde::Serialize;
 use serde::de::DeserializeOwned;

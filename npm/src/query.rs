@@ -2,11 +2,9 @@
 
 use crate::options::wrong;
 use glam::DVec3;
-use octagloss::internals::bake::query::Query as Directions;
-use octagloss::internals::filter;
-use octagloss::internals::recipe::{InputOptions, TableOptions};
-use octagloss::internals::reflector::sharpest;
-use octagloss::{Environment, Filter, Lobe, Reflector, ReflectorSettings, Result};
+use octagloss::queries::{Query as Directions, sharpest};
+use octagloss::recipes::{InputOptions, TableOptions};
+use octagloss::{Answer, Bound, Environment, Filter, Lobe, Reflector, ReflectorSettings, Result};
 use serde::{Deserialize, Serialize};
 
 /// Options of a query other than directions and roughness.
@@ -62,8 +60,8 @@ impl Query {
         let query =
             Directions { lobe: self.lobe, filter: self.filter, directions: &directions, roughness: &each };
         let answers = query.answered(&reflector)?;
-        let row = |answer: &filter::Answer| {
-            let bounds = self.bound.then(|| answer.bound.unwrap_or(filter::Bound::NONE).values());
+        let row = |answer: &Answer| {
+            let bounds = self.bound.then(|| answer.bound.unwrap_or(Bound::NONE).values());
             answer.radiance.into_iter().chain(bounds.into_iter().flatten())
         };
         Ok(answers.iter().flat_map(row).collect())

@@ -2,13 +2,12 @@
 
 use crate::errors::wrong;
 use octagloss::files::OutputLayout;
-use octagloss::internals::bake::dfg::DfgForm;
-use octagloss::internals::filter;
-use octagloss::internals::lobe::LOBES;
-use octagloss::internals::sh::scale::ShScale;
-use octagloss::internals::sh::window::{self, ShWindow};
-use octagloss::internals::target::{TARGETS, Target};
-use octagloss::{Filter, Lobe, Map};
+use octagloss::harmonics::ShScale;
+use octagloss::harmonics::window::{self, ShWindow};
+use octagloss::queries::parsed_filter;
+use octagloss::reflectance::DfgForm;
+use octagloss::targets::{TARGETS, Target};
+use octagloss::{Filter, LOBES, Lobe, Map};
 use pyo3::PyResult;
 
 /// The value of `choices` named `text`, for the parameter `setting`.
@@ -24,7 +23,7 @@ pub(crate) fn lobe(text: &str) -> PyResult<Lobe> {
 }
 
 pub(crate) fn filter(text: &str) -> PyResult<Filter> {
-    filter::parsed(text).map_err(|message| wrong(format!("`filter` is {text:?}; {message}")))
+    parsed_filter(text).map_err(|message| wrong(format!("`filter` is {text:?}; {message}")))
 }
 
 pub(crate) fn sh_window(setting: &str, text: &str) -> PyResult<ShWindow> {

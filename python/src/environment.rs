@@ -8,14 +8,14 @@ use crate::query::{Asked, Kept, Roughness, answers, sharpest_of};
 use crate::sun::Sun;
 use crate::work::run;
 use numpy::PyArrayDyn;
-use octagloss::internals::analysis::extraction::Suns;
-use octagloss::internals::analysis::sun::Sun as FoundSun;
-use octagloss::internals::environment::{LUMINANCE, MAX_DEGREES, luminance};
-use octagloss::internals::io::Repairs;
-use octagloss::internals::recipe::source::Source;
-use octagloss::internals::sh::scale::scaled;
-use octagloss::internals::sh::{MAX_ORDER, spherical_harmonics};
-use octagloss::{Environment as Light, Filter, Layout, Lobe, Map, ReflectorSettings, Rgb};
+use octagloss::harmonics::{MAX_ORDER, scaled, spherical_harmonics};
+use octagloss::read::Repairs;
+use octagloss::recipes::Source;
+use octagloss::suns::{Sun as FoundSun, Suns};
+use octagloss::{
+    Environment as Light, Filter, LUMINANCE, Layout, Lobe, MAX_DEGREES, Map, ReflectorSettings, Rgb,
+    luminance,
+};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};

@@ -1,7 +1,7 @@
 //! Errors of the library as Python exceptions, with the library's text.
 
 use octagloss::Error;
-use octagloss::internals::error::with_settings;
+use octagloss::recipes::with_settings;
 use pyo3::PyTypeInfo as _;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;

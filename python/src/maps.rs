@@ -4,17 +4,12 @@ use crate::arrays::{array, directions, element, points, with_axis};
 use crate::errors::wrong;
 use glam::{DVec2, DVec3};
 use numpy::PyArrayDyn;
-use octagloss::internals::sphere::cube::{
-    Face, cube_from_direction as to_cube, direction_from_cube as from_cube,
-};
-use octagloss::internals::sphere::equirect::{
+use octagloss::maps::cube::{Face, cube_from_direction as to_cube, direction_from_cube as from_cube};
+use octagloss::maps::equirect::{
     direction_from_equirect as from_equirect, equirect_from_direction as to_equirect,
 };
-use octagloss::internals::sphere::map::SphereMap;
-use octagloss::internals::sphere::octahedral::{
-    direction_from_oct as from_oct, oct_from_direction as to_oct,
-};
-use octagloss::internals::sphere::registry::{MAPS, named};
+use octagloss::maps::octahedral::{direction_from_oct as from_oct, oct_from_direction as to_oct};
+use octagloss::maps::{MAPS, SphereMap, named};
 use pyo3::prelude::*;
 
 type Doubles<'py> = Bound<'py, PyArrayDyn<f64>>;

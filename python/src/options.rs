@@ -3,7 +3,7 @@
 
 use crate::choices;
 use crate::errors::{NAMES, raised, wrong};
-use octagloss::internals::recipe::{InputOptions, Recipe, from_json};
+use octagloss::recipes::{InputOptions, Recipe, from_json};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;

@@ -2,13 +2,8 @@
 
 use crate::errors::{raised, wrong};
 use crate::work::Cancel;
-use octagloss::files::{Container, Existing};
-use octagloss::internals::export::produce::{Baked, json_bytes, name, products};
-use octagloss::internals::export::write::write_files;
-use octagloss::internals::io::output;
-use octagloss::internals::recipe::Recipe;
-use octagloss::internals::recipe::plan::BakePlan;
-use octagloss::internals::recipe::source::Source;
+use octagloss::files::{Container, Existing, check_file, check_folder, recover, write_files};
+use octagloss::recipes::{BakePlan, Baked, Recipe, Source, json_bytes, name, products};
 use octagloss::{Bake, Result};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
@@ -53,12 +48,8 @@ pub(crate) fn planned(py: Python<'_>, path: &Path, recipe: &Recipe, source: &Sou
 
 /// Fails where writing the files of `plan` would, as far as can be known before a bake.
 pub(crate) fn check(path: &Path, plan: &BakePlan, force: bool) -> Result<()> {
-    output::recover(path);
-    if plan.is_file() {
-        output::check_file(path, existing(force))
-    } else {
-        output::check_folder(path, existing(force))
-    }
+    recover(path);
+    if plan.is_file() { check_file(path, existing(force)) } else { check_folder(path, existing(force)) }
 }
 
 const fn existing(force: bool) -> Existing {

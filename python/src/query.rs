@@ -4,10 +4,10 @@ use crate::arrays::{Reals, array, common_shape, directions, element, repeated, s
 use crate::errors::wrong;
 use crate::work::{Cancel, held, run};
 use glam::DVec3;
-use octagloss::internals::filter::Answer;
-use octagloss::internals::oem::OemSize;
-use octagloss::internals::reflector::{Workspace, check_answers, sharpest};
-use octagloss::{Environment as Light, Filter, Lobe, Reflector, ReflectorSettings};
+use octagloss::queries::{check_answers, sharpest};
+use octagloss::{
+    Answer, Environment as Light, Filter, Lobe, OemSize, Reflector, ReflectorSettings, Workspace,
+};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex};

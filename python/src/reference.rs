@@ -7,7 +7,7 @@ use crate::query::Asked;
 use crate::work::run;
 use glam::DVec3;
 use numpy::PyArrayDyn;
-use octagloss::internals::analysis::oracle::Oracle;
+use octagloss::Oracle;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rayon::prelude::*;

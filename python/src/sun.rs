@@ -1,7 +1,7 @@
 //! The sun, or the brightest region.
 
-use octagloss::internals::analysis::sun::{Brightest, Sun as Found};
-use octagloss::internals::recipe::source::SunReport;
+use octagloss::recipes::SunReport;
+use octagloss::suns::{Brightest, Sun as Found};
 use pyo3::prelude::*;
 
 /// The brightest region of an environment.

@@ -18,6 +18,7 @@ use crate::environment::{Layout, Rgb};
 use crate::ladder::Ladder;
 use crate::lobe::{Lobe, full_width_at_half_maximum};
 use crate::sphere::cube::{Face, cube_from_direction, cube_point};
+use crate::sphere::quadrature::{THREE_NODES, TWO_NODES};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
@@ -49,10 +50,7 @@ const TEXELS_PER_WIDTH: f64 = 3.5;
 const MIN_EDGE: u32 = 16;
 
 /// Nodes and weights of Gauss quadratures over [0, 1], indexed by number of nodes minus 2.
-const QUADRATURES: [&[(f64, f64)]; 2] = [
-    &[(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)],
-    &[(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)],
-];
+const QUADRATURES: [&[(f64, f64)]; 2] = [&TWO_NODES, &THREE_NODES];
 
 /// Whether cubic interpolation on a cube of `edge` texels resolves a lobe of `roughness`.
 fn resolves(edge: u32, roughness: f64) -> bool {

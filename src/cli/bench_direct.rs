@@ -126,7 +126,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
             TENNIS_BALL => ball,
             _ => return Ok(None),
         };
-        context.submit(|encoder| way.frame.record_timed(encoder, None));
+        context.submit(|encoder| way.frame.record(encoder, None));
         Ok(Some(block_on(Some(context), readback::read_texture(context, target.colour()))??))
     };
     // The first method of each layout.
@@ -207,10 +207,10 @@ impl Frame {
         }
     }
 
-    fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
+    fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
         match self {
-            Self::Direct(frame) => frame.record_timed(encoder, timer),
-            Self::Unwrap(frame) => frame.record_timed(encoder, timer),
+            Self::Direct(frame) => frame.record(encoder, timer),
+            Self::Unwrap(frame) => frame.record(encoder, timer),
         }
     }
 
@@ -235,7 +235,7 @@ impl Clock {
         let start = Instant::now();
         let passes = way.frame.passes();
         context.submit(|encoder| {
-            way.frame.record_timed(encoder, timer);
+            way.frame.record(encoder, timer);
             if let Some(stage) = &way.then {
                 stage.record_timed(encoder, timer.map(|timer| timer.compute_writes(passes)));
             }

@@ -81,7 +81,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         names.push(format!("sat_hensley_radix_{radix}"));
     }
     // Skip passes that exceed the adapter's limits.
-    if let Ok((stage, _)) = SatF32::new(context).stage(context, &planes) {
+    if let Ok((stage, ..)) = SatF32::new(context).stage(context, &planes) {
         stages.push(stage);
         names.push("sat_f32".to_owned());
     }

@@ -66,7 +66,7 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     if let Some(mesh) = &mesh {
         renderer.set_mesh(mesh)?;
     }
-    let mut light = renderer.light_with(&environment, &table)?;
+    let mut light = renderer.light(&environment, &table)?;
     if let Some(levels) = &levels {
         light.set_levels(&context, levels)?;
     }

@@ -51,25 +51,6 @@ pub(super) struct Quad {
 #[cfg(feature = "gpu")]
 pub(crate) const QUAD_FIELDS: usize = size_of::<Quad>() / 16;
 
-/// Positions of the fields of [`Quad`] in `shaders/common/quad.wgsl`, in vectors of four floats.
-#[cfg(feature = "gpu")]
-pub(crate) const FIELDS: [(&str, usize); 11] = {
-    use std::mem::offset_of;
-    [
-        ("FIELD_X", offset_of!(Quad, x) / 16),
-        ("FIELD_Y", offset_of!(Quad, y) / 16),
-        ("FIELD_Z", offset_of!(Quad, z) / 16),
-        ("FIELD_COVARIANCE", offset_of!(Quad, covariance) / 16),
-        ("FIELD_RADIUS", offset_of!(Quad, radius) / 16),
-        ("FIELD_LUMINANCE", offset_of!(Quad, luminance) / 16),
-        ("FIELD_RED", offset_of!(Quad, red) / 16),
-        ("FIELD_GREEN", offset_of!(Quad, green) / 16),
-        ("FIELD_BLUE", offset_of!(Quad, blue) / 16),
-        ("FIELD_RED_TINT", offset_of!(Quad, red_tint) / 16),
-        ("FIELD_BLUE_TINT", offset_of!(Quad, blue_tint) / 16),
-    ]
-};
-
 /// A smaller share of a texel's energy above the least radiance is rounding error. Without the cut, black
 /// texels would enlarge the radius of their cells.
 pub(crate) const RESIDUE: f32 = 1.0 / (1 << 21) as f32;

@@ -10,7 +10,7 @@ use crate::format::{LevelName, Pixel, Shown};
 use crate::io::cube_file::CubeFile;
 use crate::io::cube_write::cube_bytes;
 use crate::io::exr::write::{Attribute, Samples, exr_bytes};
-use crate::io::hdr::write::hdr_bytes_with;
+use crate::io::hdr::write::hdr_bytes;
 use crate::io::layout::image_from_faces;
 use crate::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::io::oem_write::oem_bytes;
@@ -198,7 +198,7 @@ fn panorama(plan: &TargetPlan, level: &Level, path: &str, metadata: &[(String, S
         pairs = recorded(&pairs, &[("quarter_turns", json!(plan.target.quarter_turns))]);
     }
     if path.ends_with(".hdr") {
-        return hdr_bytes_with(width, height, &texels, &pairs);
+        return hdr_bytes(width, height, &texels, &pairs);
     }
     let attributes: Vec<_> = pairs.into_iter().map(|(key, text)| (key, Attribute::Text(text))).collect();
     let pixel = if Pixel::F16.clamped(&texels) == 0 { Pixel::F16 } else { Pixel::F32 };

@@ -11,9 +11,6 @@ use crate::geometry::source_texels::SourceGrid;
 use crate::lobe::kernel::{Kernel, shape};
 use glam::DVec3;
 
-/// Invocations of a workgroup.
-pub const GROUP_SIZE: u32 = 64;
-
 /// Packets in one batch of buffers: 27 MB of directions.
 const BATCH: usize = 1 << 17;
 
@@ -67,35 +64,6 @@ pub struct Packet {
     y: [f32; LANES],
     z: [f32; LANES],
 }
-
-shader::members!(Lobe {
-    shape,
-    first,
-    second,
-    third,
-    fourth,
-    tolerance_per_mean,
-    share,
-    per_integral,
-    rounding,
-    rounding_per_leaf,
-    inner,
-    to_texels,
-    reach,
-    root,
-    add,
-    count,
-    omitted,
-    underflow,
-    source,
-    columns,
-    rows,
-    shift_x,
-    shift_y,
-    cells,
-    levels,
-});
-shader::members!(Packet { axis, radius, x, y, z });
 
 impl Packet {
     /// A packet of 1 to [`LANES`] unit `directions`; padding lanes repeat the first.
@@ -193,7 +161,8 @@ pub struct Adaptive {
 pub struct Packets {
     count: u32,
     packets: wgpu::Buffer,
-    /// Radiance and bounds of each lane.
+    /// Of each lane of each packet: radiance (three floats), the certified bound of its luminance, those of
+    /// the channels (three floats), and 0.
     results: wgpu::Buffer,
     /// Leaves of each packet, one buffer per part.
     leaves: [wgpu::Buffer; 2],
@@ -214,13 +183,6 @@ impl Packets {
             results: context.storage("answers", result_bytes),
             leaves: [(); 2].map(|()| context.storage("leaf counts", 4 * count)),
         })
-    }
-
-    /// Of each lane of each packet: radiance (three floats), the certified bound of its luminance, those of
-    /// the channels (three floats), and 0.
-    #[must_use]
-    pub const fn results(&self) -> &wgpu::Buffer {
-        &self.results
     }
 }
 

@@ -3,18 +3,8 @@
 use super::device::shader;
 use super::device::stage::Dispatch;
 use super::fitted::FittedTables;
-use super::octaves::{BORDER, Octave, OctaveLayout};
+use super::octaves::OctaveLayout;
 use super::{Context, SatPlanes, Stage, oem};
-use crate::error::Result;
-
-/// Invocations of a workgroup that blurs.
-pub const GROUP_SIZE: u32 = 256;
-
-/// Invocations that sum one row or column of a table.
-pub const LINE_SIZE: u32 = 64;
-
-/// Corners along an edge that a tile reaches.
-pub(crate) const REACH: u32 = 31;
 
 /// Pipelines of the stage.
 #[derive(Clone, Debug)]
@@ -65,27 +55,5 @@ impl Blur {
                 Dispatch::new(context, &self.columns, &[octaves, entries], [layout.rows, 1, 1]),
             ],
         )
-    }
-}
-
-impl FittedTables {
-    /// Reads the blurred table of `octave` back: entries of the bordered square with a first row and column
-    /// of zeros, and the texels along an edge of the square and of its border.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] if the device fails.
-    ///
-    /// # Panics
-    /// If the octave does not exist.
-    pub async fn read_blurred(&self, context: &Context, octave: u32) -> Result<(Vec<[u64; 4]>, [u32; 2])> {
-        let layout = OctaveLayout::new(self.inner());
-        assert!((1..=layout.finest).contains(&octave), "octaves 1 to {}", layout.finest);
-        let Octave { coarse, side, first_entry, .. } = layout.octaves[octave as usize - 1];
-        let words = self.read_entries(context).await?;
-        let own = &words[first_entry as usize..][..(side * side) as usize];
-        let join = |[low, high]: &[[u32; 4]; 2]| {
-            std::array::from_fn(|c| u64::from(high[c]) << 32 | u64::from(low[c]))
-        };
-        Ok((own.iter().map(join).collect(), [coarse, BORDER]))
     }
 }

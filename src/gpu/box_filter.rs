@@ -16,20 +16,15 @@ pub const GROUP_SIZE: u32 = 64;
 
 /// An exact table as shaders query it: two textures of words, and a header with exponents and sizes.
 ///
-/// [`SatTextures::bind_group_layout`] and [`wgsl`] make it available in any shader, through
-/// `octagloss_ggx(direction, roughness)` and `octagloss_box(direction, solid_angle)`.
+/// `common/sat.wgsl` reads it.
 #[derive(Clone, Debug)]
 pub struct SatTextures {
-    header: wgpu::Buffer,
-    low: wgpu::TextureView,
-    high: wgpu::TextureView,
-}
-
-/// Source of the query functions, with their resources at bindings 0, 1 and 2 of group `group`. To combine
-/// them with other queries in one shader, see [`shader::queries`].
-#[must_use]
-pub fn wgsl(group: u32) -> String {
-    shader::queries(&[shader::Queries::Boxes(group)])
+    /// Exponents and sizes: `OctaglossTable`.
+    pub header: wgpu::Buffer,
+    /// Low words.
+    pub low: wgpu::TextureView,
+    /// High words.
+    pub high: wgpu::TextureView,
 }
 
 impl SatTextures {
@@ -70,7 +65,7 @@ impl SatTextures {
         Ok(Self { header, low, high })
     }
 
-    /// Layout of a bind group with the resources of [`wgsl`], for the shader stages `visibility`.
+    /// Layout of a bind group with the resources of `common/sat.wgsl`, for the shader stages `visibility`.
     #[must_use]
     pub fn bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
@@ -111,7 +106,6 @@ impl SatTextures {
 pub struct BoxFilter {
     pack: wgpu::ComputePipeline,
     radiance: wgpu::ComputePipeline,
-    box_sums: wgpu::ComputePipeline,
 }
 
 impl BoxFilter {
@@ -120,11 +114,9 @@ impl BoxFilter {
     pub fn new(context: &Context) -> Self {
         let pack = shader::module(context, "pack.wgsl");
         let queries = shader::module(context, "box_filter.wgsl");
-        let query = |entry| shader::pipeline(context, &queries, entry, &[]);
         Self {
             pack: shader::pipeline(context, &pack, "pack", &[]),
-            radiance: query("radiance"),
-            box_sums: query("box_sums"),
+            radiance: shader::pipeline(context, &queries, "radiance", &[]),
         }
     }
 
@@ -170,26 +162,6 @@ impl BoxFilter {
             answers.extend(found.iter().map(|[r, g, b, _]| [*r, *g, *b]));
         }
         Ok(answers)
-    }
-
-    /// The integer sums of `boxes` of the unfolded plane (low x, low y, high x, high y), read back; see
-    /// [`crate::sat::Sat::plane_box`].
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] if the device fails.
-    pub async fn sums(
-        &self,
-        context: &Context,
-        textures: &SatTextures,
-        boxes: &[[i32; 4]],
-    ) -> Result<Vec<[u64; 4]>> {
-        let queries = context.storage_of("boxes", boxes);
-        let found: Vec<[[u32; 4]; 2]> =
-            ask(context, &self.box_sums, textures, &[(2, &queries)], 3, boxes.len()).await?;
-        let join = |[low, high]: &[[u32; 4]; 2]| {
-            std::array::from_fn(|c| u64::from(high[c]) << 32 | u64::from(low[c]))
-        };
-        Ok(found.iter().map(join).collect())
     }
 }
 

@@ -58,9 +58,10 @@ pub struct CellTree {
     pub(super) inner: u32,
     pub(super) block: u32,
     pub(super) reconstruction: Reconstruction,
-    /// The least radiance of each channel.
-    pub(super) least: wgpu::Buffer,
-    pub(super) quads: wgpu::Buffer,
+    /// The least radiance of each channel, padded to four floats.
+    pub least: wgpu::Buffer,
+    /// The quads, four times [`QUAD_FIELDS`] floats each, in the order of [`crate::cpu::cells::Cells`].
+    pub quads: wgpu::Buffer,
     /// First quad and quads along an edge, from the finest level to the root.
     pub(super) levels: Vec<[u32; 2]>,
     /// Bound of the radiance that energies counted as zero add to an answer.
@@ -116,7 +117,8 @@ fn layers(texture: &wgpu::Texture) -> wgpu::TextureView {
 
 /// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along
 /// an edge; and the number of quads in all levels.
-fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
+#[must_use]
+pub fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
     let mut levels: Vec<[u32; 2]> = Vec::new();
     let mut first = 0;
     let mut width = cells;
@@ -129,60 +131,6 @@ fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
 }
 
 impl CellTree {
-    /// Uploads the CPU's `cells` of an OEM of `inner` x `inner` texels with finest blocks of `block` x
-    /// `block`.
-    ///
-    /// # Panics
-    /// If `cells` has another shape.
-    #[must_use]
-    pub fn upload(
-        context: &Context,
-        cells: &Cells,
-        inner: u32,
-        block: u32,
-        reconstruction: Reconstruction,
-    ) -> Self {
-        let quads = cells.quad_fields();
-        let (levels, count) = levels_over(inner.div_ceil(block));
-        assert_eq!(quads.len(), count as usize, "quads of {inner} x {inner} texels in blocks of {block}");
-        Self::holding(context, inner, block, reconstruction, cells.least(), levels, &quads)
-    }
-
-    /// A tree that a tolerance of zero cuts into exactly `leaves`
-    /// ([`crate::cpu::leaves::Scratch::leaf_fields`]) over the `least` radiance. Used to replay cuts.
-    #[must_use]
-    pub fn of_leaves(context: &Context, leaves: &[[f32; QUAD_FIELDS]], least: [f32; 3]) -> Self {
-        let cells = (leaves.len().max(1) as f64).sqrt().ceil() as u32;
-        let (levels, count) = levels_over(cells);
-        let mut quads = vec![[[0.0; 4]; QUAD_FIELDS]; count as usize];
-        let place = |level: usize, i: u32, j: u32| {
-            let [first, width] = levels[level];
-            ((first + j / 2 * width + i / 2) as usize, (i % 2 + 2 * (j % 2)) as usize)
-        };
-        for (k, leaf) in (0..).zip(leaves) {
-            let (i, j) = (k % cells, k / cells);
-            let (quad, sibling) = place(0, i, j);
-            for (field, value) in quads[quad].iter_mut().zip(leaf) {
-                field[sibling] = *value;
-            }
-            // Inner nodes get a radius of the whole sphere, so they are always split.
-            for level in 1..levels.len() {
-                let (quad, sibling) = place(level, i >> level, j >> level);
-                // Covariance, radius, luminance and energies.
-                for variance in &mut quads[quad][3..6] {
-                    variance[sibling] = 1.0;
-                }
-                quads[quad][9][sibling] = 2.0;
-                for energy in 10..14 {
-                    quads[quad][energy][sibling] += leaf[energy];
-                }
-            }
-        }
-        // Stop above texels, so that leaves are not refined.
-        let (inner, block) = (2 * cells, 2);
-        Self::holding(context, inner, block, Reconstruction::Constant, least, levels, &quads)
-    }
-
     /// Uploads the CPU's `cells` of the texels of a source ([`Cells::of_source`]), and their members.
     /// `texture` holds the source's light.
     ///
@@ -217,7 +165,9 @@ impl CellTree {
         Ok(Self { omitted: cells.omitted(), source, ..tree })
     }
 
-    fn holding(
+    /// A tree with the given levels, as [`levels_over`] has them, and quads.
+    #[must_use]
+    pub fn holding(
         context: &Context,
         inner: u32,
         block: u32,
@@ -239,12 +189,6 @@ impl CellTree {
         }
     }
 
-    /// The quads, four times [`QUAD_FIELDS`] floats each, in the order of [`crate::cpu::cells::Cells`].
-    #[must_use]
-    pub const fn quads(&self) -> &wgpu::Buffer {
-        &self.quads
-    }
-
     /// Checks that the tree over `inner` x `inner` texels, in blocks of `block(inner)`, and the moments of
     /// its texels fit the device.
     pub(super) fn check_fits(context: &Context, inner: u32, block: impl Fn(u32) -> u32) -> Result<()> {
@@ -263,16 +207,7 @@ impl CellTree {
         let words = u64::from(width) * u64::from(width) + 1 + 3 * most_runs(layout, width);
         context.fits("the texels of the source by cells", 4 * words, smaller_source)
     }
-
-    /// The least radiance of each channel, padded to four floats.
-    #[must_use]
-    pub const fn least(&self) -> &wgpu::Buffer {
-        &self.least
-    }
 }
-
-shader::members!(CellLevel { first, width, finer_first, finer_width, cells, block });
-shader::members!(Tent { centroid, radius, diagonal, pad_0, mixed, pad_1 });
 
 impl BuildCells {
     /// Compiles the stage.
@@ -319,9 +254,7 @@ impl BuildCells {
         let least = context.storage("least radiance", 16);
         let quads = context.storage("quads", bytes);
 
-        let table = (0, oem.table_buffer().as_entire_binding());
-        let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
-        let planes: Vec<_> = std::iter::once(table).chain(planes).collect();
+        let planes = oem.bindings();
         let least_binding = (6, least.as_entire_binding());
         let quads_binding = (8, quads.as_entire_binding());
         let over = |width: u32| [width.div_ceil(EDGE), width.div_ceil(EDGE), 1];

@@ -87,20 +87,11 @@ impl Engine {
         &self.context
     }
 
-    /// Bakes `environment` as [`crate::bake::bake`] does.
+    /// Bakes `environment` several times from one octahedral map, as [`crate::bake::bake_all`] does.
     ///
     /// # Errors
     /// Those of the CPU engine, [`Error::Unsupported`] for filters that run on the CPU only, and
     /// [`Error::Gpu`].
-    pub async fn bake(&self, environment: &Environment, settings: &BakeSettings) -> Result<Bake> {
-        let mut bakes = self.bake_all(environment, std::slice::from_ref(settings), &bake::unwatched).await?;
-        Ok(bakes.pop().expect("one bake for one settings"))
-    }
-
-    /// Bakes `environment` several times from one octahedral map, as [`crate::bake::bake_all`] does.
-    ///
-    /// # Errors
-    /// Those of [`Engine::bake`].
     pub async fn bake_all(
         &self,
         environment: &Environment,
@@ -150,7 +141,8 @@ impl Engine {
     /// before.
     ///
     /// # Errors
-    /// Those of [`Engine::bake`].
+    /// Those of the CPU engine, [`Error::Unsupported`] for filters that run on the CPU only, and
+    /// [`Error::Gpu`].
     pub(crate) fn bake_stages(
         &self,
         environment: &Environment,
@@ -239,6 +231,7 @@ impl<'a> GpuReflector<'a> {
     }
 
     /// The OEM. Its light is that of the source times 2^[`GpuReflector::light_exponent`].
+    #[cfg(feature = "internals")]
     #[must_use]
     pub const fn planes(&self) -> &OemPlanes {
         &self.planes
@@ -246,6 +239,7 @@ impl<'a> GpuReflector<'a> {
 
     /// The exponent k, where the OEM holds the source's light times 2^k; see
     /// [`crate::reflector::Reflector::light_exponent`].
+    #[cfg(feature = "internals")]
     #[must_use]
     pub const fn light_exponent(&self) -> i32 {
         self.scale.exponent()

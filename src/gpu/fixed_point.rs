@@ -43,17 +43,15 @@ impl FixedPoint {
     #[must_use]
     pub fn stage(&self, context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
         let partials = context.storage("fixed-point partials", PARTIAL * u64::from(GROUPS));
-        let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
-        let table = (0, oem.table_buffer().as_entire_binding());
         let shared = (5, partials.as_entire_binding());
-        let all: Vec<_> = std::iter::once(table.clone()).chain(planes).chain([shared.clone()]).collect();
+        let all = [oem.bindings(), vec![shared.clone()]].concat();
         let exponents = (6, sat.exponents().as_entire_binding());
         Stage::new(
             "fixed_point",
             vec![
                 Dispatch::new(context, &self.greatest, &all, [groups(oem.size().inner), 1, 1]),
                 Dispatch::new(context, &self.totals, &all, [groups(oem.size().inner), 1, 1]),
-                Dispatch::new(context, &self.finish, &[table, shared, exponents], [1, 1, 1]),
+                Dispatch::new(context, &self.finish, &[all[0].clone(), shared, exponents], [1, 1, 1]),
             ],
         )
     }

@@ -4,8 +4,6 @@ use super::device::shader;
 use super::device::stage::Dispatch;
 use super::fitted::FittedTables;
 use super::{Context, SatPlanes, Stage, oem};
-use crate::error::Result;
-use crate::sat::FixedPoint;
 use crate::sh;
 
 /// Texels that a workgroup sums per batch.
@@ -53,21 +51,5 @@ impl Harmonics {
                 Dispatch::new(context, &self.sum_of_all, &all, [1, 1, 1]),
             ],
         )
-    }
-}
-
-impl FittedTables {
-    /// Reads the harmonics back in the form of [`sh::table_harmonics`]; `fixed` is the table's scale.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] if the device fails.
-    pub async fn read_harmonics(
-        &self,
-        context: &Context,
-        fixed: FixedPoint,
-    ) -> Result<[[f64; 4]; sh::MAX_COUNT]> {
-        let light = self.read_light(context).await?;
-        let units = fixed.exponents.map(|exponent| f64::from(60 - exponent).exp2());
-        Ok(std::array::from_fn(|k| std::array::from_fn(|c| f64::from(light[3 + k][c]) * units[c])))
     }
 }

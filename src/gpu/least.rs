@@ -27,13 +27,11 @@ impl Least {
         least: wgpu::BindingResource<'_>,
     ) -> [Dispatch; 2] {
         let partials = context.storage("least radiance of groups", 16 * u64::from(GROUPS));
-        let table = (0, oem.table_buffer().as_entire_binding());
         let partials = (5, partials.as_entire_binding());
-        let mut all = vec![table.clone(), partials.clone()];
-        all.extend((1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding())));
+        let all = [oem.bindings(), vec![partials.clone()]].concat();
         [
             Dispatch::new(context, &self.of_groups, &all, [groups(oem.size().inner), 1, 1]),
-            Dispatch::new(context, &self.of_all, &[table, partials, (6, least)], [1, 1, 1]),
+            Dispatch::new(context, &self.of_all, &[all[0].clone(), partials, (6, least)], [1, 1, 1]),
         ]
     }
 }

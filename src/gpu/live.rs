@@ -9,7 +9,7 @@
 
 use super::build_fitted::{BuildFitted, Scratch};
 use super::device::names::named;
-use super::device::shader::{self, Queries};
+use super::device::shader;
 use super::direct::{Surroundings, view_layout};
 use super::fitted::FittedTables;
 use super::reparameterise::{Reparameterise, check_readable, upload};
@@ -232,7 +232,8 @@ impl LiveEnvironment {
     }
 
     /// WGSL for the caller's shaders that draw into the map; their resource is declared in bind group
-    /// `group`. It can stand in one shader with [`Self::wgsl`] of another group.
+    /// `group`. It can stand in one shader with [`Self::wgsl`] and [`crate::ShadowMap::wgsl`] of other
+    /// groups.
     ///
     /// - `octagloss_direct_position(position: vec3<f32>) -> vec4<f32>`: clip coordinates of a position in
     ///   world space, for the vertex stage.
@@ -240,7 +241,7 @@ impl LiveEnvironment {
     ///   built-in position, belongs to the octant. Discard it otherwise.
     #[must_use]
     pub fn draw_wgsl(group: u32) -> String {
-        shader::queries(&[Queries::Draw(group)])
+        draw_wgsl(group)
     }
 
     /// The layout of the group that [`Self::draw`] passes on, for the caller's pipeline layouts.
@@ -250,10 +251,20 @@ impl LiveEnvironment {
     }
 
     /// Turns the environment from the next submission on: `source_from_world` is the rotation that takes a
-    /// direction of the renderer's world to one of the texture's. No table changes. Any other matrix, as one
-    /// with NaN, gives look-ups without meaning until the next call.
-    pub fn set_rotation(&self, source_from_world: DMat3) {
+    /// direction of the renderer's world to one of the texture's. No table changes.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a matrix that is no rotation or reflection, to a thousandth.
+    pub fn set_rotation(&self, source_from_world: DMat3) -> Result<()> {
+        let off = (source_from_world.transpose() * source_from_world - DMat3::IDENTITY).to_cols_array();
+        // NaN is off, too.
+        if !off.iter().all(|entry| entry.abs() <= 1e-3) {
+            return Err(Error::Parameter(format!(
+                "`source_from_world` is {source_from_world}; its columns must be unit vectors at right angles"
+            )));
+        }
         self.tables.set_rotation(&self.context, columns(source_from_world.transpose()));
+        Ok(())
     }
 
     /// Selects lobes of `count` boxes (1, 2, 4 or 8; 4 at first) from the next submission on: more are slower
@@ -266,13 +277,14 @@ impl LiveEnvironment {
     }
 
     /// WGSL with `octagloss_radiance(direction, roughness)` and `octagloss_irradiance(normal)`, both of
-    /// `vec3<f32>`; their resources are declared in bind group `group`.
+    /// `vec3<f32>`; their resources are declared in bind group `group`. All its global names begin with
+    /// `octagloss_` or `Octagloss`.
     ///
     /// Directions and normals have any length but zero, and a roughness is in [0, 1]. Shaders do not check:
     /// what a zero vector, NaN or another roughness gives is undefined, NaN as a rule.
     #[must_use]
     pub fn wgsl(group: u32) -> String {
-        shader::queries(&[Queries::Live(group)])
+        look_ups("array<OctaglossLight, 1>", group)
     }
 
     /// The same under names of the caller's, so that one shader can look several environments up:
@@ -314,6 +326,24 @@ impl LiveEnvironment {
 pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
     FittedTables::bind_group_layout(device, visibility)
+}
+
+/// WGSL of the look-ups over `lights`, with their resources in bind group `group`.
+pub(super) fn look_ups(lights: &str, group: u32) -> String {
+    let resources = [
+        "var<uniform> octagloss_octaves: OctaglossOctaves",
+        &format!("var<uniform> octagloss_lights: {lights}"),
+        "var<storage, read> octagloss_entries: array<Sum>",
+        "var<storage, read> octagloss_parameters: array<vec4<u32>>",
+        "var octagloss_oems: texture_2d_array<f32>",
+    ];
+    shader::for_callers("common/live.wgsl", &resources, group, "octagloss")
+}
+
+/// WGSL for draws into octahedral maps, with its resource in bind group `group`.
+pub(super) fn draw_wgsl(group: u32) -> String {
+    let resources = ["var<uniform> octagloss_view: OctaglossView"];
+    shader::for_callers("common/direct_view.wgsl", &resources, group, "octagloss_draw")
 }
 
 /// Edge of the octahedral map for `size` texels, rounded up as [`LiveEnvironment::new`] says.

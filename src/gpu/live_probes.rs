@@ -1,9 +1,8 @@
 //! Environments of one size in shared buffers, which one look-up reads.
 
 use super::Context;
-use super::device::shader::{self, Queries};
 use super::fitted::{FittedTables, MAX_LIGHTS};
-use super::live::{LiveEnvironment, LivePasses, inner_of};
+use super::live::{LiveEnvironment, LivePasses, inner_of, look_ups};
 use crate::error::{Error, Result};
 use std::ops::{Deref, DerefMut};
 
@@ -58,7 +57,7 @@ impl LiveProbes {
     /// bind group `group`.
     #[must_use]
     pub fn wgsl(group: u32) -> String {
-        shader::queries(&[Queries::Probes(group)])
+        look_ups("array<OctaglossLight, MAX_LIGHTS>", group)
     }
 
     /// The layout of [`Self::bind_group`], for the caller's pipeline layouts: that of a [`LiveEnvironment`].

@@ -38,9 +38,7 @@ impl Mirror {
     ) -> Stage {
         assert_eq!(oem.size().inner, tables.inner(), "tables for this size");
         let own = tables.oem();
-        let mut resources =
-            vec![(0, oem.table_buffer().as_entire_binding()), (5, wgpu::BindingResource::TextureView(&own))];
-        resources.extend((1..).zip(oem.planes().iter().map(wgpu::Buffer::as_entire_binding)));
+        let resources = [oem.bindings(), vec![(5, wgpu::BindingResource::TextureView(&own))]].concat();
         let groups = tables.inner().div_ceil(EDGE);
         let least = wgpu::BufferBinding { size: std::num::NonZero::new(16), ..tables.light() };
         let mut dispatches = vec![Dispatch::new(context, &self.mirror, &resources, [groups, groups, 1])];

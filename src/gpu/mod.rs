@@ -23,7 +23,6 @@
 //! nothing.
 
 pub mod adaptive;
-pub mod atlas;
 pub mod blur;
 pub mod box_filter;
 pub mod build_fitted;
@@ -48,8 +47,6 @@ pub mod sat_f32;
 pub mod sat_hensley;
 pub mod sat_scan;
 pub mod shadow;
-#[doc(hidden)]
-pub mod shared;
 pub mod table_scan;
 
 #[cfg(not(target_arch = "wasm32"))]

@@ -39,8 +39,6 @@ pub struct Gather {
     source_maps: [[[i32; 4]; 3]; 8],
 }
 
-shader::members!(Gather { edge, border, side, pitch, width, height, symmetric, padding, source_maps });
-
 /// Pipelines of the stage.
 #[derive(Clone, Debug)]
 pub struct Reparameterise {

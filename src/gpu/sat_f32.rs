@@ -21,7 +21,6 @@ pub struct Doubling {
     axis: u32,
     stride: u32,
 }
-shader::members!(Doubling { side, axis, stride });
 
 /// Pipelines of the pass.
 #[derive(Clone, Debug)]
@@ -30,15 +29,6 @@ pub struct SatF32 {
     mean_of_all: wgpu::ComputePipeline,
     bias: wgpu::ComputePipeline,
     double_sums: wgpu::ComputePipeline,
-}
-
-/// A float32 table: four floats per entry, row by row, and the mean that was subtracted before summing.
-#[derive(Clone, Debug)]
-pub struct F32Table {
-    /// The entries, inclusive, border included.
-    pub entries: wgpu::Buffer,
-    /// The mean of the bordered table.
-    pub mean: wgpu::Buffer,
 }
 
 impl SatF32 {
@@ -55,11 +45,12 @@ impl SatF32 {
         }
     }
 
-    /// The table of `oem`, and the stage that fills it.
+    /// The stage that fills the float32 table of `oem`; the table, four floats per entry, row by row,
+    /// inclusive, border included; and the mean of the bordered OEM that was subtracted before summing.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] if it is larger than the device can bind.
-    pub fn stage(&self, context: &Context, oem: &OemPlanes) -> Result<(Stage, F32Table)> {
+    pub fn stage(&self, context: &Context, oem: &OemPlanes) -> Result<(Stage, wgpu::Buffer, wgpu::Buffer)> {
         let Table { side, .. } = oem.table();
         let bytes = 16 * u64::from(side) * u64::from(side);
         context.fits(&format!("a float32 table of {side} x {side}"), bytes, |available| {
@@ -78,13 +69,10 @@ impl SatF32 {
             .collect();
         // The last pass writes the first buffer.
         let back = |pass: usize| &buffers[(strides.len() - pass) % 2];
-        let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
-        let planes: Vec<_> =
-            std::iter::once((0, oem.table_buffer().as_entire_binding())).chain(planes).collect();
+        let planes = oem.bindings();
         let partials = (5, partials.as_entire_binding());
         let mean_binding = (6, mean.as_entire_binding());
         let groups = [side.div_ceil(EDGE), side.div_ceil(EDGE), 1];
-        let table = (0, oem.table_buffer().as_entire_binding());
         let mut dispatches = vec![
             Dispatch::new(
                 context,
@@ -92,7 +80,12 @@ impl SatF32 {
                 &[&planes[..], std::slice::from_ref(&partials)].concat(),
                 [GROUPS, 1, 1],
             ),
-            Dispatch::new(context, &self.mean_of_all, &[table, partials, mean_binding.clone()], [1, 1, 1]),
+            Dispatch::new(
+                context,
+                &self.mean_of_all,
+                &[planes[0].clone(), partials, mean_binding.clone()],
+                [1, 1, 1],
+            ),
             Dispatch::new(
                 context,
                 &self.bias,
@@ -114,6 +107,6 @@ impl SatF32 {
             ));
         }
         let [entries, _] = buffers;
-        Ok((Stage::new("sat_f32", dispatches), F32Table { entries, mean }))
+        Ok((Stage::new("sat_f32", dispatches), entries, mean))
     }
 }

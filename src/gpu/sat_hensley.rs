@@ -19,8 +19,6 @@ pub struct Doubling {
     stride: u32,
 }
 
-shader::members!(Doubling { side, pitch, channel, axis, stride });
-
 /// Pipelines of recursive doubling with one radix.
 #[derive(Clone, Debug)]
 pub struct SatHensley {

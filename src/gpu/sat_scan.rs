@@ -22,8 +22,6 @@ pub struct Scan {
     channel: u32,
 }
 
-shader::members!(Scan { side, pitch, tiles, channel });
-
 /// Pipelines of the scan.
 #[derive(Clone, Debug)]
 pub struct SatScan {

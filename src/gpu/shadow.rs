@@ -5,8 +5,9 @@
 //! ```
 
 use super::Context;
-use super::device::shader::{self, Queries};
+use super::device::shader;
 use super::direct::{DEPTH, OctantDraws, cleared_depth, depth_texture, view_layout};
+use super::live::draw_wgsl;
 use crate::direct::DirectMap;
 use crate::error::{Error, Result};
 use glam::DVec3;
@@ -24,8 +25,6 @@ pub struct Shadow {
     bias: f32,
     pad: [u32; 2],
 }
-
-shader::members!(Shadow { lamp, size, near, bias, pad });
 
 /// An octahedral map of the depth around a lamp, which a renderer draws its own scene into, and the look-up
 /// of shadows for its own shaders.
@@ -145,7 +144,7 @@ impl ShadowMap {
     /// WGSL for the caller's shaders that draw into the map: that of [`crate::LiveEnvironment::draw_wgsl`].
     #[must_use]
     pub fn draw_wgsl(group: u32) -> String {
-        shader::queries(&[Queries::Draw(group)])
+        draw_wgsl(group)
     }
 
     /// The layout of the group that [`Self::draw`] passes on, for the caller's pipeline layouts.
@@ -159,7 +158,11 @@ impl ShadowMap {
     /// triangle's own. Its resources are declared in bind group `group`.
     #[must_use]
     pub fn wgsl(group: u32) -> String {
-        shader::queries(&[Queries::Shadow(group)])
+        let resources = [
+            "var<uniform> octagloss_shadow: OctaglossShadow",
+            "var octagloss_shadow_depth: texture_depth_2d",
+        ];
+        shader::for_callers("common/shadow.wgsl", &resources, group, "octagloss_shadow")
     }
 
     /// The layout of [`Self::bind_group`], for the caller's pipeline layouts: visible to vertex, fragment and

@@ -136,12 +136,6 @@ impl OemMips {
         self.inner
     }
 
-    /// Texels of border on every side at level 0.
-    #[must_use]
-    pub const fn border(&self) -> u32 {
-        self.border
-    }
-
     /// The levels, the finest first.
     #[must_use]
     pub fn levels(&self) -> &[MipLevel] {

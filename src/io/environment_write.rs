@@ -2,7 +2,7 @@
 //! or Radiance .hdr.
 
 use super::exr::write::{Attribute, Samples, exr_bytes};
-use super::hdr::write::hdr_bytes_with;
+use super::hdr::write::hdr_bytes;
 use super::layout::image_from_faces;
 use super::output::{self, Existing};
 use crate::environment::{Environment, Layout, Rgb};
@@ -60,7 +60,7 @@ pub(crate) fn picture_bytes(
     metadata: &[(String, String)],
 ) -> Result<Vec<u8>> {
     if pixel == Pixel::Rgbe {
-        return hdr_bytes_with(width, height, texels, metadata);
+        return hdr_bytes(width, height, texels, metadata);
     }
     let texts = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
     let attributes: Vec<(String, Attribute)> = std::iter::once(("comments", comment))

@@ -2,7 +2,7 @@
 
 use super::exr::parts::exr_mips_bytes;
 use super::exr::write::{Attribute, Samples, exr_bytes};
-use super::hdr::write::hdr_bytes_with;
+use super::hdr::write::hdr_bytes;
 use super::ktx2::write::ROUGHNESS_KEY;
 use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
@@ -46,7 +46,7 @@ pub(crate) fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat
         (Container::Hdr, Samples::Rgb(texels)) => {
             let own = roughness.map(|roughness| (ROUGHNESS_KEY.to_owned(), roughness.to_string()));
             let pairs: Vec<_> = own.into_iter().chain(metadata.iter().cloned()).collect();
-            hdr_bytes_with(width, height, texels, &pairs)
+            hdr_bytes(width, height, texels, &pairs)
         }
         _ => Err(Error::Parameter(format!("an image of a level is exr or hdr, not {}", container.name()))),
     }

@@ -296,6 +296,7 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
 ///
 /// # Errors
 /// As [`read_chain`].
+#[cfg(any(feature = "internals", target_arch = "wasm32"))]
 pub fn read_chain_from_memory(path: &Path, bytes: &[u8], memory_limit: u64) -> Result<Chain> {
     let source = Source { path, bytes, memory_limit };
     Ok(in_world(catching_panics(path, || decode_chain(&source))?)?.chain)

@@ -397,7 +397,8 @@ impl InputOptions {
     /// # Errors
     /// [`Error::Parameter`] for a number out of range, and for options that contradict each other.
     pub fn check(&self) -> Result<()> {
-        if let Some(degrees) = self.rotate_y.filter(|degrees| degrees.is_nan() || degrees.abs() > MAX_DEGREES) {
+        if let Some(degrees) = self.rotate_y.filter(|degrees| degrees.is_nan() || degrees.abs() > MAX_DEGREES)
+        {
             return wrong(format!(
                 "`rotate_y` is {degrees}; it must be between -{MAX_DEGREES} and {MAX_DEGREES}"
             ));

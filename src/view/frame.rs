@@ -3,7 +3,6 @@
 use super::camera::Frame;
 use super::look::{Ball, Look, ROW};
 use crate::environment::Environment;
-use crate::gpu::device::shader;
 use crate::gpu::lamp::Lamp;
 use crate::sh;
 use glam::{DMat3, DVec3};
@@ -20,7 +19,6 @@ pub(super) struct BallUniform {
     roughness: f32,
     pad: [f32; 3],
 }
-shader::members!(BallUniform { centre, radius, roughness, pad });
 
 /// Height of a ground so far below that nothing casts a shadow on it.
 const NO_FLOOR: f64 = -1e6;
@@ -50,28 +48,6 @@ pub(super) struct ViewFrame {
     ladder: [[f32; 4]; MAX_LEVELS / 4],
     ball: [BallUniform; ROW as usize],
 }
-shader::members!(ViewFrame {
-    eye,
-    exposure,
-    right,
-    roughness,
-    up,
-    backdrop,
-    forward,
-    levels,
-    metal,
-    levels_scale,
-    tint,
-    roughness_factor,
-    size,
-    floor,
-    pad_floor,
-    source_from_world,
-    levels_from_source,
-    clip_from_world,
-    ladder,
-    ball
-});
 
 /// Parameters of the prefiltered cube.
 #[derive(Clone, Copy, Debug)]
@@ -159,7 +135,6 @@ pub(super) struct Diffuse {
     /// Direction of the lamp, and its energy over pi.
     lamp: [f32; 4],
 }
-shader::members!(Diffuse { harmonics, lamp });
 
 impl Diffuse {
     /// The light of `environment`, without a lamp.

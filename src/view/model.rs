@@ -4,7 +4,6 @@ use super::mip_levels::{Space, halved};
 use super::resources::{filled_texture, texture_of, write_level};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
-use crate::gpu::device::shader;
 use crate::mesh::{Image, Material, Mesh, SubMesh, Texture, Wrap};
 use std::collections::HashMap;
 
@@ -18,7 +17,6 @@ pub(super) struct MaterialUniform {
     cutoff: f32,
     own: f32,
 }
-shader::members!(MaterialUniform { base, metallic, roughness, cutoff, own });
 
 /// Origin of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

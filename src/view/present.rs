@@ -16,7 +16,6 @@ pub(super) struct Present {
     tone: u32,
     pad: u32,
 }
-shader::members!(Present { origin, size, source, tone, pad });
 
 /// Position of a picture in its target, in pixels from the upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]

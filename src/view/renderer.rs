@@ -173,20 +173,12 @@ impl Renderer {
         &self.context
     }
 
-    /// Prepares `environment` on an OEM of `inner` texels along an edge, or a suitable default.
+    /// Prepares `environment` on an OEM of the size, border and scan of `table`.
     ///
     /// # Errors
     /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables do not fit
-    /// the device.
-    pub fn light(&mut self, environment: &Environment, inner: Option<u32>) -> Result<Light> {
-        self.light_with(environment, &ReflectorSettings { oem_size: inner, ..ReflectorSettings::default() })
-    }
-
-    /// [`Renderer::light`] with the OEM's size, border and scan of `table`.
-    ///
-    /// # Errors
-    /// Those of [`Renderer::light`], and [`crate::Error::Unsupported`] for a scan that runs on the CPU only.
-    pub fn light_with(&mut self, environment: &Environment, table: &ReflectorSettings) -> Result<Light> {
+    /// the device, [`crate::Error::Unsupported`] for a scan that runs on the CPU only.
+    pub fn light(&mut self, environment: &Environment, table: &ReflectorSettings) -> Result<Light> {
         Light::new(&self.context, &self.passes, environment, table)
     }
 

@@ -4,6 +4,7 @@
 use crate::io::containers::{colours, parse_dds, parse_ktx1, texel_length};
 use crate::io::oem_file::read_ktx2;
 use crate::support::common::{Random, sweep};
+use crate::support::written::rgb_from_rgbp;
 use glam::DVec3;
 use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::bake::{Bake, BakeSettings, bake, bake_all, unwatched};
@@ -11,7 +12,6 @@ use octagloss::internals::chain::ChainKind;
 use octagloss::internals::export::files::{Made, files};
 use octagloss::internals::format::Pixel;
 use octagloss::internals::format::container::Container;
-use octagloss::internals::format::rgbp::rgb_from_rgbp;
 use octagloss::internals::io::{ReadOptions, read_from_memory};
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::sh::scale::{ShScale, filament_irradiance, scaled};

@@ -57,8 +57,6 @@ pub struct Cull {
     pad: u32,
 }
 
-shader::members!(Cull { planes, triangles, chunks, slack, pad });
-
 /// Uniform of the pieces.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -68,8 +66,6 @@ pub struct Split {
     cut: u32,
 }
 
-shader::members!(Split { triangles, chunks, cut });
-
 /// Uniform of the sums of counts.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -77,8 +73,6 @@ pub struct Offsets {
     chunks: u32,
     room: u32,
 }
-
-shader::members!(Offsets { chunks, room });
 
 /// Pipelines of both kinds of lists.
 #[derive(Clone, Debug)]

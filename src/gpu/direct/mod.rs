@@ -34,8 +34,6 @@ pub(in crate::gpu) use target::{DEPTH, cleared_depth, depth_texture};
 use target::{check_format, nearest_surface};
 use view::Bounded;
 
-shader::members!(Corner { position, octant, value });
-
 /// How triangles come into a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
@@ -361,11 +359,6 @@ impl DrawnIndices {
 }
 
 impl DirectFrame {
-    /// Records the frame's passes into `encoder`.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.record_timed(encoder, None);
-    }
-
     /// Triangles of every draw: those of the lists are counted once the frame was submitted.
     ///
     /// # Errors
@@ -396,8 +389,8 @@ impl DirectFrame {
         self.passes.len() as u32 + u32::from(self.list.is_some())
     }
 
-    /// The same as [`DirectFrame::record`], with the times of passes written to the first slots of `timer`.
-    pub(crate) fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
+    /// Records the frame's passes into `encoder`, their times to the first slots of `timer`.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
         if let Some(List { stage, .. }) = &self.list {
             stage.record_timed(encoder, timer.map(|timer| timer.compute_writes(0)));
         }

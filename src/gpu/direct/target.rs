@@ -23,7 +23,8 @@ pub(in crate::gpu) fn nearest_surface() -> wgpu::DepthStencilState {
 pub struct DirectTarget {
     pub(super) map: DirectMap,
     colour: wgpu::Texture,
-    depth: wgpu::Texture,
+    /// The depth, in as many layers as the colour.
+    pub depth: wgpu::Texture,
 }
 
 impl DirectTarget {
@@ -49,12 +50,6 @@ impl DirectTarget {
     #[must_use]
     pub const fn colour(&self) -> &wgpu::Texture {
         &self.colour
-    }
-
-    /// The depth, in as many layers.
-    #[must_use]
-    pub const fn depth(&self) -> &wgpu::Texture {
-        &self.depth
     }
 
     /// Checks that the colour has the `format` of pipelines.

@@ -29,11 +29,6 @@ pub enum Remedy {
     Alpha = 3,
 }
 
-impl Remedy {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Keep, Self::Drop, Self::OneSide, Self::Alpha];
-}
-
 /// Uniform of a panel's draw.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -42,8 +37,6 @@ pub struct Panel {
     remedy: u32,
     near: f32,
 }
-
-shader::members!(Panel { panel, remedy, near });
 
 /// Pipelines for one format of output.
 #[derive(Clone, Debug)]
@@ -136,18 +129,13 @@ impl Unwrap {
 }
 
 impl UnwrapFrame {
-    /// Records the pass into `encoder`. The target is cleared to 0.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.record_timed(encoder, None);
-    }
-
     /// Triangles of both draws.
     pub(crate) const fn triangles(&self) -> u32 {
         2 * (self.corners / 3)
     }
 
-    /// The same as [`UnwrapFrame::record`], with the times of the pass written to the first slot of `timer`.
-    pub(crate) fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
+    /// Records the pass into `encoder`, its times to the first slot of `timer`. The target is cleared to 0.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
         let writes = timer.map(|timer| timer.render_writes(0));
         let mut pass = cleared(encoder, &self.colour, Some(&self.depth), writes);
         pass.set_pipeline(&self.pipeline);

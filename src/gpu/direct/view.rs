@@ -7,7 +7,6 @@
 //! near distance, so that depth is near / w, which is continuous across folds.
 
 use crate::direct::DirectMap;
-use crate::gpu::device::shader;
 use crate::sphere::cube::{Face, cube_point};
 use glam::DVec3;
 
@@ -31,8 +30,6 @@ pub struct View {
     squares: u32,
     pad: [u32; 2],
 }
-
-shader::members!(View { clip_from_scene, centre, size, octant, squares, pad });
 
 impl View {
     /// The same view of a scene whose origin is at `centre`.

@@ -197,7 +197,7 @@ impl Probe {
         encoder: &mut wgpu::CommandEncoder,
         timer: Option<&Timer>,
     ) -> Result<Vec<&'static str>> {
-        self.frame.record_timed(encoder, timer);
+        self.frame.record(encoder, timer);
         let mut labels = vec!["draw"; self.frame.passes() as usize];
         if self.frame.has_list() {
             labels[0] = "lists";
@@ -211,6 +211,7 @@ impl Probe {
     }
 
     /// The map: a layer per face of a cube.
+    #[cfg(feature = "internals")]
     pub(super) const fn map(&self) -> &wgpu::Texture {
         self.target.colour()
     }

@@ -326,6 +326,7 @@ impl SceneRenderer {
     ///
     /// # Panics
     /// If there are fewer probes.
+    #[cfg(feature = "internals")]
     pub async fn map(&self, probe: usize) -> Result<Vec<[f32; 4]>> {
         let texels: Vec<[u16; 4]> = readback::read_texture(&self.context, self.probes[probe].map()).await?;
         Ok(texels.into_iter().map(|texel| texel.map(|bits| f16::from_bits(bits).to_f32())).collect())
@@ -338,6 +339,7 @@ impl SceneRenderer {
     ///
     /// # Panics
     /// If no picture was drawn.
+    #[cfg(feature = "internals")]
     pub async fn pixels(&self) -> Result<Vec<[f32; 3]>> {
         let texture = self.targets.as_ref().expect("a picture was drawn").picture.texture();
         let texels: Vec<[u16; 4]> = readback::read_texture(&self.context, texture).await?;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use octagloss::internals::analysis::delivered::{
-    DIRECTIONS, default_roughnesses, delivered_errors, even_directions, over_roughness,
+    DIRECTIONS, DeliveredError, default_roughnesses, delivered_errors, even_directions,
 };
 use octagloss::internals::bake::{BakeSettings, bake};
 use octagloss::internals::chain::{Chain, ChainKind, Level};
@@ -25,6 +25,13 @@ fn chain(environment: &Environment, kind: ChainKind, ladder: Ladder, levels: u32
 
 fn panorama(width: u32, texels: Vec<Rgb>) -> Environment {
     Environment::new(Layout::Panorama { width, height: width / 2 }, texels).expect("as many texels")
+}
+
+/// Root mean square of `errors` over the roughnesses from `first` to 1.
+fn over_roughness(errors: &[DeliveredError], first: f64) -> f64 {
+    let squares: Vec<f64> =
+        errors.iter().filter(|error| error.roughness >= first).map(|error| error.rel_rmse.powi(2)).collect();
+    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
 }
 
 #[test]

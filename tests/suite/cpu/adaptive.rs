@@ -3,8 +3,9 @@
 use crate::support::bounds::ServedOracle;
 pub(crate) use crate::support::bounds::{Outcome, Question, judge, luminance};
 use crate::support::common::{Look, Random, environment, landmarks, oem, sweep, texels};
+use crate::support::oem_oracle::OemOracle;
 use glam::DVec3;
-use octagloss::internals::analysis::oracle::{OemOracle, Oracle};
+use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::cpu::adaptive::Adaptive;
 use octagloss::internals::cpu::cells::Cells;
 use octagloss::internals::cpu::leaves::{Packet, Scratch};

@@ -2,8 +2,8 @@
 
 use crate::support::bounds::{Outcome, Question, ServedOracle};
 use crate::support::common::{Random, environment};
+use crate::support::oem_oracle::OemOracle;
 use glam::DVec3;
-use octagloss::internals::analysis::oracle::OemOracle;
 use octagloss::internals::filter::{Answer, Bound, Filter};
 use octagloss::internals::lobe::{Lobe, kernel_integral};
 use octagloss::internals::oem::{OemSize, bilinear_share};

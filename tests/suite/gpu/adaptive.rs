@@ -1,6 +1,7 @@
 //! The adaptive filter: certified bounds against exhaustive integration, replays of the CPU's cuts, and the
 //! GPU's own cuts.
 
+use super::transfer::{Upload as _, tree_of_cells, tree_of_leaves};
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::{FURNACE, Outcome, Question, TestScene, judge, luminance};
 use crate::support::common::{Random, environment, landmarks, oem, sweep};
@@ -219,7 +220,7 @@ fn cuts_of_the_cpu_replayed_agree() {
                     let cut = cut(&cells, kernel, 0.005, directions);
                     let packets = [Packet::new(directions)];
                     let replay = |leaves: &[[f32; 34]]| {
-                        let tree = CellTree::of_leaves(context, leaves, cells.least());
+                        let tree = tree_of_leaves(context, leaves, cells.least());
                         evaluate(context, passes, &tree, kernel, 0.0, &packets)
                     };
                     let found = replay(&cut.fields);
@@ -270,7 +271,7 @@ fn own_cuts_agree_but_for_decisions_within_rounding() {
             let spread = Reconstruction::Constant;
             let cells = Cells::new(oem, 1, spread);
             let tree = tree(context, passes, oem, 1, spread);
-            let uploaded = CellTree::upload(context, &cells, oem.size().inner, 1, spread);
+            let uploaded = tree_of_cells(context, &cells, oem.size().inner, 1, spread);
             let totals = oem.totals();
             let mean = luminance([totals[0], totals[1], totals[2]]) / (4.0 * std::f64::consts::PI);
             for (lobe, roughness) in LOBES.into_iter().filter(|(_, roughness)| *roughness >= 0.25) {
@@ -453,7 +454,7 @@ fn packets_of_every_row_of_a_dispatch_are_served() {
     let oem = oem(OemSize { inner: 2, border: 0 }, &[[1.0; 3]; 4]);
     with_passes("rows of packets", |context, passes| {
         let cells = Cells::new(&oem, 2, Reconstruction::Constant);
-        let cells = CellTree::upload(context, &cells, 2, 2, Reconstruction::Constant);
+        let cells = tree_of_cells(context, &cells, 2, 2, Reconstruction::Constant);
         let found = evaluate(context, passes, &cells, Kernel::new(Lobe::Ggx, 0.5), 0.5, &packets).lanes;
         assert_eq!(found.len(), count * LANES);
         let served = |lane: &octagloss::internals::filter::Answer| lane.radiance == [1.0; 3];

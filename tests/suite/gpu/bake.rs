@@ -1,5 +1,6 @@
 //! Complete bakes of the synthetic environments, compared with the CPU's.
 
+use super::transfer::bake_one;
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::luminance;
 use crate::support::common::{Look, Random, environment, sweep, texels};
@@ -126,7 +127,7 @@ fn bakes_match_the_cpu() {
         for (name, environment, judge) in &cases {
             let run = || {
                 let settings = settings(Filter::Adaptive(ERROR));
-                wait(context, passes.bake(environment, &settings))
+                wait(context, bake_one(passes, environment, &settings))
             };
             let found = run();
             let (difference, [strict, all]) = judge.difference(&found);
@@ -192,7 +193,7 @@ fn bakes_by_boxes_match_the_cpu() {
     let allowed = f64::from(brightest) * 4.0 * 5.2 * 24.0 * 64.0 * UNIT;
     with_passes("bakes by boxes", |context, passes| {
         let settings = settings(Filter::Box);
-        let found = wait(context, passes.bake(&environment, &settings));
+        let found = wait(context, bake_one(passes, &environment, &settings));
         let mut worst = 0.0_f64;
         for (expected, found) in levels(&expected).iter().zip(levels(&found)) {
             for (e, f) in expected.iter().flatten().zip(found.iter().flatten()) {
@@ -210,7 +211,7 @@ fn every_lobe_bakes_within_its_bounds() {
         for lobe in [Lobe::Ggx, Lobe::Phong, Lobe::Cone, Lobe::Charlie] {
             let settings = BakeSettings { lobe, ..settings(Filter::Adaptive(sweep(0.05, 0.02))) };
             let expected = bake(&environment, &settings).expect("a small bake");
-            let found = wait(context, passes.bake(&environment, &settings));
+            let found = wait(context, bake_one(passes, &environment, &settings));
             let on_gpu = found.stats.iter().all(|level| level.processor == Processor::Gpu);
             assert!(on_gpu, "{lobe:?}: {:?}", found.stats);
             for (e, f) in expected.chain.levels.iter().zip(&found.chain.levels) {
@@ -258,7 +259,7 @@ fn sheen_matches_the_cpu() {
     let settings = BakeSettings { sheen: true, ..settings(Filter::Adaptive(4.0 * ERROR)) };
     let cpu = bake(&environment, &settings).expect("a small bake").sheen.expect("sheen");
     with_passes("sheen", |context, passes| {
-        let bake = wait(context, passes.bake(&environment, &settings));
+        let bake = wait(context, bake_one(passes, &environment, &settings));
         let on_gpu = bake.sheen_stats.iter().filter(|level| level.processor == Processor::Gpu).count();
         let gpu = bake.sheen.expect("sheen");
         assert_eq!((gpu.levels.len(), on_gpu), (4, 4), "levels, and those on the GPU");
@@ -277,7 +278,7 @@ fn bakes_of_other_maps_match_the_cpu() {
     with_passes("maps", |context, engine| {
         for map in [Map::Panorama, Map::Octahedral] {
             let settings = BakeSettings { map, size: 16, levels: Some(3), ..BakeSettings::default() };
-            let on_gpu = wait(context, engine.bake(&sky, &settings));
+            let on_gpu = wait(context, bake_one(engine, &sky, &settings));
             let on_cpu = bake(&sky, &settings).expect("a small bake");
             assert_eq!(on_gpu.chain.levels[0], on_cpu.chain.levels[0], "the mirror levels differ");
             for (level, (gpu, cpu)) in
@@ -317,7 +318,7 @@ fn solved_chains_match_the_cpu() {
             assert!(exceeds(relative_rmse(&wrong, &cpu)[level], 1e-4), "{name} level {level}");
         }
         with_passes("solved chains", |context, passes| {
-            let gpu = wait(context, passes.bake(&environment, &solved));
+            let gpu = wait(context, bake_one(passes, &environment, &solved));
             let errors = relative_rmse(&gpu, &cpu);
             // Engines decide alike except at thresholds, and solving adds no thresholds of its own.
             let far = errors.iter().any(|error| exceeds(*error, 1e-4));

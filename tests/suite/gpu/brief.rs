@@ -1,8 +1,9 @@
 //! Runs every entry point over small inputs, on every adapter. Drivers named in OCTAGLOSS_BRIEF_ADAPTERS run
 //! only these tests.
 
-use super::entry_points::ENTRY_POINTS;
+use super::reflection::entry_points;
 use super::stages::TakeOver;
+use super::transfer::Upload as _;
 use super::{
     boxes, direct, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, sat, stages, unwrap, wait,
 };
@@ -46,7 +47,6 @@ const RUN: [(&str, &[&str]); 7] = [
         "stages",
         &[
             "adaptive.wgsl adaptive",
-            "box_filter.wgsl box_sums",
             "box_filter.wgsl radiance",
             "cells.wgsl coarser",
             "cells.wgsl finest",
@@ -105,8 +105,7 @@ fn every_entry_point_is_run() {
     let mut run: Vec<String> =
         RUN.iter().flat_map(|(_, names)| names.iter().map(|n| n.to_string())).collect();
     run.sort();
-    let mut all: Vec<String> =
-        ENTRY_POINTS.iter().map(|(file, entry, ..)| format!("{file} {entry}")).collect();
+    let mut all = entry_points();
     all.sort();
     assert_eq!(run, all, "RUN must list every entry point");
 }
@@ -203,10 +202,10 @@ fn float32_tables_are_sums() {
     let oem = oem_of(size, &texels(&mut Random::new(140), Look::Noise, Layout::Octahedral { size: 17 }));
     on_every_adapter("brief: float32 tables", |context| {
         let planes = OemPlanes::upload(context, &oem).expect("small planes");
-        let (stage, table) = SatF32::new(context).stage(context, &planes).expect("a small table");
+        let (stage, table, mean) = SatF32::new(context).stage(context, &planes).expect("a small table");
         context.submit(|encoder| stage.record(encoder));
-        let mut entries: Vec<[f32; 4]> = wait(context, readback::read(context, &table.entries));
-        let mean: Vec<[f32; 4]> = wait(context, readback::read(context, &table.mean));
+        let mut entries: Vec<[f32; 4]> = wait(context, readback::read(context, &table));
+        let mean: Vec<[f32; 4]> = wait(context, readback::read(context, &mean));
         let count = oem.texels().len() as f64;
         for c in 0..4 {
             let expected = oem.texels().iter().map(|texel| f64::from(texel[c])).sum::<f64>() / count;

@@ -1,5 +1,6 @@
 //! Compares the quadtree of moments with the CPU's, within the error of float32 sums.
 
+use super::transfer::Upload as _;
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::support::common::{Look, Random, oem, texels};
 use glam::DVec3;
@@ -23,13 +24,13 @@ fn built(context: &Context, passes: &Engine, oem: &Oem, block: u32, spread: Reco
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let (stage, tree) = passes.cells.stage(context, &planes, block, spread).expect("a small tree");
     context.submit(|encoder| stage.record(encoder));
-    let least: Vec<[f32; 4]> = wait(context, readback::read(context, tree.least()));
+    let least: Vec<[f32; 4]> = wait(context, readback::read(context, &tree.least));
     // One quotient per texel: within 2.5 ulp in the shader, rounded on the CPU.
     for (found, expected) in least[0].into_iter().zip(oem.least_radiance()) {
         let off = (f64::from(found) - f64::from(expected)).abs();
         assert!(off <= 6.0 * UNIT * f64::from(expected), "least radiance {found}, not {expected}");
     }
-    wait(context, readback::read(context, tree.quads()))
+    wait(context, readback::read(context, &tree.quads))
 }
 
 /// Raw luminance of a cell's texels, and whether some texel's luminance above the least is lost in rounding.

@@ -6,9 +6,9 @@
 use super::{CONTEXTS, in_full, index, wait};
 use crate::support::common::Random;
 use crate::support::meshes::{closed, mesh};
+use crate::support::triangle_oracle::{Hit, TriangleOracle, corners_of};
 use glam::DVec3;
 use half::f16;
-use octagloss::internals::analysis::oracle::{Hit, TriangleOracle};
 use octagloss::internals::direct::{Corner, DirectMap, Triangles};
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::direct::{Direct, DirectMesh, DirectTarget, Method, Overlap};
@@ -67,7 +67,7 @@ fn draw(
     let mesh = DirectMesh::upload(context, triangles).expect("a mesh that fits");
     let target = DirectTarget::new(context, map, format).expect("a target");
     let frame = direct.frame(method, &mesh, &target, near).expect("a frame");
-    context.submit(|encoder| frame.record(encoder));
+    context.submit(|encoder| frame.record(encoder, None));
     target
 }
 
@@ -98,7 +98,7 @@ fn nearest(
     let direct = &PIPELINES[index(context)].nearest;
     let target = draw(context, direct, wgpu::TextureFormat::Rgba32Float, method, triangles, map, near);
     let values = wait(context, readback::read_layer(context, target.colour(), layer));
-    (values, wait(context, readback::read_layer(context, target.depth(), layer)))
+    (values, wait(context, readback::read_layer(context, &target.depth, layer)))
 }
 
 /// [`in_full`] without SwiftShader, which drops pixels where a corner's w is exactly 0 in a neighbouring
@@ -504,7 +504,7 @@ fn culling_leaves_the_picture_as_it_is() {
             let target = target.expect("a target");
             let frame = PIPELINES[index(context)].nearest.frame(method, &mesh, &target, 0.1);
             let frame = frame.expect("a frame");
-            context.submit(|encoder| frame.record(encoder));
+            context.submit(|encoder| frame.record(encoder, None));
             wait(context, frame.triangles(context))
         };
         // Every list has the triangles with a corner well inside of its octant, and some besides.
@@ -512,7 +512,7 @@ fn culling_leaves_the_picture_as_it_is() {
             let signs = [1, 2, 4].map(|bit| if octant & bit == 0 { 1.0 } else { -1.0 });
             let is_inside =
                 |corner: &Corner| corner.position.iter().zip(signs).all(|(x, sign)| x * sign > 0.2);
-            (0..triangles.count()).filter(|k| triangles.triangle(*k).iter().any(is_inside)).count() as u32
+            (0..triangles.count()).filter(|k| corners_of(&triangles, *k).iter().any(is_inside)).count() as u32
         };
         let lists = listed(Method::Octants, DirectMap::Octahedral { size: 64 });
         for (octant, count) in (0..).zip(&lists) {

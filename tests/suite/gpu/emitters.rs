@@ -1,5 +1,6 @@
 //! Compares emitters and the residual map on the GPU with the CPU's, within derived bounds.
 
+use super::transfer::{Upload as _, read_emitters};
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::support::common::{Look, Random, oem, texels};
 use glam::DVec3;
@@ -83,7 +84,7 @@ fn taken_out_by_gpu(context: &Context, passes: &Engine, oem: &Oem) -> (Vec<Emitt
     let rest = planes.of_the_same_solid_angles(context);
     let stage = passes.build_fitted.emitters.stage(context, &planes, &rest, &tables);
     context.submit(|encoder| stage.record(encoder));
-    (wait(context, tables.read_emitters(context)), wait(context, rest.read(context)))
+    (wait(context, read_emitters(context, &tables)), wait(context, rest.read(context)))
 }
 
 /// Returns the first difference of `found` from the CPU's emitters and residual map of `oem`.

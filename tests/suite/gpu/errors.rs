@@ -1,5 +1,6 @@
 //! Failures are reported as errors; nothing hangs or panics.
 
+use super::transfer::{Upload as _, bake_one};
 use super::{is_brief, wait};
 use crate::support::common::{environment, oem};
 use octagloss::internals::bake::BakeSettings;
@@ -103,7 +104,7 @@ fn limits_name_the_largest_size_that_fits() {
         assert_eq!(largest(GpuReflector::new(&engine, &source, &settings)), 512);
         let bake = |oem_size| {
             let settings = BakeSettings { size: 2, oem_size: Some(oem_size), ..BakeSettings::default() };
-            wait_for(context, engine.bake(&source, &settings))
+            wait_for(context, bake_one(&engine, &source, &settings))
         };
         // The cells have the tightest limit. A bake of the size named succeeds, and no error damaged the
         // device.
@@ -201,7 +202,7 @@ fn a_lost_device_is_an_error() {
             BakeSettings { size: 4, oem_size: Some(8), irradiance: Some(2), ..BakeSettings::default() };
         let bake = {
             let context = context.clone();
-            move || wait_for(&context, engine.bake(&small_source(), &settings)).map(|_| ())
+            move || wait_for(&context, bake_one(&engine, &small_source(), &settings)).map(|_| ())
         };
         bake().expect("a bake while the device is there");
         context.device().destroy();

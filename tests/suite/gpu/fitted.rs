@@ -2,6 +2,7 @@
 //! float32 error bounds.
 
 use super::emitters::Open;
+use super::transfer::{Upload as _, bake_one, read_blurred, read_harmonics};
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::{ask, reflector};
 use crate::support::common::{Look, Random, environment, landmarks, oem, texels};
@@ -73,7 +74,7 @@ pub(super) fn blurred_tables(context: &Context, passes: &Engine, cases: &[(u32, 
         let sat = Sat::new(&rest, Scan::default());
         for octave in octaves(inner) {
             let expected = blurred(&sat, octave);
-            let (mut entries, size) = wait(context, tables.read_blurred(context, octave));
+            let (mut entries, size) = wait(context, read_blurred(context, &tables, octave));
             let wrong = difference(&expected, &entries, size);
             let name = format!("{look:?} {inner} + {border} octave {octave} on {}", context.describe());
             assert_eq!(wrong, None, "{name}");
@@ -118,7 +119,7 @@ pub(super) fn harmonics(context: &Context, passes: &Engine, cases: &[(u32, u32, 
         let stage = passes.build_fitted.harmonics.stage(context, &planes, &tables);
         context.submit(|encoder| stage.record(encoder));
         let expected = sh::table_harmonics(&sat);
-        let mut found = wait(context, tables.read_harmonics(context, sat.fixed_point()));
+        let mut found = wait(context, read_harmonics(context, &tables, sat.fixed_point()));
         let wrong = harmonics_difference(&expected, &found);
         assert_eq!(wrong, None, "{look:?} {inner} + {border} on {}", context.describe());
         found[7][1] += 1e-4 * expected[0][1];
@@ -421,8 +422,9 @@ fn queries_and_bakes_match_the_cpu() {
         let settings =
             BakeSettings { size: 16, levels: Some(4), filter: Filter::Fitted(4), ..BakeSettings::default() };
         let expected = bake(&sky, &settings).expect("a small bake");
-        let found = wait(context, passes.bake(&sky, &settings));
-        let other = wait(context, passes.bake(&sky, &BakeSettings { filter: Filter::Fitted(1), ..settings }));
+        let found = wait(context, bake_one(passes, &sky, &settings));
+        let other =
+            wait(context, bake_one(passes, &sky, &BakeSettings { filter: Filter::Fitted(1), ..settings }));
         for (level, (e, f)) in expected.chain.levels.iter().zip(&found.chain.levels).enumerate() {
             let off = far(&e.texels, &f.texels);
             assert!(off <= allowed, "level {level}: {off:e} of {allowed:e} on {}", context.describe());

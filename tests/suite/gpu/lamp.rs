@@ -1,16 +1,20 @@
 //! Compares a lamp added to an OEM with the CPU's, within a derived bound.
 
+use super::transfer::Upload as _;
 use super::{UNIT, exceeds, in_full, wait};
 use crate::support::common::{Look, Random, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
 use octagloss::Layout;
-use octagloss::internals::gpu::lamp::{Lamp, LampPass, PLACES};
+use octagloss::internals::gpu::lamp::{Lamp, LampPass};
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sphere::octahedral::{direction_from_oct, wrap_texel};
 
 const DISC: f64 = 0.06;
 const EDGE: f64 = 0.08;
+
+/// Samples of the lamp along an edge of a texel, as in `shaders/lamp.wgsl`.
+const PLACES: u32 = 4;
 
 /// Returns the mean radiance of `lamp` over texel (`x`, `y`) of a square of `inner`.
 fn mean(lamp: &Lamp, inner: u32, x: u32, y: u32) -> f64 {

@@ -12,7 +12,6 @@ mod brief;
 mod cells;
 mod direct;
 mod emitters;
-mod entry_points;
 mod errors;
 mod fitted;
 mod lamp;
@@ -31,6 +30,8 @@ mod sat;
 mod scenes;
 mod shadow;
 mod stages;
+mod transfer;
+mod twins;
 mod unwrap;
 #[cfg(feature = "view")]
 mod view;

@@ -1,5 +1,6 @@
 //! Exponents and planes equal the CPU's, word for word.
 
+use super::transfer::{Upload as _, read_sat};
 use super::{in_full, wait};
 use crate::support::common::{Look, Random, oem, sweep, texels};
 use octagloss::Layout;
@@ -47,7 +48,7 @@ fn scanned(
         exponents.record(encoder);
         scan.record(encoder);
     });
-    wait(context, sat.read(context))
+    wait(context, read_sat(context, &sat))
 }
 
 fn random_oem(random: &mut Random, size: OemSize, look: Look) -> Oem {

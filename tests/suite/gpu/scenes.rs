@@ -1,12 +1,13 @@
 //! Scenes at the hard cases of maps and arithmetic, through every stage.
 
 use super::boxes::{one_box, packed, radiance_difference, solid_angle};
+use super::transfer::read_sat;
 use super::{UNIT, exceeds, wait, with_passes};
 use crate::cpu::adaptive::luminance;
 use crate::support::bounds::ServedOracle;
 use crate::support::common::{environment, landmarks};
+use crate::support::oem_oracle::OemOracle;
 use glam::DVec3;
-use octagloss::internals::analysis::oracle::OemOracle;
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::filter::{Bound, Filter};
 use octagloss::internals::geometry::footprints::footprints_from_environment;
@@ -106,7 +107,7 @@ fn scenes_pass_every_stage() {
                 ];
                 context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
                 let textures = packed(context, passes, &sat);
-                let (fixed, entries) = wait(context, sat.read(context));
+                let (fixed, entries) = wait(context, read_sat(context, &sat));
                 let table = Sat::new(&own, Scan::default());
                 assert_eq!(fixed, table.fixed_point(), "{case}");
                 assert!(entries == table.entries(), "entries; {case}");

@@ -1,6 +1,7 @@
 //! Locates a broken stage: the CPU runs the pipeline up to a given stage, the GPU from there on.
 
 use super::boxes::packed;
+use super::transfer::{Upload as _, tree_of_cells};
 use super::{UNIT, wait, with_passes};
 use crate::cpu::adaptive::luminance;
 use crate::support::common::{Look, Random, environment, landmarks, texels};
@@ -12,7 +13,6 @@ use octagloss::internals::cpu::leaves::{Packet as CpuPacket, Scratch};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::geometry::tent::Reconstruction;
 use octagloss::internals::gpu::adaptive::{LobePart, Packet};
-use octagloss::internals::gpu::cells::CellTree;
 use octagloss::internals::gpu::engine::Engine;
 use octagloss::internals::gpu::reparameterise::upload;
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
@@ -115,10 +115,10 @@ fn run(
         context.submit(|encoder| stage.record(encoder));
         tree
     } else {
-        CellTree::upload(context, &Cells::new(oem, 1, SPREAD), SIZE.inner, 1, SPREAD)
+        tree_of_cells(context, &Cells::new(oem, 1, SPREAD), SIZE.inner, 1, SPREAD)
     };
     if breaks(TakeOver::Cells) {
-        write(cells.least(), 4, (oem.totals()[1] as f32).to_bits());
+        write(&cells.least, 4, (oem.totals()[1] as f32).to_bits());
     }
     let textures = packed(context, passes, &sat);
     let stack = super::boxes::one_box(solid_angle());

@@ -19,6 +19,11 @@ use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
+/// Settings for an OEM of `inner` texels along an edge.
+fn table(inner: u32) -> ReflectorSettings {
+    ReflectorSettings { oem_size: Some(inner), ..ReflectorSettings::default() }
+}
+
 const WIDTH: u32 = 96;
 const HEIGHT: u32 = 64;
 const OEM: u32 = 256;
@@ -197,7 +202,7 @@ pub(super) fn renderer(context: &Context) -> MutexGuard<'static, Renderer> {
 
 fn shot(context: &Context, look: &Look, environment: &Environment) -> Vec<[u8; 3]> {
     let mut renderer = renderer(context);
-    let light = renderer.light(environment, Some(OEM)).expect("tables that fit");
+    let light = renderer.light(environment, &table(OEM)).expect("tables that fit");
     shot_by(context, &mut renderer, look, &light)
 }
 
@@ -305,7 +310,7 @@ fn bands_make_the_same_picture() {
     let format = wgpu::TextureFormat::Rgba8Unorm;
     in_full("view in bands", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&environment, Some(OEM)).expect("tables that fit");
+        let light = renderer.light(&environment, &table(OEM)).expect("tables that fit");
         let shown = |renderer: &mut Renderer, look: &Look| {
             let texture = context.device().create_texture(&wgpu::TextureDescriptor {
                 label: None,
@@ -398,7 +403,7 @@ fn a_lamp_lights_what_is_seen() {
     assert!(difference(&without, &with) > 0.05, "the lamp must be visible");
     in_full("view of a lamp", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&dark, Some(OEM)).expect("tables that fit");
+        let light = renderer.light(&dark, &table(OEM)).expect("tables that fit");
         for (lamp, expected) in [(Some(lamp), &with), (None, &without)] {
             light.set_lamp(context, lamp);
             let off = difference(&shot_by(context, &mut renderer, &look, &light), expected);
@@ -418,7 +423,7 @@ fn what_cannot_be_shown_is_refused() {
     ];
     in_full("view refusals", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&environment, Some(16)).expect("tables that fit");
+        let light = renderer.light(&environment, &table(16)).expect("tables that fit");
         let mut ask = |look: &Look, width| {
             let size = Screenshot { width, height: 8, samples: 1 };
             block_on(Some(context), screenshot(&mut renderer, look, &light, None, size)).expect("a device")

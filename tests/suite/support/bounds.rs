@@ -1,9 +1,10 @@
 //! Checks certified bounds against exhaustive integration.
 
 use super::common::{Random, landmarks};
+use super::oem_oracle::OemOracle;
 use glam::DVec3;
 use octagloss::Environment;
-use octagloss::internals::analysis::oracle::{OemOracle, Oracle};
+use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::cpu::leaves::LANES;
 use octagloss::internals::environment::LUMINANCE;
 use octagloss::internals::filter::Bound;
