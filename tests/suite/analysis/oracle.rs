@@ -482,7 +482,7 @@ fn the_served_mirror_is_the_limit_of_lobes() {
             let oem = oem(OemSize { inner: n, border: 0 }, &radiance);
             let oracle = OemOracle::new(&oem);
             let places = (0..4).map(|_| random.direction()).chain(landmarks());
-            for direction in places.step_by(sweep(5, 1)) {
+            for direction in places.step_by(sweep(10, 1)) {
                 let mirror = oracle.reflect(Lobe::Ggx, 0.0, direction);
                 let sharp = oracle.reflect(Lobe::Cone, 1e-3, direction);
                 // A cone of 1.6e-3 reaches n/2 * 1.6e-3 of a texel, or sqrt(3) times that; neighbouring
@@ -493,7 +493,7 @@ fn the_served_mirror_is_the_limit_of_lobes() {
             }
         }
     }
-    assert_eq!(compared, 6 * sweep(6, 30));
+    assert_eq!(compared, 6 * sweep(3, 30));
 }
 
 #[test]

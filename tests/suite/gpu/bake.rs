@@ -213,6 +213,7 @@ fn every_lobe_bakes_within_its_bounds() {
             let settings = BakeSettings {
                 lobe,
                 size: sweep(8, 16),
+                oem_size: Some(sweep(32, 64)),
                 levels: Some(3),
                 irradiance: None,
                 ..settings(Filter::Adaptive(sweep(0.1, 0.02)))
@@ -266,6 +267,7 @@ fn sheen_matches_the_cpu() {
     let settings = BakeSettings {
         sheen: true,
         size: sweep(8, 16),
+        oem_size: Some(sweep(32, 64)),
         irradiance: None,
         ..settings(Filter::Adaptive(4.0 * ERROR))
     };
