@@ -1,6 +1,6 @@
 //! The GPU engine: prepares environments, queries and bakes them.
 
-use super::adaptive::{Adaptive, Answers, LobePart, Packet, Packets};
+use super::adaptive::{self, Answers, LobePart, Packet, Packets};
 use super::box_filter::{BoxFilter, SatTextures};
 use super::build_fitted::BuildFitted;
 use super::cells::{BuildCells, CellTree};
@@ -37,7 +37,7 @@ use std::sync::OnceLock;
 /// back.
 const SHARPEST_ALPHA: f64 = 1e-4;
 
-/// Every pipeline on one device.
+/// The pipelines on one device.
 #[derive(Clone, Debug)]
 pub struct Engine {
     context: Context,
@@ -55,12 +55,10 @@ pub struct Engine {
     pub fitted: Fitted,
     /// OEM to quadtree.
     pub cells: BuildCells,
-    /// Quadtree to lobes.
-    pub adaptive: Adaptive,
 }
 
 impl Engine {
-    /// Compiles all passes.
+    /// Compiles all passes but those of quadtrees to lobes, [`adaptive`], which are compiled on first use.
     ///
     /// # Errors
     /// [`Error::Gpu`] if a shader fails to compile.
@@ -74,7 +72,6 @@ impl Engine {
             box_filter: BoxFilter::new(&context),
             fitted: Fitted::new(&context),
             cells: BuildCells::new(&context),
-            adaptive: Adaptive::new(&context),
             context,
         };
         engine.context.check()?;
@@ -153,7 +150,7 @@ impl Engine {
         };
         let job = Job::new(environment, std::slice::from_ref(settings))?;
         let reflector = GpuReflector::new(self, environment, &job.reflector_settings())?;
-        let Self { context, reparameterise, adaptive, .. } = self;
+        let Self { context, reparameterise, .. } = self;
         let mut levels = Vec::new();
         for level in job.levels() {
             let LevelJob { spec, lobe, .. } = *level;
@@ -169,7 +166,7 @@ impl Engine {
             let groups: Vec<&[DVec3]> = groups.iter().map(Vec::as_slice).collect();
             let packets = Packets::new(context, &packets(&groups, environment.source_from_world()))?;
             let parts = reflector.parts(lobe, spec.roughness * spec.roughness, error)?;
-            levels.push(adaptive.stage(context, &parts, &packets));
+            levels.push(adaptive::stage(context, &parts, &packets));
         }
         let GpuReflector { stage, bilinear, .. } = &reflector;
         let cells = bilinear.get().map(|(_, stage)| stage);
@@ -347,7 +344,7 @@ impl<'a> GpuReflector<'a> {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
         filter.check(lobe, Some(self.planes.size().inner))?;
-        let Engine { context, box_filter, fitted, adaptive, .. } = self.engine;
+        let Engine { context, box_filter, fitted, .. } = self.engine;
         let source_from_world = self.environment.source_from_world();
         let alpha = roughness * roughness;
         let directions = || -> Vec<DVec3> {
@@ -381,7 +378,7 @@ impl<'a> GpuReflector<'a> {
         }
         let packets = packets(groups, source_from_world);
         let parts = self.parts(lobe, alpha, error)?;
-        let mut answers = adaptive.evaluate(context, &parts, &packets).await?;
+        let mut answers = adaptive::evaluate(context, &parts, &packets).await?;
         // Drop padding lanes.
         let mut index = 0;
         answers.lanes.retain(|_| {

@@ -1,7 +1,8 @@
 //! Adapters, devices and their errors.
 
+use super::shader::Compiled;
 use crate::error::{Error, Result};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A device with its queue and the first error that occurred on it.
 #[derive(Clone, Debug)]
@@ -9,6 +10,7 @@ pub struct Context {
     device: wgpu::Device,
     queue: wgpu::Queue,
     failure: Arc<Mutex<Option<String>>>,
+    compiled: Arc<Mutex<Compiled>>,
 }
 
 /// Every adapter of the system, hardware first, in the system's order.
@@ -95,7 +97,7 @@ impl Context {
     /// A context over the caller's device; the caller handles its errors.
     #[must_use]
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, failure: Arc::default() }
+        Self { device, queue, failure: Arc::default(), compiled: Arc::default() }
     }
 
     /// The device.
@@ -125,6 +127,11 @@ impl Context {
             None => Ok(()),
             Some(message) => Err(Error::Gpu(format!("{}: {message}", self.describe()))),
         }
+    }
+
+    /// What is compiled for the device.
+    pub(super) fn compiled(&self) -> MutexGuard<'_, Compiled> {
+        self.compiled.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns [`Error::Limit`] if `bytes` exceed the limit of one binding; `largest` gives the remedy for

@@ -12,7 +12,7 @@ use octagloss::internals::cpu::cells::Cells;
 use octagloss::internals::cpu::leaves::{Packet as CpuPacket, Scratch};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::geometry::tent::Reconstruction;
-use octagloss::internals::gpu::adaptive::{LobePart, Packet};
+use octagloss::internals::gpu::adaptive::{self, LobePart, Packet};
 use octagloss::internals::gpu::engine::Engine;
 use octagloss::internals::gpu::reparameterise::upload;
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
@@ -125,7 +125,7 @@ fn run(
     let mut boxes = wait(context, passes.box_filter.radiance(context, &textures, directions, &stack));
     let parts = [LobePart { cells: &cells, kernel: kernel(), error: ERROR, share: 1.0 }];
     let packets: Vec<Packet> = directions.iter().map(|direction| Packet::new(&[*direction])).collect();
-    let answers = wait(context, passes.adaptive.evaluate(context, &parts, &packets));
+    let answers = wait(context, adaptive::evaluate(context, &parts, &packets));
     let mut lobes: Vec<[f32; 3]> =
         answers.lanes.iter().step_by(answers.lanes.len() / directions.len()).map(|a| a.radiance).collect();
     if breaks(TakeOver::Queries) {
