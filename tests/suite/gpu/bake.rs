@@ -28,7 +28,7 @@ fn settings(filter: Filter) -> BakeSettings {
 
 fn environments() -> Vec<(&'static str, Environment)> {
     let names = ["sky", "studio", "labelled", "labelled-cube", "furnace"];
-    names.map(|name| (name, synth(name).expect("a recipe").rotated_y(30.0))).into()
+    names.map(|name| (name, synth(name).expect("a recipe").rotated_y(30.0).expect("an angle"))).into()
 }
 
 fn on_the_cpu(environment: &Environment, filter: Filter) -> Bake {
@@ -62,7 +62,9 @@ const TURN: f64 = 3e-5;
 
 impl Judge {
     fn new(environment: &Environment) -> Self {
-        let with = |error, turn| on_the_cpu(&environment.clone().rotated_y(turn), Filter::Adaptive(error));
+        let with = |error, turn| {
+            on_the_cpu(&environment.clone().rotated_y(turn).expect("an angle"), Filter::Adaptive(error))
+        };
         let expected = with(ERROR, 0.0);
         let others = vec![
             with(ERROR * (1.0 - MARGIN), 0.0),
@@ -274,7 +276,9 @@ fn sheen_matches_the_cpu() {
 #[test]
 fn bakes_of_other_maps_match_the_cpu() {
     let layout = Layout::Panorama { width: 32, height: 16 };
-    let sky = environment(layout, texels(&mut Random::new(21), Look::Suns, layout)).rotated_y(40.0);
+    let sky = environment(layout, texels(&mut Random::new(21), Look::Suns, layout))
+        .rotated_y(40.0)
+        .expect("an angle");
     with_passes("maps", |context, engine| {
         for map in [Map::Panorama, Map::Octahedral] {
             let settings = BakeSettings { map, size: 16, levels: Some(3), ..BakeSettings::default() };
@@ -308,7 +312,7 @@ fn solved_chains_match_the_cpu() {
         ..BakeSettings::default()
     };
     for name in ["sky", "studio"].into_iter().take(sweep(1, 2)) {
-        let environment = synth(name).expect("a recipe").rotated_y(30.0);
+        let environment = synth(name).expect("a recipe").rotated_y(30.0).expect("an angle");
         let cpu = bake(&environment, &solved).expect("a small bake");
         // The comparator detects one changed texel.
         for level in 0..5 {
