@@ -45,7 +45,7 @@ pub(super) enum PartErrors {
 }
 
 impl PartErrors {
-    fn of(errors: LevelErrors) -> Self {
+    fn of_texels(errors: LevelErrors) -> Self {
         Self::Texels(Box::new(errors))
     }
 }
@@ -58,7 +58,7 @@ pub(super) struct HarmonicsErrors {
     /// Root mean square error of luminance over the mean.
     #[serde(serialize_with = "finite")]
     rel_rmse: f64,
-    /// The same of red, green and blue.
+    /// That of red, green and blue.
     #[serde(serialize_with = "finite")]
     channel_rel_rmse: [f64; 3],
 }
@@ -128,7 +128,7 @@ pub(super) struct Parts {
 
 impl Parts {
     /// The parts of the bake in `path`, a file or a folder, with its chain.
-    pub(super) fn of(path: &Path, bake: &LoadedChain) -> Outcome<Self> {
+    pub(super) fn read(path: &Path, bake: &LoadedChain) -> Outcome<Self> {
         let mut parts = Self::default();
         if !path.is_dir() {
             parts.beside_file(path)?;
@@ -314,17 +314,17 @@ impl Parts {
         for Found { part, path, content } in &self.found {
             let texels = |levels: &[Level], lobe| -> Vec<PartErrors> {
                 let errors = errors_against_source(levels, source, lobe, sampling, &progress);
-                errors.into_iter().map(PartErrors::of).collect()
+                errors.into_iter().map(PartErrors::of_texels).collect()
             };
             let errors = match content {
                 FoundContent::Map(level) if *part == "irradiance" => {
                     texels(std::slice::from_ref(level), Lobe::Cosine)
                 }
                 FoundContent::Map(level) => {
-                    vec![PartErrors::of(errors_against_footprints(0, level, source)?)]
+                    vec![PartErrors::of_texels(errors_against_footprints(0, level, source)?)]
                 }
                 FoundContent::Sheen(levels) => texels(levels, Lobe::Charlie),
-                FoundContent::Harmonics(harmonics) => vec![harmonics.errors_against(source)],
+                FoundContent::Harmonics(harmonics) => vec![harmonics.errors_against(source)?],
             };
             let file = Some(name_of(path));
             parts.extend(errors.into_iter().map(|errors| Part { part, file: file.clone(), errors }));
@@ -351,7 +351,7 @@ impl Parts {
                 };
                 let is_like = pairs.iter().all(|(a, b)| a.layout == b.layout);
                 let errors = pairs.iter().enumerate().map(|(k, (a, b))| errors_against_texels(k, a, b));
-                is_like.then(|| errors.map(PartErrors::of).collect())
+                is_like.then(|| errors.map(PartErrors::of_texels).collect())
             });
             let file = name_of(path);
             match errors {
@@ -369,16 +369,16 @@ impl Parts {
 
 /// The mirror level of a chain, the first one, against the mean of `source` over each texel.
 pub(super) fn mirror(level: &Level, source: &Environment) -> crate::Result<Part> {
-    let errors = PartErrors::of(errors_against_footprints(0, level, source)?);
+    let errors = PartErrors::of_texels(errors_against_footprints(0, level, source)?);
     Ok(Part { part: "mirror", file: None, errors })
 }
 
 impl Harmonics {
-    fn errors_against(&self, source: &Environment) -> PartErrors {
+    fn errors_against(&self, source: &Environment) -> crate::Result<PartErrors> {
         let order = self.coefficients.len().isqrt() as u32 - 1;
-        let exact = spherical_harmonics(source, order);
-        let exact = self.window.settled(&exact).apply(&exact);
-        harmonics_errors(self, &scaled(&exact, self.scale))
+        let exact = spherical_harmonics(source, order)?;
+        let exact = self.window.apply(&exact)?;
+        Ok(harmonics_errors(self, &scaled(&exact, self.scale)))
     }
 }
 

@@ -91,7 +91,7 @@ impl BuildFitted {
         Ok(self.stages_through(context, oem, &Scratch::new(context, oem)?, tables))
     }
 
-    /// The same by way of `scratch`.
+    /// The stages through `scratch`.
     ///
     /// # Panics
     /// If `scratch` or `tables` was made for another size.

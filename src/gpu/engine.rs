@@ -11,11 +11,12 @@ use super::reparameterise::{self, Reparameterise};
 use super::table_scan::TableScan;
 use super::{Context, OemPlanes, SatPlanes, Stage};
 use crate::bake::job::Job;
-use crate::bake::level::{Advance, BakedLevel, LevelJob, Work};
+use crate::bake::level::{Advance, BakedLevel, LeafCounts, LevelJob};
 use crate::bake::{self, Bake, BakeSettings, OnProgress, Processor};
 use crate::cpu::box_filter::single_box;
 use crate::cpu::cells::{Cells, SourceLight};
 use crate::cpu::leaves::LANES;
+use crate::direction::units;
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
@@ -27,7 +28,7 @@ use crate::light_scale::LightScale;
 use crate::lobe::Lobe;
 use crate::lobe::kernel::Kernel;
 use crate::oem::{OemSize, bilinear_share};
-use crate::reflector::{ReflectorSettings, Workspace, check_answers, units};
+use crate::reflector::{ReflectorSettings, Workspace, check_answers};
 use crate::sat::Scan;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -203,10 +204,9 @@ impl<'a> GpuReflector<'a> {
         environment: &'a Environment,
         settings: &ReflectorSettings,
     ) -> Result<Self> {
-        environment.check_rotation()?;
         let (size, _) = settings.plan(environment.layout())?;
         let context = &engine.context;
-        let scale = LightScale::of(environment);
+        let scale = LightScale::new(environment);
         let texture = reparameterise::upload(context, &scale.scaled(environment))?;
         let planes = OemPlanes::new(context, size)?;
         let stage = engine.reparameterise.stage(context, environment.layout(), &texture, &planes)?;
@@ -372,7 +372,7 @@ impl<'a> GpuReflector<'a> {
             let lobes = reflector.lobes(lobe, roughness, filter)?;
             let (mut workspace, mut lanes) = (Workspace::default(), Vec::new());
             for group in groups {
-                lobes.evaluate(group, &mut workspace, &mut lanes);
+                lobes.evaluate(group, &mut workspace, &mut lanes)?;
             }
             return Ok(Answers { lanes, leaves: workspace.leaves });
         }
@@ -444,7 +444,7 @@ impl bake::Engine for GpuReflector<'_> {
             texels.extend(line);
         }
         advance(texels.len() as u64)?;
-        let work = Work { leaves: answers.leaves, packets, directions: answers.lanes.len() as u64 };
+        let work = LeafCounts { leaves: answers.leaves, packets, directions: answers.lanes.len() as u64 };
         Ok(BakedLevel::new(processor, texels.into_iter(), work))
     }
 

@@ -287,7 +287,7 @@ impl LiveEnvironment {
         look_ups("array<OctaglossLight, 1>", group)
     }
 
-    /// The same under names of the caller's, so that one shader can look several environments up:
+    /// [`Self::wgsl`] with the prefix `name`, so that one shader can look up several environments:
     /// `NAME_radiance(direction, roughness)` and `NAME_irradiance(normal)`. All else that the source declares
     /// begins with `NAME_`, too.
     ///
@@ -311,7 +311,7 @@ impl LiveEnvironment {
         &self.bind_group
     }
 
-    /// Such a group of `layout`, which a pipeline has derived from its shader.
+    /// The resources as a group of `layout`, which wgpu derived for a pipeline from its shader.
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         self.tables.bind_group(self.context.device(), layout)

@@ -72,7 +72,7 @@ impl LiveProbes {
         &self.bind_group
     }
 
-    /// Such a group of `layout`, which a pipeline has derived from its shader.
+    /// The resources as a group of `layout`, which wgpu derived for a pipeline from its shader.
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         self.probes[0].tables().bind_group_of_all(&self.device, layout)

@@ -178,7 +178,7 @@ impl ShadowMap {
         &self.bind_group
     }
 
-    /// Such a group of `layout`, which a pipeline has derived from its shader.
+    /// The resources as a group of `layout`, which wgpu derived for a pipeline from its shader.
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         bind_group(self.context.device(), layout, &self.uniform, &self.depth)

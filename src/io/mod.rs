@@ -50,7 +50,7 @@ pub use repair::Repairs;
 pub use source::DEFAULT_MEMORY_LIMIT;
 
 use crate::chain::{Chain, Level};
-use crate::environment::{Environment, Layout, Rgb};
+use crate::environment::{Environment, Layout, Rgb, of_sound};
 use crate::error::{Error, Result, printable};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
@@ -530,7 +530,7 @@ fn finish_finite(
         repair::negative(&mut texels, density, &mut repaired);
     }
     let warnings = finish_texels(path, &mut texels, &repaired, warnings, options)?;
-    let environment = Environment::of_sound(arrangement.layout, texels)?;
+    let environment = of_sound(arrangement.layout, texels)?;
     let height = if is_cube { width } else { height };
     Ok(Loaded {
         environment,

@@ -3,7 +3,7 @@
 use super::frame::Diffuse;
 use super::levels::{self, Cube, Levels};
 use crate::bake::{self, BakeSettings, bake};
-use crate::environment::{Environment, luminance};
+use crate::environment::{Environment, luminance, of_sound};
 use crate::error::Result;
 use crate::filter::Filter;
 use crate::gpu::box_filter::{BoxFilter, SatTextures};
@@ -104,9 +104,9 @@ impl Light {
         table: &ReflectorSettings,
     ) -> Result<Self> {
         let source_from_world = environment.source_from_world();
-        let scale = LightScale::of(environment);
+        let scale = LightScale::new(environment);
         let texels = scale.scaled(environment).texels().to_vec();
-        let environment = Environment::of_sound(environment.layout(), texels)?;
+        let environment = of_sound(environment.layout(), texels)?;
         let settings = ReflectorSettings { fitted: true, ..*table };
         let (mut size, _) = settings.plan(environment.layout())?;
         if table.oem_size.is_none() {

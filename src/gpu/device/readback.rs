@@ -55,7 +55,7 @@ pub async fn read_texture<T: bytemuck::Pod>(context: &Context, texture: &wgpu::T
     read_layer(context, texture, 0).await
 }
 
-/// The same of layer `layer`.
+/// Reads layer `layer`.
 ///
 /// # Errors
 /// [`Error::Gpu`] if the device fails.

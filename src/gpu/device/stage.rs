@@ -38,7 +38,7 @@ impl Dispatch {
         Self::with_groups(pipeline, vec![bindings], workgroups)
     }
 
-    /// The same with groups made elsewhere, from 0 on.
+    /// A stage with existing groups, from 0 on.
     pub(in crate::gpu) fn with_groups(
         pipeline: &wgpu::ComputePipeline,
         bindings: Vec<wgpu::BindGroup>,
@@ -60,12 +60,12 @@ impl Stage {
         Self { label, dispatches }
     }
 
-    /// The same under another label.
+    /// This stage under another label.
     pub(in crate::gpu) fn labelled(self, label: &'static str) -> Self {
         Self { label, ..self }
     }
 
-    /// What it is called, as in `shaders/`.
+    /// Its name, as in `shaders/`.
     #[must_use]
     pub const fn label(&self) -> &'static str {
         self.label

@@ -156,7 +156,7 @@ impl Lists {
     }
 }
 
-/// What differs between the two kinds of lists.
+/// Differences between the two kinds of lists.
 struct Plan<'a> {
     label: &'static str,
     lists: u32,

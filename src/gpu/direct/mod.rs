@@ -98,7 +98,7 @@ impl Method {
     }
 }
 
-/// What becomes of a pixel that several triangles cover.
+/// Treatment of pixels that several triangles cover.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overlap {
     /// The nearest triangle's values are kept, with their depth.

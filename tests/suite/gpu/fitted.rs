@@ -391,7 +391,9 @@ fn a_fitted_furnace_is_white() {
 #[test]
 fn queries_and_bakes_match_the_cpu() {
     let layout = Layout::Panorama { width: 64, height: 32 };
-    let sky = environment(layout, texels(&mut Random::new(95), Look::Smooth, layout)).rotated_y(40.0);
+    let sky = environment(layout, texels(&mut Random::new(95), Look::Smooth, layout))
+        .rotated_y(40.0)
+        .expect("an angle");
     // Boxes of a smooth sky change by a few times its brightest over a radian, and coordinates are off by
     // 2^-20; the test of harmonics derives their error.
     let brightest = f64::from(sky.texels().iter().flatten().copied().fold(0.0, f32::max));

@@ -87,7 +87,9 @@ pub(super) fn footprints(context: &Context, layouts: &[Layout], sizes: &[u32]) {
     let mut random = Random::new(42);
     for &layout in layouts {
         for turn in [0.0, 90.0, 33.0] {
-            let environment = environment(layout, texels(&mut random, Look::Suns, layout)).rotated_y(turn);
+            let environment = environment(layout, texels(&mut random, Look::Suns, layout))
+                .rotated_y(turn)
+                .expect("an angle");
             let texture = upload(context, &environment).expect("a small texture");
             for &size in sizes {
                 let expected: Vec<[f32; 4]> = footprints_from_environment(&environment, size)

@@ -265,7 +265,7 @@ fn labelled_faces_stay_where_they_are() {
             let source = labelled(16, own);
             assert_eq!(misplaced(context, passes, &source, filter, |d| d), 0, "{case}");
             // +90 carries +Z to +X.
-            let turned = labelled(16, own).rotated_y(90.0);
+            let turned = labelled(16, own).rotated_y(90.0).expect("an angle");
             let carried = |d: DVec3| DVec3::new(d.z, d.y, -d.x);
             assert_eq!(misplaced(context, passes, &turned, filter, carried), 0, "turned; {case}");
             assert!(
