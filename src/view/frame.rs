@@ -1,7 +1,7 @@
 //! Uniforms shared by every pixel of a picture, in the shaders' layout.
 
 use super::camera::Frame;
-use super::look::{Ball, Look, ROW};
+use super::look::{self, Ball, Look};
 use crate::environment::Environment;
 use crate::gpu::lamp::Lamp;
 use crate::sh;
@@ -46,7 +46,7 @@ pub(super) struct ViewFrame {
     levels_from_source: [[f32; 4]; 3],
     clip_from_world: [[f32; 4]; 4],
     ladder: [[f32; 4]; MAX_LEVELS / 4],
-    ball: [BallUniform; ROW as usize],
+    ball: [BallUniform; look::ROW as usize],
 }
 
 /// Parameters of the prefiltered cube.
@@ -92,7 +92,7 @@ impl ViewFrame {
         size: [u32; 2],
         ladder: &LadderUniform,
     ) -> Self {
-        let mut ball = [BallUniform::default(); ROW as usize];
+        let mut ball = [BallUniform::default(); look::ROW as usize];
         for (uniform, Ball { centre, radius, roughness }) in ball.iter_mut().zip(look.balls()) {
             *uniform = BallUniform {
                 centre: centre.map(|c| c as f32),

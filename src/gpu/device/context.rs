@@ -1,27 +1,16 @@
 //! Adapters, devices and their errors.
 
-use super::shader;
+use super::shader::{self, Compiled};
 use crate::error::{Error, Result};
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A device with its queue, the compute pipelines compiled on it, and the first error that occurred on it.
 #[derive(Clone, Debug)]
 pub struct Context {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    compiled: Arc<Mutex<Compiled>>,
     failure: Arc<Mutex<Option<String>>>,
-}
-
-/// File, entry point, and the value of an `override` of the shader.
-type PipelineKey = (&'static str, &'static str, Option<(&'static str, u32)>);
-
-/// Modules and pipelines of compute shaders.
-#[derive(Debug, Default)]
-struct Compiled {
-    modules: HashMap<&'static str, wgpu::ShaderModule>,
-    pipelines: HashMap<PipelineKey, wgpu::ComputePipeline>,
+    compiled: Arc<Mutex<Compiled>>,
 }
 
 /// Every adapter of the system, hardware first, in the system's order.
@@ -144,18 +133,17 @@ impl Context {
     /// the value of one of the shader's `override` declarations.
     pub(in crate::gpu) fn pipeline(
         &self,
-        file: &'static str,
-        entry_point: &'static str,
-        constant: Option<(&'static str, u32)>,
+        file: &str,
+        entry_point: &str,
+        constant: Option<(&str, u32)>,
     ) -> wgpu::ComputePipeline {
-        let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
-        let Compiled { modules, pipelines } = &mut *compiled;
-        let pipeline = pipelines.entry((file, entry_point, constant)).or_insert_with(|| {
-            let module = modules.entry(file).or_insert_with(|| shader::module(self, file));
-            let constants = constant.map(|(name, value)| (name, f64::from(value)));
-            shader::pipeline(self, module, entry_point, constants.as_slice())
-        });
-        pipeline.clone()
+        let constants = constant.map(|(name, value)| (name, f64::from(value)));
+        shader::pipeline(self, &shader::module(self, file), entry_point, constants.as_slice())
+    }
+
+    /// What is compiled for the device.
+    pub(super) fn compiled(&self) -> MutexGuard<'_, Compiled> {
+        self.compiled.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns [`Error::Limit`] if `bytes` exceed the limit of one binding; `largest` gives the remedy for

@@ -37,12 +37,15 @@ fn a_constant_stays_one() {
         let (oracle, other) = (Oracle::new(&constant), Oracle::new(&spotted));
         let mut spots = 0;
         for lobe in LOBES {
-            for roughness in [0.0, 0.1, 0.35, 0.7, 1.0] {
+            for roughness in sweep(&[0.0, 0.1, 0.5, 1.0][..], &[0.0, 0.1, 0.35, 0.7, 1.0]).iter().copied() {
                 for direction in landmarks().into_iter().step_by(sweep(7, 3)) {
                     // The sums over L K and over K take the same terms: rounding of some 500 of them.
                     let value = oracle.reflect(lobe, roughness, direction);
                     let off = difference(value, [0.25, 2.0, 3e4]);
                     assert!(off < 1e-12, "{layout:?} {lobe:?} {roughness} {direction}: {value:?}");
+                    if roughness < 0.5 {
+                        continue;
+                    }
                     let value = other.reflect(lobe, roughness, direction);
                     spots += usize::from(difference(value, [0.25, 2.0, 3e4]) > 1e-12);
                 }
@@ -52,11 +55,15 @@ fn a_constant_stays_one() {
     }
 }
 
-/// Returns a texel's mean of `integrand` by midpoints of the map, and the texel's solid angle.
-fn brute_texel(layout: Layout, index: usize, integrand: impl Fn(DVec3) -> f64) -> (f64, f64) {
+/// Returns a texel's means of `integrand` by midpoints of the map, and the texel's solid angle.
+fn brute_texel<const N: usize>(
+    layout: Layout,
+    index: usize,
+    integrand: impl Fn(DVec3) -> [f64; N],
+) -> ([f64; N], f64) {
     let index = index as u32;
     let count = if layout.texel_count() < 50 { 512 } else { 64 };
-    let (mut sum, mut area) = (0.0, 0.0);
+    let (mut sums, mut area) = ([0.0; N], 0.0);
     for k in 0..count * count {
         let (a, b) = (
             (f64::from(k % count) + 0.5) / f64::from(count),
@@ -81,7 +88,9 @@ fn brute_texel(layout: Layout, index: usize, integrand: impl Fn(DVec3) -> f64) -
                 (octahedral::direction_from_oct(uv), octahedral::solid_angle_density(uv))
             }
         };
-        sum += integrand(direction) * weight;
+        for (sum, value) in sums.iter_mut().zip(integrand(direction)) {
+            *sum += value * weight;
+        }
         area += weight;
     }
     let solid_angle = match layout {
@@ -89,7 +98,7 @@ fn brute_texel(layout: Layout, index: usize, integrand: impl Fn(DVec3) -> f64) -
         Layout::Cube { size } => cube::texel_solid_angle(size, index % size, index / size % size),
         Layout::Octahedral { size } => octahedral::texel_solid_angle(size, index % size, index / size),
     };
-    (sum / area, solid_angle)
+    (sums.map(|sum| sum / area), solid_angle)
 }
 
 /// Returns an environment that is black except texel `index`.
@@ -119,8 +128,9 @@ fn a_lone_texel_is_its_kernel_times_its_solid_angle() {
                 let least = if wide { 0.6 } else { 0.35 };
                 // The Charlie lobe's band must not end more steeply either.
                 let roughness = random.between(if lobe == Lobe::Charlie { 0.75 } else { least }, 0.84);
-                let at = |l: DVec3| kernel(lobe, roughness * roughness, l.distance_squared(direction) / 4.0);
-                let (mean, solid_angle) = brute_texel(layout, index, at);
+                let at =
+                    |l: DVec3| [kernel(lobe, roughness * roughness, l.distance_squared(direction) / 4.0)];
+                let ([mean], solid_angle) = brute_texel(layout, index, at);
                 let integral = kernel_integral(lobe, roughness * roughness);
                 let expected = 1e6 * mean * solid_angle / integral;
                 let [value, twice, nothing] = Oracle::new(&environment).reflect(lobe, roughness, direction);
@@ -375,8 +385,8 @@ fn harmonics_of_a_lone_texel_are_its_integrals() {
             for (few, all) in sh::spherical_harmonics(&environment, 2).iter().zip(&sh) {
                 assert!((few[1] - all[1]).abs() < 1e-13 * sh[0][1], "{layout:?} {index}: {few:?} {all:?}");
             }
-            for k in 0..25 {
-                let (mean, solid_angle) = brute_texel(layout, index, |d| sh::basis(world_from_source * d)[k]);
+            let (means, solid_angle) = brute_texel(layout, index, |d| sh::basis(world_from_source * d));
+            for (k, mean) in means.into_iter().enumerate() {
                 let expected = 3.0 * mean * solid_angle;
                 // (h/64)^2/24 of a second derivative of at most 20, with h up to 3; folds are off by 1/64 h.
                 let tolerance = 3.0 * solid_angle * if layout.texel_count() < 50 { 5e-3 } else { 1e-4 };
@@ -427,7 +437,7 @@ fn brute_oem(oem: &Oem, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3
 fn the_served_lobe_is_its_definition() {
     let mut random = Random::new(8);
     let (mut compared, mut seen) = (0, 0);
-    for n in [1, 2, 3, 5, 8, 16_u32] {
+    for n in sweep(&[1, 2, 5, 16][..], &[1, 2, 3, 5, 8, 16]).iter().copied() {
         for look in Look::ALL {
             let layout = Layout::Octahedral { size: n };
             let size = OemSize { inner: n, border: random.below(n + 1) };
@@ -458,21 +468,21 @@ fn the_served_lobe_is_its_definition() {
             }
         }
     }
-    assert_eq!(compared, 120);
-    assert!(seen > 25, "a wrong texel was detected {seen} times in 60");
+    assert_eq!(compared, sweep(80, 120));
+    assert!(seen * 5 > compared, "a wrong texel was detected {seen} times in {}", compared / 2);
 }
 
 #[test]
 fn the_served_mirror_is_the_limit_of_lobes() {
     let mut random = Random::new(9);
     let mut compared = 0;
-    for n in [2, 3, 17] {
+    for n in [2, 3, sweep(9, 17)] {
         for look in [Look::Split, Look::Smooth] {
             let radiance = texels(&mut random, look, Layout::Octahedral { size: n });
             let oem = oem(OemSize { inner: n, border: 0 }, &radiance);
             let oracle = OemOracle::new(&oem);
             let places = (0..4).map(|_| random.direction()).chain(landmarks());
-            for direction in places.step_by(sweep(3, 1)) {
+            for direction in places.step_by(sweep(5, 1)) {
                 let mirror = oracle.reflect(Lobe::Ggx, 0.0, direction);
                 let sharp = oracle.reflect(Lobe::Cone, 1e-3, direction);
                 // A cone of 1.6e-3 reaches n/2 * 1.6e-3 of a texel, or sqrt(3) times that; neighbouring
@@ -483,7 +493,7 @@ fn the_served_mirror_is_the_limit_of_lobes() {
             }
         }
     }
-    assert_eq!(compared, 6 * sweep(10, 30));
+    assert_eq!(compared, 6 * sweep(6, 30));
 }
 
 #[test]

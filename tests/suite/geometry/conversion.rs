@@ -1,6 +1,7 @@
 //! Conversion of environments: the energy of every channel.
 
 use super::resample::{energy, grid};
+use crate::support::common::sweep;
 use glam::DMat3;
 use octagloss::internals::geometry::conversion::Source;
 use octagloss::internals::sphere::grid::Grid;
@@ -36,14 +37,16 @@ fn single_bright_texels_keep_their_energy_in_every_map() {
         for degrees in [0.0, 31.0] {
             let environment = panorama(width, lamp, brightest).rotated_y(degrees);
             let source = Source::from_environment(environment).expect("2:1");
-            for map in &MAPS {
+            // Of the finest, every map one way.
+            let share = if width > 1000 { sweep(2, 1) } else { 1 };
+            for map in MAPS.iter().skip(usize::from(degrees > 0.0) % share).step_by(share) {
                 let off = off(&source, map, size);
                 assert!(off < LOST, "{width} to {} turned by {degrees}: {off:e}", map.name);
                 compared += 1;
             }
         }
     }
-    assert_eq!(compared, 3 * 2 * MAPS.len());
+    assert_eq!(compared, sweep(5, 6) * MAPS.len());
 }
 
 #[test]

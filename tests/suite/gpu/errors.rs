@@ -1,7 +1,7 @@
 //! Failures are reported as errors; nothing hangs or panics.
 
 use super::transfer::{Upload as _, bake_one};
-use super::{is_brief, wait};
+use super::{is_brief, wait, with_passes};
 use crate::support::common::{environment, oem};
 use octagloss::internals::bake::BakeSettings;
 use octagloss::internals::filter::Filter;
@@ -123,8 +123,7 @@ fn wait_for<T>(
 
 #[test]
 fn parameters_that_cannot_be_served_are_named() {
-    on_devices_of_their_own(wgpu::Limits::default(), |context| {
-        let context = &context;
+    with_passes("refused parameters", |context, engine| {
         let (layout, other) =
             (Layout::Panorama { width: 8, height: 4 }, Layout::Panorama { width: 8, height: 5 });
         let source = environment(layout, vec![[1.0; 3]; 32]);
@@ -139,9 +138,8 @@ fn parameters_that_cannot_be_served_are_named() {
         let outcome = reparameterise::footprints(context, &turned, &texture, 2);
         assert!(matches!(outcome, Err(Error::Parameter(_))), "a texture of another environment");
 
-        let engine = Engine::new(context.clone()).expect("shaders that compile");
         let settings = ReflectorSettings { oem_size: Some(8), ..ReflectorSettings::default() };
-        let reflector = GpuReflector::new(&engine, &source, &settings).expect("a small OEM");
+        let reflector = GpuReflector::new(engine, &source, &settings).expect("a small OEM");
         let up = [glam::DVec3::Y];
         for (roughness, filter) in [
             (-0.1, Filter::Box),
@@ -158,7 +156,7 @@ fn parameters_that_cannot_be_served_are_named() {
         let outcome = wait_for(context, reflector.query(&up, Lobe::Ggx, 0.5, Filter::Reference));
         assert!(matches!(outcome, Err(Error::Unsupported { .. })), "the reference filter");
         let serial = ReflectorSettings { scan: Scan::Serial, ..settings };
-        let on_cpu = GpuReflector::new(&engine, &source, &serial).expect("a small OEM");
+        let on_cpu = GpuReflector::new(engine, &source, &serial).expect("a small OEM");
         let outcome = wait_for(context, on_cpu.query(&up, Lobe::Ggx, 0.5, Filter::Box));
         assert!(matches!(outcome, Err(Error::Unsupported { .. })), "the serial scan");
         for (inner, count) in [(64, 3), (48, 4), (8, 4)] {
@@ -168,7 +166,7 @@ fn parameters_that_cannot_be_served_are_named() {
         let tables = FittedTables::new(context, 16, 4).expect("small tables");
         assert!(matches!(tables.set_count(context, 5), Err(Error::Parameter(_))));
         let none = ReflectorSettings { oem_size: Some(0), ..ReflectorSettings::default() };
-        assert!(matches!(GpuReflector::new(&engine, &source, &none), Err(Error::Parameter(_))));
+        assert!(matches!(GpuReflector::new(engine, &source, &none), Err(Error::Parameter(_))));
         // No directions give no answers.
         for filter in [Filter::Box, Filter::Adaptive(0.005)] {
             assert!(wait(context, reflector.query(&[], Lobe::Ggx, 0.5, filter)).is_empty(), "{filter:?}");
