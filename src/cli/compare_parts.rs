@@ -2,6 +2,7 @@
 //! irradiance, the skybox, sheen and spherical harmonics.
 
 use super::console::Console;
+use super::input::file_name;
 use super::look_ups::channel;
 use super::outcome::Outcome;
 use crate::analysis::channels::{Relative, relative_to};
@@ -242,7 +243,7 @@ impl Parts {
         if let Some(of) = of {
             let bytes = read_regular(of, DEFAULT_MEMORY_LIMIT)?;
             if io::reported(of, blake3::hash(&bytes)).is_none() {
-                self.unjudged.push(format!("{} (it describes another file)", name_of(path)));
+                self.unjudged.push(format!("{} (it describes another file)", file_name(path)));
                 return Ok(());
             }
         }
@@ -250,7 +251,7 @@ impl Parts {
         match serde_json::from_slice::<ReportText>(&bytes) {
             Ok(report) => self.add_harmonics(path.to_owned(), report.sh),
             Err(error) => {
-                self.unjudged.push(format!("{} ({error})", name_of(path)));
+                self.unjudged.push(format!("{} ({error})", file_name(path)));
                 Ok(())
             }
         }
@@ -258,7 +259,7 @@ impl Parts {
 
     fn lamp(&mut self, path: &Path) {
         if path.is_file() {
-            self.unjudged.push(format!("{} (a lamp)", name_of(path)));
+            self.unjudged.push(format!("{} (a lamp)", file_name(path)));
         }
     }
 
@@ -326,7 +327,7 @@ impl Parts {
                 FoundContent::Sheen(levels) => texels(levels, Lobe::Charlie),
                 FoundContent::Harmonics(harmonics) => vec![harmonics.errors_against(source)?],
             };
-            let file = Some(name_of(path));
+            let file = Some(file_name(path));
             parts.extend(errors.into_iter().map(|errors| Part { part, file: file.clone(), errors }));
         }
         Ok(parts)
@@ -353,7 +354,7 @@ impl Parts {
                 let errors = pairs.iter().enumerate().map(|(k, (a, b))| errors_against_texels(k, a, b));
                 is_like.then(|| errors.map(PartErrors::of_texels).collect())
             });
-            let file = name_of(path);
+            let file = file_name(path);
             match errors {
                 Some(errors) => parts.extend(errors.into_iter().map(|errors| Part {
                     part,
@@ -411,30 +412,16 @@ fn harmonics_errors(got: &Harmonics, expected: &[[f64; 3]]) -> PartErrors {
 
 /// Files in `folder` and the folders in it, by relative path, sorted.
 fn files_in(folder: &Path) -> crate::Result<Vec<String>> {
-    let names = |folder: &Path| -> crate::Result<Vec<String>> {
-        let fail = |error| Error::io(folder, error);
-        let entries = std::fs::read_dir(folder).map_err(fail)?;
-        let name = |entry: std::io::Result<std::fs::DirEntry>| {
-            Ok(entry.map_err(fail)?.file_name().to_string_lossy().into_owned())
-        };
-        let mut names = entries.map(name).collect::<crate::Result<Vec<_>>>()?;
-        names.sort();
-        Ok(names)
-    };
     let mut all = Vec::new();
-    for name in names(folder)? {
+    for name in io::names_in(folder)? {
         let path = folder.join(&name);
         if path.is_dir() {
-            all.extend(names(&path)?.into_iter().map(|inner| format!("{name}/{inner}")));
+            all.extend(io::names_in(&path)?.into_iter().map(|inner| format!("{name}/{inner}")));
         } else {
             all.push(name);
         }
     }
     Ok(all)
-}
-
-fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// The figures of `parts` as lines of text.

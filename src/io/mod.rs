@@ -393,6 +393,20 @@ fn file_of(path: &Path) -> Result<Option<PathBuf>> {
     if level_folder::has_levels(path) { Ok(None) } else { target_folder::levels_file(path) }
 }
 
+/// Names in `folder`, sorted.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read.
+pub(crate) fn names_in(folder: &Path) -> Result<Vec<String>> {
+    let fail = |error| Error::io(folder, error);
+    let name = |entry: std::io::Result<fs::DirEntry>| {
+        Ok(entry.map_err(fail)?.file_name().to_string_lossy().into_owned())
+    };
+    let mut names = fs::read_dir(folder).map_err(fail)?.map(name).collect::<Result<Vec<_>>>()?;
+    names.sort();
+    Ok(names)
+}
+
 /// Whether `path` is a directory.
 fn is_directory(path: &Path) -> Result<bool> {
     Ok(fs::metadata(path).map_err(|source| Error::io(path, source))?.is_dir())

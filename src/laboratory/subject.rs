@@ -153,7 +153,7 @@ impl Carrier {
     /// Texels of all its maps, without borders.
     #[must_use]
     pub fn texels(&self) -> usize {
-        self.parts.iter().map(|part| part.bordered.grid().texel_count()).sum()
+        self.parts.iter().map(|part| part.bordered.grid.texel_count()).sum()
     }
 
     /// Bytes of the tables that boxes read, and that adaptive queries read.

@@ -97,7 +97,7 @@ fn sum_of_parts(tables: &Tables, component: u32, low: [i64; 2], high: [i64; 2]) 
     let corner = |corner: [i64; 2]| DVec2::new(corner[0] as f64, corner[1] as f64);
     let mut sum = [0_u64; 4];
     let piece = Piece { component, low: corner(low), high: corner(high) };
-    tables.charts().split(tables.grid(), piece, &mut |part: Piece| {
+    tables.charts.split(&tables.grid, piece, &mut |part: Piece| {
         let integers = |corner: DVec2| {
             assert_eq!(corner, corner.round(), "whole texels stay whole");
             [corner.x as i64, corner.y as i64]
@@ -117,7 +117,7 @@ fn boxes_sum_their_texels_exactly_on_every_map() {
         for size in [1, 4, 7] {
             let texels = random_texels(charts, size, &mut random);
             let tables = Tables::new(charts, &texels);
-            let exponents = tables.fixed_point().exponents;
+            let exponents = tables.fixed.exponents;
             let components = texels.grid.map().components();
             let mut beyond = 0;
             for _ in 0..400 {
@@ -163,7 +163,7 @@ fn maps_without_borders_hold_the_sphere_once() {
         let mut all = 0.0;
         for component in 0..grid.map().components() {
             let sum = tables.sum(component, [0, 0], grid.sides(component).map(i64::from));
-            all += tables.fixed_point().values(sum)[3];
+            all += tables.fixed.values(sum)[3];
         }
         // Solid angles are rounded to float32 once.
         assert!((all / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-7, "{}: {all}", charts.name());
