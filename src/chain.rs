@@ -19,7 +19,8 @@ pub struct Level {
 }
 
 impl Level {
-    /// Creates a cube level with faces of `size` x `size` texels and no bounds.
+    /// A cube level with faces of `size` x `size` texels and no bounds. [`crate::Bake::write`] checks the
+    /// number of texels, as of any level.
     #[must_use]
     pub const fn cube(size: u32, roughness: f64, texels: Vec<Rgb>) -> Self {
         Self { layout: Layout::Cube { size }, roughness, texels, bounds: None }

@@ -35,7 +35,7 @@ impl Default for Filter {
     }
 }
 
-/// As on the command line and in reports.
+/// Writes the filter as on the command line and in reports.
 impl std::fmt::Display for Filter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -163,9 +163,9 @@ pub struct Answer {
 /// Certified bounds of an answer's errors, in units of radiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bound {
-    /// Of red, green and blue.
+    /// Bounds of red, green and blue.
     pub channels: Rgb,
-    /// Of the luminance.
+    /// Bound of the luminance.
     pub luminance: f32,
 }
 

@@ -118,6 +118,7 @@ mod chain_lookup;
 mod cli;
 mod cpu;
 mod direct;
+mod direction;
 mod environment;
 mod error;
 mod export;
@@ -172,44 +173,42 @@ pub use gpu::live_probes::LiveProbes;
 pub use gpu::shadow::ShadowMap;
 pub use ladder::Ladder;
 pub use lobe::{LOBES, Lobe};
-pub use oem::{Oem, OemSize};
+pub use oem::OemSize;
 pub use reflector::{Lobes, Reflector, ReflectorSettings, Workspace};
-pub use sat::{FixedPoint, Sat, Scan};
+pub use sat::Scan;
 #[cfg(feature = "gpu")]
 pub use wgpu;
 
-/// What the fields of [`WriteOptions`] take, and outputs that appear together or not at all.
+/// Types of the fields of [`WriteOptions`], and atomic outputs.
 pub mod files {
     pub use crate::export::files::Made;
     pub use crate::export::write::write_files;
     pub use crate::format::container::Container;
     pub use crate::format::overflow::Overflow;
     pub use crate::format::{OutputLayout, Pixel};
-    pub use crate::io::output::{
-        Existing, Output, Staged, check_file, check_folder, commit, recover, stage_all,
-    };
+    pub use crate::io::output::{Existing, check_file, check_folder, recover};
 }
 
 /// Spherical harmonics of environments.
 pub mod harmonics {
     pub use crate::sh::scale::{ShScale, scaled};
-    pub use crate::sh::window::{self, ShWindow};
-    pub use crate::sh::{MAX_ORDER, basis, spherical_harmonics};
+    pub use crate::sh::window::{ShWindow, parsed as parsed_window};
+    pub use crate::sh::{MAX_ORDER, spherical_harmonics};
 }
 
-/// Maps of the sphere: directions of texels, and texels of directions.
+/// Maps of the sphere: directions of points, and points of directions.
 pub mod maps {
-    pub use crate::sphere::grid::Grid;
-    pub use crate::sphere::map::{Component, Place, SphereMap, Texel};
+    pub use crate::sphere::cube::Face;
+    pub use crate::sphere::map::{Component, Place};
     pub use crate::sphere::registry::{MAPS, NamedMap, named};
-    pub use crate::sphere::{cube, equirect, octahedral};
 }
 
 /// Queries of many directions, and the words for them.
 pub mod queries {
     pub use crate::bake::query::Query;
+    pub use crate::direction::unit;
     pub use crate::filter::parsed as parsed_filter;
-    pub use crate::reflector::{check_answers, sharpest, unit};
+    pub use crate::reflector::{check_answers, sharpest};
 }
 
 /// Readers of environments and prefiltered chains.
@@ -226,7 +225,11 @@ pub mod recipes {
     pub use crate::export::produce::{
         Baked, Product, Products, SunFile, json_bytes, name, produce, products, report_path,
     };
-    pub use crate::export::report::Report;
+    pub use crate::export::report::{
+        EnergyReport, FingerprintReport, LevelReport, OemReport, OutputFileReport, Report, ShReport,
+        TargetReport,
+    };
+    pub use crate::image::exposure::Exposure;
     pub use crate::recipe::plan::BakePlan;
     pub use crate::recipe::source::{InputFileReport, Source, SunReport};
     pub use crate::recipe::{InputOptions, Recipe, TableOptions, from_json};
@@ -246,9 +249,7 @@ pub mod suns {
 /// The engines that bakes are made for.
 pub mod targets {
     pub use crate::format::{LevelName, Shown};
-    pub use crate::target::{
-        Content, Diffuse, FileSpec, Flip, Naming, TARGETS, Target, TargetPlan, UNTARGETED,
-    };
+    pub use crate::target::{Content, Diffuse, FileSpec, Flip, Naming, TARGETS, Target, TargetPlan};
 }
 
 /// Runs the program on the arguments of the process; `licenses` are those of the crates in it.

@@ -32,10 +32,10 @@ pub struct OemSize {
 }
 
 impl OemSize {
-    /// Texels along an edge, border included.
+    /// Texels along an edge, border included; at most the greatest `u32`.
     #[must_use]
     pub const fn bordered(self) -> u32 {
-        self.inner + 2 * self.border
+        self.inner.saturating_add(self.border.saturating_mul(2))
     }
 }
 
@@ -138,6 +138,7 @@ impl Oem {
     }
 
     /// Radiance of texel (`x`, `y`) of the square.
+    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn radiance(&self, x: u32, y: u32) -> Rgb {
         let [r, g, b, w] = self.texel(x, y);

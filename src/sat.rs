@@ -93,7 +93,7 @@ impl FixedPoint {
         Self::of_texels(inner * inner, || oem.square())
     }
 
-    /// The same for `count` `texels`, whose boxes count each texel at most four times.
+    /// [`FixedPoint::of_square`] for `count` `texels`, whose boxes count each texel at most four times.
     pub(crate) fn of_texels<'a, I: Iterator<Item = &'a [f32; 4]>>(
         count: u64,
         texels: impl Fn() -> I,
@@ -216,6 +216,7 @@ impl Sat {
     }
 
     /// All entries, row-major, border included.
+    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn entries(&self) -> &[[u64; 4]] {
         &self.entries

@@ -2,8 +2,7 @@
 
 use crate::errors::wrong;
 use octagloss::files::OutputLayout;
-use octagloss::harmonics::ShScale;
-use octagloss::harmonics::window::{self, ShWindow};
+use octagloss::harmonics::{ShScale, ShWindow, parsed_window};
 use octagloss::queries::parsed_filter;
 use octagloss::reflectance::DfgForm;
 use octagloss::targets::{TARGETS, Target};
@@ -27,7 +26,7 @@ pub(crate) fn filter(text: &str) -> PyResult<Filter> {
 }
 
 pub(crate) fn sh_window(setting: &str, text: &str) -> PyResult<ShWindow> {
-    window::parsed(text).map_err(|message| wrong(format!("`{setting}` is {text:?}; {message}")))
+    parsed_window(text).map_err(|message| wrong(format!("`{setting}` is {text:?}; {message}")))
 }
 
 pub(crate) fn sh_scale(text: &str) -> PyResult<ShScale> {

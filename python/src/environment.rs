@@ -172,7 +172,7 @@ impl Environment {
         let layout = layout_of(map, array.shape())?;
         let light = Light::new(layout, texels_of(&array)?).map_err(|error| wrong(error.to_string()))?;
         let source = Source::new(light, "array".to_owned(), choices::map_name(map));
-        Ok(Self::new(source.turned(mirror, rotate_y)))
+        Ok(Self::new(source.turned(mirror, rotate_y).map_err(|error| wrong(error.to_string()))?))
     }
 
     /// Layout of the texels: panorama, cube or octahedral.
@@ -233,7 +233,8 @@ impl Environment {
     /// The same environment rotated about +Y; +90 degrees maps +Z to +X.
     fn rotated_y(&self, degrees: f64) -> PyResult<Self> {
         check_degrees("degrees", degrees)?;
-        Ok(Self::new(self.source.clone().turned(false, degrees)))
+        let turned = self.source.clone().turned(false, degrees).map_err(|error| wrong(error.to_string()))?;
+        Ok(Self::new(turned))
     }
 
     /// Radiance of a lobe around each direction: float32 of shape (..., 3) for directions (..., 3) of any
@@ -322,8 +323,8 @@ impl Environment {
         }
         let light = self.light();
         let coefficients = run(py, move |_, pool| {
-            let radiance = pool.install(|| spherical_harmonics(&light, order));
-            Ok(scaled(&window.settled(&radiance).apply(&radiance), scale))
+            let radiance = pool.install(|| spherical_harmonics(&light, order))?;
+            Ok(scaled(&window.apply(&radiance)?, scale))
         })?;
         let count = coefficients.len();
         array(py, coefficients.into_flattened(), vec![count, 3])
@@ -371,7 +372,7 @@ impl Environment {
     fn parted(&self, py: Python<'_>, suns: Suns) -> PyResult<(Self, Vec<Sun>)> {
         let (source, asked) = (self.source.clone(), suns.clone());
         let (known, warned) = (source.suns.len(), source.warnings.len());
-        let mut source = run(py, move |_, pool| Ok(pool.install(|| source.without(Some(&asked)))))?;
+        let mut source = run(py, move |_, pool| pool.install(|| source.without(Some(&asked))))?;
         let warnings = source.warnings.split_off(warned);
         let found: Vec<Sun> = source.suns[known..].iter().map(|sun| Sun::of(sun, true)).collect();
         if suns != Suns::Brightest || !found.is_empty() {

@@ -87,7 +87,7 @@ fn queried(
         let found = queries.par_iter().map_init(start, |(workspace, found), (lobes, place)| {
             cancel.check()?;
             found.clear();
-            lobes.evaluate(&[directions[*place]], workspace, found);
+            lobes.evaluate(&[directions[*place]], workspace, found)?;
             Ok(found[0])
         });
         let found: Vec<Answer> = found.collect::<octagloss::Result<_>>()?;

@@ -248,7 +248,7 @@ pub(crate) fn errors_against_source(
         .map(|(index, level)| {
             let value = |at: usize| {
                 let answer = footprint_mean(level, lobe, at, &|direction| {
-                    oracle.reflect(lobe, level.roughness, direction)
+                    oracle.reflected(lobe, level.roughness, direction)
                 });
                 progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
                 answer

@@ -100,11 +100,11 @@ impl Engine for Reflector<'_> {
         let lobes = self.lobes(lobe, roughness, filter)?;
         let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
             answers.clear();
-            lobes.evaluate(&[*direction], workspace, answers);
-            answers[0]
+            lobes.evaluate(&[*direction], workspace, answers)?;
+            Ok(answers[0])
         };
         let start = || (Workspace::default(), Vec::with_capacity(1));
-        let answers: Vec<Answer> = directions.par_iter().map_init(start, answer).collect();
+        let answers = directions.par_iter().map_init(start, answer).collect::<Result<Vec<Answer>>>()?;
         check_answers(directions, &answers)?;
         Ok(answers)
     }

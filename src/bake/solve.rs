@@ -66,7 +66,7 @@ pub(crate) fn nodes(kind: ChainKind, size: u32, levels: u32, ladder: Ladder) -> 
     let mut nodes = Vec::new();
     let roughness = |level| ladder.roughness(level, levels, size);
     let Held { level: held, .. } =
-        Held::of(kind, size, (0..levels as usize).map(|level| roughness(level as u32)));
+        Held::new(kind, size, (0..levels as usize).map(|level| roughness(level as u32)));
     for low in held as u32..levels.saturating_sub(1) {
         let (from, to) = (roughness(low), roughness(low + 1));
         let quadrature = QUADRATURES[usize::from((to / from).powi(4) > STEEP)];
@@ -104,7 +104,7 @@ struct Held {
 
 impl Held {
     /// The held level of a chain from edge `size` whose levels have `roughness`.
-    fn of(kind: ChainKind, size: u32, mut roughness: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
+    fn new(kind: ChainKind, size: u32, mut roughness: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
         let first_solved = kind.first_solved(roughness.clone());
         if kind == ChainKind::Mixed {
             return Self { level: first_solved - 1, first_solved, weight: FIXED, least: MIN_SHARE };
@@ -119,7 +119,7 @@ impl Held {
 /// sharp levels of a mixed chain and levels that no look-up reads. Returns the indices of the solved levels.
 pub(crate) fn solve(kind: ChainKind, levels: &mut [Level], nodes: &[Node], lobes: &[&[Rgb]]) -> Range<usize> {
     let Some(last) = nodes.iter().map(|node| node.low + 1).max() else { return 0..0 };
-    let held = Held::of(kind, levels[0].size(), levels.iter().map(|level| level.roughness));
+    let held = Held::new(kind, levels[0].size(), levels.iter().map(|level| level.roughness));
     let of = |size: u32, texels: &[Rgb]| Smooth::new(size, &|texel| texels[texel].map(f64::from));
     let smooth = |level: &Level| of(level.size(), &level.texels);
     let sampled: Vec<Smooth> = levels[held.level..=last].iter().map(smooth).collect();

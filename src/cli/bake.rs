@@ -447,7 +447,7 @@ fn reference_seconds(environment: &Environment, settings: &BakeSettings) -> crat
         if last < 1.0 {
             let start = Instant::now();
             directions.par_iter().for_each(|direction| {
-                std::hint::black_box(oracle.reflect(settings.lobe, level.roughness, *direction));
+                std::hint::black_box(oracle.reflected(settings.lobe, level.roughness, *direction));
             });
             last = start.elapsed().as_secs_f64();
         }

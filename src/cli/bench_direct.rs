@@ -13,8 +13,7 @@ use crate::gpu::device::readback;
 use crate::gpu::device::timer::Timer;
 use crate::gpu::direct::unwrap::{Remedy, Unwrap, UnwrapFrame};
 use crate::gpu::direct::{Direct, DirectFrame, DirectMesh, DirectTarget, Method, Overlap};
-use crate::gpu::reparameterise::Reparameterise;
-use crate::gpu::{Context, OemPlanes, Stage, block_on};
+use crate::gpu::{Context, OemPlanes, Stage, block_on, reparameterise};
 use crate::oem::OemSize;
 use crate::wgpu;
 use serde_json::{Value, json};
@@ -75,7 +74,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let (square, rectangle, cube, ball) = (&square?, &rectangle?, &cube?, &ball?);
     let planes = OemPlanes::new(context, OemSize { inner: QUADRATIC.size(), border: 0 })?;
     let layout = Layout::Cube { size: CUBE.size() };
-    let reparameterise = Reparameterise::new(context).stage(context, layout, cube.colour(), &planes)?;
+    let resample = reparameterise::stage(context, layout, &cube.colour, &planes)?;
 
     let way = |name, target: &DirectTarget, method, then, paper| -> Outcome<Way> {
         let frame = Frame::Direct(direct.frame(method, &mesh, target, NEAREST)?);
@@ -97,7 +96,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         way("edge strip", rectangle, Method::EdgeStrip, None, Some(("Planar RL, edge strip", 3.0)))?,
         way("cube", cube, Method::Cube, None, None)?,
         way("whole cube", cube, Method::WholeCube, None, Some(("Cube Map", PAPER_CUBE)))?,
-        way("cube, reparameterised", cube, Method::Cube, Some(reparameterise), None)?,
+        way("cube, reparameterised", cube, Method::Cube, Some(resample), None)?,
         unwrapped("unwrapped, dropped", Remedy::Drop)?,
         unwrapped("unwrapped, one side", Remedy::OneSide)?,
         unwrapped("unwrapped, alpha", Remedy::Alpha)?,
@@ -127,7 +126,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
             _ => return Ok(None),
         };
         context.submit(|encoder| way.frame.record(encoder, None));
-        Ok(Some(block_on(Some(context), readback::read_texture(context, target.colour()))??))
+        Ok(Some(block_on(Some(context), readback::read_texture(context, &target.colour))??))
     };
     // The first method of each layout.
     let mut exact: Option<(DirectMap, Picture)> = None;

@@ -4,7 +4,7 @@ use super::args::CompareArgs;
 use super::compare_sources::{PreparedSource, Sources};
 use super::comparison::bake_in;
 use super::console::Console;
-use super::input::single_source;
+use super::input::{file_name, single_source};
 use super::look_ups::{self, Delivered, Overlay};
 use super::measures::Measures;
 use super::outcome::{Outcome, print, print_json, usage};
@@ -80,7 +80,7 @@ pub(super) fn run(args: &CompareArgs, existing: Existing, console: &Console) -> 
     }
     if let Some(path) = &args.picture {
         let names = [&sides[0].name[..], &sides[1].name];
-        let against = source.file_name().unwrap_or(source.as_os_str()).to_string_lossy();
+        let against = file_name(source);
         let drawn = drawn(&sides, &columns)?;
         write_png(path, existing, &side_by_side(names, &against, &drawn).picture())?;
     }

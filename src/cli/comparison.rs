@@ -131,8 +131,8 @@ pub(super) fn against_bake(
     if args.delivered.is_some() {
         return usage("--delivered needs a source environment, but both inputs are bakes");
     }
-    let mut parts = Parts::of(&args.bake, bake)?;
-    let errors = parts.errors_against(&Parts::of(&args.against[0], reference)?);
+    let mut parts = Parts::read(&args.bake, bake)?;
+    let errors = parts.errors_against(&Parts::read(&args.against[0], reference)?);
     let mut comparison = Comparison {
         bake: args.bake.display().to_string(),
         against: args.against[0].display().to_string(),
@@ -197,7 +197,7 @@ pub(super) fn against_source(
     if is_mirror {
         parts.push(compare_parts::mirror(&chain.levels[0], &source.environment)?);
     }
-    let found = Parts::of(path, bake)?;
+    let found = Parts::read(path, bake)?;
     parts.extend(found.errors(&source.environment, measures.sampling(lobe), console)?);
     let narrow: Vec<usize> = (usize::from(is_mirror)..solved)
         .filter(|level| !is_measurable(&sampled[*level], lobe, source.environment.layout()))

@@ -21,7 +21,7 @@ pub(super) struct OtherInfo {
     format: String,
     /// Size of the file.
     bytes: u64,
-    /// What the content is.
+    /// Kind of content.
     content: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     width: Option<u32>,

@@ -96,6 +96,11 @@ impl InputFiles {
     }
 }
 
+/// The last part of `path`, or all of it.
+pub(super) fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
 /// Formats a layout as in `--layout`, with its size.
 pub(super) fn layout_name(layout: Layout) -> &'static str {
     match layout {

@@ -9,7 +9,7 @@ use crate::percent::percent;
 use crate::recipe::plan::BakePlan;
 use std::path::Path;
 
-/// What a bake wrote.
+/// Outputs of a bake.
 pub(super) struct Written<'a> {
     /// The output file or folder; `None` for standard output.
     pub(super) main: Option<&'a Path>,
@@ -22,7 +22,7 @@ pub(super) struct Written<'a> {
 }
 
 impl Written<'_> {
-    /// What was written, its size, the time, and the typical error of reflections.
+    /// Outputs, their size, the time, and the typical error of reflections.
     pub(super) fn text(&self) -> String {
         let Self { main, plans, reports, bytes, seconds, .. } = self;
         let main = main.map_or_else(|| "standard output".to_owned(), |path| path.display().to_string());
@@ -43,7 +43,7 @@ impl Written<'_> {
         format!("{main}: {what}, {}, in {seconds:.2} s on {engine}{error}", console::bytes(*bytes))
     }
 
-    /// What to do next.
+    /// Suggested next command.
     pub(super) fn next(&self) -> String {
         let Self { main, input, plans, .. } = self;
         let mut steps = Vec::new();

@@ -14,7 +14,7 @@ use crate::target::Content;
 use anyhow::anyhow;
 use std::path::PathBuf;
 
-/// What outputs must hold.
+/// Required content of the outputs.
 pub(super) struct Verify {
     /// Greatest relative error.
     limit: f64,

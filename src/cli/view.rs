@@ -104,7 +104,7 @@ fn levels(args: &ViewArgs, environment: &Environment, console: &Console) -> Outc
         turned = turned.mirrored();
     }
     if let Some(degrees) = args.input.rotate_y {
-        turned = turned.rotated_y(degrees);
+        turned = turned.rotated_y(degrees)?;
     }
     Ok(Levels::new(chain, turned.source_from_world()).unwrap_or_else(|error| {
         console.warn(&format!("{}: {error}; filtering its level 0 instead", path.display()));

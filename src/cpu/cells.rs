@@ -43,7 +43,7 @@ pub(super) struct Quad {
     pub(super) blue: [f32; 4],
     /// The tint of red, in the order of [`Tint::to_fields`].
     pub(super) red_tint: [[f32; 4]; TINT_FIELDS],
-    /// The same of blue.
+    /// That of blue.
     pub(super) blue_tint: [[f32; 4]; TINT_FIELDS],
 }
 
@@ -86,7 +86,7 @@ struct Cell {
 
 impl Cell {
     /// Light of one colour.
-    fn of(patch: Patch, energy: Vec3) -> Self {
+    fn one_colour(patch: Patch, energy: Vec3) -> Self {
         Self { patch, energy, luminance: energy.dot(Vec3::from(LUMINANCE)), tints: [Tint::default(); 2] }
     }
 
@@ -109,7 +109,7 @@ pub(super) struct CellLevel {
     pub(super) width: u32,
 }
 
-/// What the finest cells hold, for their subdivision.
+/// Texels of the finest cells, for their subdivision.
 #[derive(Debug)]
 pub(super) enum Finest {
     /// Blocks, which are not subdivided.
@@ -178,7 +178,7 @@ impl Members {
     }
 
     /// The runs of texels in the cell in column `i` of row `j`.
-    pub(super) fn of(&self, i: u32, j: u32) -> &[Run] {
+    pub(super) fn in_cell(&self, i: u32, j: u32) -> &[Run] {
         let cell = (j * self.width + i) as usize;
         &self.runs[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
@@ -277,14 +277,14 @@ impl Lit<'_> {
                 if from <= to {
                     let patch = row.patch(&sums, first, [from, to]);
                     let tints = row.tints(&sums, first, sum);
-                    cells.push(Cell { tints, ..Cell::of(patch, sum) });
+                    cells.push(Cell { tints, ..Cell::one_colour(patch, sum) });
                 }
             }
             None => {
                 for x in first..first + count {
                     let Texel { patch, solid_angle } = self.texels.at(x, y);
                     let energy = energy(x, solid_angle);
-                    cells.push(Cell::of(patch, energy));
+                    cells.push(Cell::one_colour(patch, energy));
                 }
             }
         }
@@ -328,7 +328,7 @@ impl Cells {
             let above = all - Vec3::from(least) * w;
             let energy =
                 Vec3::select(above.cmpgt((all * RESIDUE).max(Vec3::splat(FAINT))), above, Vec3::ZERO);
-            Cell::of(tents.at(x, y), energy)
+            Cell::one_colour(tents.at(x, y), energy)
         };
 
         let width = n.div_ceil(block);
@@ -367,7 +367,7 @@ impl Cells {
                 let mut total = DVec3::ZERO;
                 for (cell, i) in row.iter_mut().zip(0..width) {
                     gathered.clear();
-                    members.of(i, j).iter().for_each(|run| lit.gather(run, &mut gathered, &mut faint));
+                    members.in_cell(i, j).iter().for_each(|run| lit.gather(run, &mut gathered, &mut faint));
                     *cell = if gathered.len() > 1 { merge_many(&gathered) } else { merge(&gathered) };
                     total += cell.energy.as_dvec3();
                 }
@@ -480,7 +480,7 @@ fn pyramid(mut cells: Vec<Cell>, mut width: u32) -> (Vec<Quad>, Vec<CellLevel>) 
                     let inside = i < width && j < width;
                     if inside { cells[(j * width + i) as usize] } else { Cell::default() }
                 });
-                *quad = Quad::of(&siblings);
+                *quad = Quad::new(&siblings);
                 *parent = merge(&siblings);
             }
         });
@@ -558,7 +558,7 @@ fn merge(members: &[Cell]) -> Cell {
 }
 
 impl Quad {
-    fn of(siblings: &[Cell; 4]) -> Self {
+    fn new(siblings: &[Cell; 4]) -> Self {
         let field = |get: fn(&Cell) -> f32| siblings.each_ref().map(get);
         let tints = |channel: usize| {
             let siblings = siblings.each_ref().map(|cell| cell.tints[channel].to_fields());

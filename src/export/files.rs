@@ -21,7 +21,7 @@ use crate::recipe::{Recipe, fields};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{name, order_text};
 use crate::sphere::cube::Face;
-use crate::target::{Content, Naming, READERS, TargetPlan};
+use crate::target::{Content, Naming, READERS, TargetPlan, flipped, flipped_chain};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
@@ -31,8 +31,6 @@ use std::borrow::Cow;
 pub struct Made {
     /// Path in the output's folder.
     pub path: String,
-    /// Its content.
-    pub content: Content,
     /// Its bytes.
     pub bytes: Vec<u8>,
     /// Number of texels with a clamped channel, per level; empty if it holds no cube.
@@ -44,15 +42,21 @@ pub struct Made {
 ///
 /// # Errors
 /// [`Error::Parameter`] if the container cannot hold the pixel format or the levels, and if the plan requires
-/// an irradiance or a sheen cube that was not baked.
+/// an irradiance or a sheen cube, or spherical harmonics, that were not baked.
 pub fn files(plan: &TargetPlan, name: &str, bake: &Bake, metadata: &[(String, String)]) -> Result<Vec<Made>> {
     plan.check()?;
+    if plan.is_targeted() && bake.sh.len() < 9 {
+        let count = bake.sh.len();
+        return Err(Error::Parameter(format!(
+            "a bake of {count} spherical harmonics; targets need 9 or more"
+        )));
+    }
     let levels = &bake.chain.levels;
     let bounded: Vec<u32> = (0..).zip(levels).filter(|(_, l)| l.bounds.is_some()).map(|(k, _)| k).collect();
     let shape = Naming { name, levels: levels.len() as u32, bounded: &bounded };
     let make = |(path, content): (String, Content)| {
         let file = file_of(plan, name, bake, metadata, (&path, content))?;
-        Ok(Made { path, content, bytes: file.bytes, clamped: file.clamped })
+        Ok(Made { path, bytes: file.bytes, clamped: file.clamped })
     };
     plan.files(&shape).into_par_iter().map(make).collect()
 }
@@ -71,7 +75,7 @@ fn file_of(
         if plan.target.has_container() { plan.container } else { own().unwrap_or(plan.container) };
     let pixel = if container.holds(plan.pixel) { plan.pixel } else { Pixel::F16 };
     let cube = |levels: &[Level], sh: bool| {
-        let chain = Chain { levels: levels.iter().map(|level| plan.flip.level(level)).collect() };
+        let chain = Chain { levels: levels.iter().map(|level| flipped(level, plan.flip)).collect() };
         let own = match content {
             Content::Sheen => vec![("lobe", json!(Lobe::Charlie)), ("chain", json!(ChainKind::Sampled))],
             Content::Skybox if bake.skybox.is_some() => mirror(),
@@ -106,11 +110,12 @@ fn file_of(
             let level = levels.first().ok_or_else(|| missing("a panorama"))?;
             CubeFile { bytes: panorama(plan, level, path, metadata)?, clamped: Vec::new() }
         }
-        Content::Env => babylon::env_bytes(&plan.flip.chain(&bake.chain), &bake.sh, plan.flip)?,
-        Content::Glb => gltf::glb_bytes(&plan.flip.chain(&bake.chain), &bake.sh, name)?,
-        Content::Atlas => {
-            playcanvas::atlas_bytes(&plan.flip.chain(&bake.chain), &plan.flip.level(irradiance(bake)?))?
-        }
+        Content::Env => babylon::env_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, plan.flip)?,
+        Content::Glb => gltf::glb_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, name)?,
+        Content::Atlas => playcanvas::atlas_bytes(
+            &flipped_chain(&bake.chain, plan.flip),
+            &flipped(irradiance(bake)?, plan.flip),
+        )?,
         Content::Mips => CubeFile {
             bytes: mips_bytes(levels, plan.pixel, metadata)?,
             clamped: levels.iter().map(|level| plan.pixel.clamped(&level.texels)).collect(),
@@ -245,13 +250,13 @@ pub fn metadata(recipe: &Recipe, suns: &[SunReport]) -> Vec<(String, String)> {
     ]
 }
 
-/// What an irradiance cube records as its own: no ladder and no kind of chain.
+/// Metadata of irradiance cubes: no ladder and no kind of chain.
 fn irradiated() -> Vec<(&'static str, Value)> {
     let content = ("content", json!(IRRADIANCE));
     vec![content, ("lobe", json!(Lobe::Cosine)), ("ladder", Value::Null), ("chain", Value::Null)]
 }
 
-/// What a skybox records as its own, whatever the lobe of the levels.
+/// Metadata of skyboxes, whatever the lobe of the levels.
 fn mirror() -> Vec<(&'static str, Value)> {
     vec![("lobe", json!(Lobe::Ggx)), ("chain", json!(ChainKind::Sampled))]
 }

@@ -151,8 +151,8 @@ pub fn check_memory(plans: &[BakePlan], environment: &Environment) -> Result<()>
     memory::check_bake(environment, &settings, plans.iter().map(bytes).max().unwrap_or(0))
 }
 
-/// What `recipe` makes of `source`, baked by `bake`. `name` is the environment's, or for the levels in one file
-/// that file's; by default the source's.
+/// Makes everything that `recipe` asks for from `source`; `bake` bakes it with the given settings. `start` is
+/// when the source began to be read.
 ///
 /// # Errors
 /// Those of [`Recipe::plans`], of `bake`, and of [`products`].
@@ -181,8 +181,9 @@ pub fn name(plan: &BakePlan, source: &Source) -> String {
 /// `start` is when the source began to be read.
 ///
 /// # Errors
-/// [`Error::Parameter`] for light that [`crate::format::overflow::Overflow::Error`] refuses, and for levels
-/// that a container cannot hold; [`Error::NonFiniteResult`] for a report with NaN.
+/// [`Error::Parameter`] for no plans, for other than one sound bake for each, for light that
+/// [`crate::format::overflow::Overflow::Error`] refuses, and for levels that a container cannot hold;
+/// [`Error::NonFiniteResult`] for a report with NaN.
 pub fn products(
     plans: &[BakePlan],
     source: &Source,
@@ -191,6 +192,11 @@ pub fn products(
     start: Instant,
 ) -> Result<Products> {
     let Baked { bakes, engine, adapter, fallback } = baked;
+    if plans.is_empty() || plans.len() != bakes.len() {
+        let (plans, bakes) = (plans.len(), bakes.len());
+        return Err(Error::Parameter(format!("{bakes} bakes for {plans} plans; one for each is needed")));
+    }
+    bakes.iter().try_for_each(Bake::check)?;
     let (mut products, mut sheets) = (Vec::new(), Vec::new());
     for (plan, mut bake) in plans.iter().zip(bakes) {
         let BakePlan { recipe, plan: files_plan, .. } = plan;
@@ -245,7 +251,7 @@ pub fn products(
     Ok(Products { per_plan: products, suns, preview })
 }
 
-/// What the pixel format made of the light of `bake`, as far as it shows.
+/// Visible losses of the pixel format in `bake`, one line each.
 fn losses(plan: &TargetPlan, bake: &Bake, report: &Report) -> Vec<String> {
     let (pixel, clamped, share) = (plan.pixel, report.clamped, report.clamped_energy_share);
     let mut losses = Vec::new();

@@ -68,7 +68,7 @@ impl Overflow {
     ///
     /// # Errors
     /// [`Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.
-    pub fn apply(self, index: usize, level: &mut Level, pixel: Pixel) -> Result<u64> {
+    pub(crate) fn apply(self, index: usize, level: &mut Level, pixel: Pixel) -> Result<u64> {
         let (width, height) = level.layout.sides();
         let (width, area) = (width as usize, width as usize * height as usize);
         let face = |at: usize| match level.layout {

@@ -1,8 +1,8 @@
 //! Adaptive quadrature of lobes over the cells: one workgroup for each packet of directions.
 
 use super::cells::CellTree;
+use super::device::readback;
 use super::device::stage::{Dispatch, in_rows};
-use super::device::{readback, shader};
 use super::{Context, Stage};
 use crate::cpu::leaves::LANES;
 use crate::error::{Error, Result};
@@ -186,23 +186,21 @@ pub struct Answers {
     pub leaves: u64,
 }
 
-/// Stage that evaluates the lobe made of `parts` (one or two) around the directions of `packets`. Its
-/// pipelines, the largest of all, are compiled on first use.
+/// Stage that evaluates the lobe made of `parts` (one or two) around the directions of `packets`.
 ///
 /// # Panics
 /// If there are no parts or more than two.
 #[must_use]
 pub fn stage(context: &Context, parts: &[LobePart<'_>], packets: &Packets) -> Stage {
     assert!((1..=2).contains(&parts.len()), "one or two parts");
-    let module = shader::module(context, "adaptive.wgsl");
     let Packets { count, packets, results, leaves } = packets;
     let dispatches = parts.iter().zip(leaves).enumerate().map(|(index, (part, leaves))| {
         let lobe = part.uniform(*count, index > 0);
         let uniform = context.uniform("lobe", &lobe);
-        let sheen = f64::from(u8::from(lobe.shape == shape::CHARLIE));
-        Dispatch::new(
+        let sheen = u32::from(lobe.shape == shape::CHARLIE);
+        Dispatch::of(
             context,
-            &shader::pipeline(context, &module, "adaptive", &[("SHEEN", sheen)]),
+            &context.pipeline("adaptive.wgsl", "adaptive", Some(("SHEEN", sheen))),
             &[
                 (0, uniform.as_entire_binding()),
                 (1, part.cells.least.as_entire_binding()),

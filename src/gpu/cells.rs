@@ -1,8 +1,7 @@
 //! Builds the quadtree of moments over an OEM's planes, level by level.
 
-use super::device::shader;
 use super::device::stage::Dispatch;
-use super::least::Least;
+use super::least;
 use super::oem::Table;
 use super::{Context, OemPlanes, Stage};
 use crate::cpu::cells::{Cells, QUAD_FIELDS, SubdivisionTables, omitted_radiance};
@@ -44,14 +43,6 @@ pub struct Tent {
     pad_1: f32,
 }
 
-/// Pipelines of the stage.
-#[derive(Clone, Debug)]
-pub struct BuildCells {
-    least: Least,
-    finest: wgpu::ComputePipeline,
-    coarser: wgpu::ComputePipeline,
-}
-
 /// The quadtree of one OEM, filled by its stage.
 #[derive(Clone, Debug)]
 pub struct CellTree {
@@ -82,16 +73,8 @@ pub(super) struct SourceTables {
 impl SourceTables {
     /// Tables without texels.
     fn none(context: &Context) -> Self {
-        let texture = context.device().create_texture(&wgpu::TextureDescriptor {
-            label: Some("no source"),
-            size: wgpu::Extent3d::default(),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba32Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
+        let (format, usage) = (wgpu::TextureFormat::Rgba32Float, wgpu::TextureUsages::TEXTURE_BINDING);
+        let texture = context.texture("no source", format, [1; 3], 1, usage);
         Self {
             grid: SourceGrid::default(),
             members: context.storage("no members", 4),
@@ -209,79 +192,68 @@ impl CellTree {
     }
 }
 
-impl BuildCells {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "cells.wgsl");
-        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        Self { least: Least::new(context), finest: pipeline("finest"), coarser: pipeline("coarser") }
-    }
+/// The cells of `oem` down to blocks of `block` x `block` texels, and the stage that fills them.
+///
+/// # Errors
+/// [`crate::Error::Limit`] if they are larger than the device can bind.
+///
+/// # Panics
+/// If `block` is zero.
+pub fn stage(
+    context: &Context,
+    oem: &OemPlanes,
+    block: u32,
+    reconstruction: Reconstruction,
+) -> Result<(Stage, CellTree)> {
+    assert!(block > 0, "blocks of at least one texel");
+    let Table { inner, .. } = oem.table();
+    CellTree::check_fits(context, inner, |_| block)?;
+    let cells = inner.div_ceil(block);
+    let (levels, count) = levels_over(cells);
+    let bytes = QUAD * u64::from(count);
+    let tents: Vec<Tent> = Tents::new(inner, reconstruction)
+        .quadrant()
+        .iter()
+        .map(|patch| Tent {
+            centroid: patch.centroid.to_array(),
+            radius: patch.radius,
+            diagonal: patch.diagonal.to_array(),
+            pad_0: 0.0,
+            mixed: patch.mixed.to_array(),
+            pad_1: 0.0,
+        })
+        .collect();
+    let tents = context.storage_of("moments of texels", &tents);
+    let of_all = context.storage("least radiance", 16);
+    let quads = context.storage("quads", bytes);
 
-    /// The cells of `oem` down to blocks of `block` x `block` texels, and the stage that fills them.
-    ///
-    /// # Errors
-    /// [`crate::Error::Limit`] if they are larger than the device can bind.
-    ///
-    /// # Panics
-    /// If `block` is zero.
-    pub fn stage(
-        &self,
-        context: &Context,
-        oem: &OemPlanes,
-        block: u32,
-        reconstruction: Reconstruction,
-    ) -> Result<(Stage, CellTree)> {
-        assert!(block > 0, "blocks of at least one texel");
-        let Table { inner, .. } = oem.table();
-        CellTree::check_fits(context, inner, |_| block)?;
-        let cells = inner.div_ceil(block);
-        let (levels, count) = levels_over(cells);
-        let bytes = QUAD * u64::from(count);
-        let tents: Vec<Tent> = Tents::new(inner, reconstruction)
-            .quadrant()
-            .iter()
-            .map(|patch| Tent {
-                centroid: patch.centroid.to_array(),
-                radius: patch.radius,
-                diagonal: patch.diagonal.to_array(),
-                pad_0: 0.0,
-                mixed: patch.mixed.to_array(),
-                pad_1: 0.0,
-            })
-            .collect();
-        let tents = context.storage_of("moments of texels", &tents);
-        let least = context.storage("least radiance", 16);
-        let quads = context.storage("quads", bytes);
-
-        let planes = oem.bindings();
-        let least_binding = (6, least.as_entire_binding());
-        let quads_binding = (8, quads.as_entire_binding());
-        let over = |width: u32| [width.div_ceil(EDGE), width.div_ceil(EDGE), 1];
-        let mut dispatches = Vec::from(self.least.dispatches(context, oem, least.as_entire_binding()));
-        for (index, &[first, width]) in levels.iter().enumerate() {
-            let [finer_first, finer_width] = if index > 0 { levels[index - 1] } else { [0, 0] };
-            let uniform = CellLevel { first, width, finer_first, finer_width, cells, block };
-            let uniform = context.uniform("level of cells", &uniform);
-            let level = (9, uniform.as_entire_binding());
-            dispatches.push(if index == 0 {
-                let tents = (7, tents.as_entire_binding());
-                let own = [least_binding.clone(), tents, quads_binding.clone(), level];
-                Dispatch::new(context, &self.finest, &[&planes[..], &own].concat(), over(width))
-            } else {
-                Dispatch::new(context, &self.coarser, &[quads_binding.clone(), level], over(width))
-            });
-        }
-        let tree = CellTree {
-            inner,
-            block,
-            reconstruction,
-            least,
-            quads,
-            levels,
-            omitted: omitted_radiance(inner),
-            source: SourceTables::none(context),
-        };
-        Ok((Stage::new("cells", dispatches), tree))
+    let planes = oem.bindings();
+    let least_binding = (6, of_all.as_entire_binding());
+    let quads_binding = (8, quads.as_entire_binding());
+    let over = |width: u32| [width.div_ceil(EDGE), width.div_ceil(EDGE), 1];
+    let mut dispatches = Vec::from(least::dispatches(context, oem, of_all.as_entire_binding()));
+    for (index, &[first, width]) in levels.iter().enumerate() {
+        let [finer_first, finer_width] = if index > 0 { levels[index - 1] } else { [0, 0] };
+        let uniform = CellLevel { first, width, finer_first, finer_width, cells, block };
+        let uniform = context.uniform("level of cells", &uniform);
+        let level = (9, uniform.as_entire_binding());
+        dispatches.push(if index == 0 {
+            let tents = (7, tents.as_entire_binding());
+            let own = [least_binding.clone(), tents, quads_binding.clone(), level];
+            Dispatch::new(context, ("cells.wgsl", "finest"), &[&planes[..], &own].concat(), over(width))
+        } else {
+            Dispatch::new(context, ("cells.wgsl", "coarser"), &[quads_binding.clone(), level], over(width))
+        });
     }
+    let tree = CellTree {
+        inner,
+        block,
+        reconstruction,
+        least: of_all,
+        quads,
+        levels,
+        omitted: omitted_radiance(inner),
+        source: SourceTables::none(context),
+    };
+    Ok((Stage::new("cells", dispatches), tree))
 }

@@ -156,7 +156,7 @@ fn bytes(inner: u32) -> u64 {
 
 /// Tables for fitted lobes, in the form that shaders query.
 ///
-/// The stages of [`super::build_fitted::BuildFitted`] fill them; record these whenever the light has changed.
+/// The stages of [`super::build_fitted::stages`] fill them; record these whenever the light has changed.
 /// `octagloss_fitted(direction, roughness)` of `common/fitted.wgsl` reads them; the roughness may differ per
 /// pixel.
 #[derive(Clone, Debug)]

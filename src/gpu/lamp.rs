@@ -1,6 +1,5 @@
 //! Adds a moving lamp to an OEM; the other light stays.
 
-use super::device::shader;
 use super::device::stage::Dispatch;
 use super::{Context, OemPlanes, Stage};
 use glam::DVec3;
@@ -68,23 +67,10 @@ impl Lamp {
     }
 }
 
-/// Pipeline of the stage.
-#[derive(Clone, Debug)]
-pub struct LampPass(wgpu::ComputePipeline);
-
-impl LampPass {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "lamp.wgsl");
-        Self(shader::pipeline(context, &module, "lamp", &[]))
-    }
-
-    /// Adds to `oem` the [`Lamp`] that the uniform buffer `lamp` holds when the stage runs.
-    #[must_use]
-    pub fn stage(&self, context: &Context, lamp: &wgpu::Buffer, oem: &OemPlanes) -> Stage {
-        let resources = [oem.bindings(), vec![(5, lamp.as_entire_binding())]].concat();
-        let groups = oem.table().side.div_ceil(EDGE);
-        Stage::new("lamp", vec![Dispatch::new(context, &self.0, &resources, [groups, groups, 1])])
-    }
+/// Adds to `oem` the [`Lamp`] that the uniform buffer `lamp` holds when the stage runs.
+#[must_use]
+pub fn stage(context: &Context, lamp: &wgpu::Buffer, oem: &OemPlanes) -> Stage {
+    let resources = [oem.bindings(), vec![(5, lamp.as_entire_binding())]].concat();
+    let groups = oem.table().side.div_ceil(EDGE);
+    Stage::new("lamp", vec![Dispatch::new(context, ("lamp.wgsl", "lamp"), &resources, [groups, groups, 1])])
 }

@@ -18,9 +18,9 @@
 //!
 //! [`direct`] draws triangles into octahedral maps, in place of a texture to reparameterise.
 //!
-//! A pass is an immutable struct of pipelines ([`sat_scan::SatScan`]). Bound to buffers it is a [`Stage`]
-//! that records into the caller's encoder. Recording allocates nothing, submits nothing and waits for
-//! nothing.
+//! A pass is a function ([`sat_scan::stage`]) that binds pipelines to buffers: a [`Stage`], which records into
+//! the caller's encoder. Recording allocates nothing, submits nothing and waits for nothing. The [`Context`]
+//! compiles pipelines when they are first asked for, and keeps them.
 
 pub mod adaptive;
 pub mod blur;

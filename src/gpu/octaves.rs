@@ -33,7 +33,7 @@ pub struct Octave {
 /// The tables of all octaves over one size of OEM.
 #[derive(Clone, Copy, Debug)]
 pub struct OctaveLayout {
-    /// Those up to `finest`.
+    /// Octaves up to `finest`.
     pub octaves: [Octave; OCTAVES],
     /// The finest octave.
     pub finest: u32,

@@ -72,7 +72,8 @@ fn largest_that_fits(bytes: u64) -> impl FnOnce(u64) -> String {
 #[derive(Clone, Debug)]
 pub struct OemPlanes {
     size: OemSize,
-    planes: [wgpu::Buffer; CHANNELS],
+    /// The planes.
+    pub planes: [wgpu::Buffer; CHANNELS],
     table: wgpu::Buffer,
 }
 
@@ -109,12 +110,6 @@ impl OemPlanes {
         Table::new(self.size)
     }
 
-    /// The planes.
-    #[must_use]
-    pub const fn planes(&self) -> &[wgpu::Buffer; CHANNELS] {
-        &self.planes
-    }
-
     /// The [`Table`] at binding 0 and the planes at 1 to 4, where stages have them.
     pub(super) fn bindings(&self) -> Vec<(u32, wgpu::BindingResource<'_>)> {
         (0..)
@@ -137,8 +132,10 @@ impl OemPlanes {
 #[derive(Clone, Debug)]
 pub struct SatPlanes {
     size: OemSize,
-    planes: [wgpu::Buffer; CHANNELS],
-    exponents: wgpu::Buffer,
+    /// The planes.
+    pub planes: [wgpu::Buffer; CHANNELS],
+    /// Four `i32`: F of each channel, see [`crate::sat::FixedPoint`].
+    pub exponents: wgpu::Buffer,
 }
 
 impl SatPlanes {
@@ -164,17 +161,5 @@ impl SatPlanes {
     #[must_use]
     pub const fn size(&self) -> OemSize {
         self.size
-    }
-
-    /// The planes.
-    #[must_use]
-    pub const fn planes(&self) -> &[wgpu::Buffer; CHANNELS] {
-        &self.planes
-    }
-
-    /// Four `i32`: F of each channel, see [`crate::sat::FixedPoint`].
-    #[must_use]
-    pub const fn exponents(&self) -> &wgpu::Buffer {
-        &self.exponents
     }
 }

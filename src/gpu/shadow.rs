@@ -5,8 +5,9 @@
 //! ```
 
 use super::Context;
+use super::device::resources::{DEPTH, UNIFORM, group, group_layout, texture_binding};
 use super::device::shader;
-use super::direct::{DEPTH, OctantDraws, cleared_depth, depth_texture, view_layout};
+use super::direct::{OctantDraws, cleared_depth, depth_texture, view_layout};
 use super::live::draw_wgsl;
 use crate::direct::DirectMap;
 use crate::error::{Error, Result};
@@ -60,30 +61,10 @@ impl ShadowMap {
         let shadow = Shadow { lamp: [0.0; 3], size, near: 1.0, bias: BIAS, pad: [0; 2] };
         let uniform = context.uniform("octagloss shadow", &shadow);
         let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("octagloss shadow"),
-            entries: &[
-                entry(
-                    0,
-                    wgpu::BindingType::Buffer {
-                        ty: wgpu::BufferBindingType::Uniform,
-                        has_dynamic_offset: false,
-                        min_binding_size: None,
-                    },
-                ),
-                entry(
-                    1,
-                    wgpu::BindingType::Texture {
-                        sample_type: wgpu::TextureSampleType::Depth,
-                        view_dimension: wgpu::TextureViewDimension::D2,
-                        multisampled: false,
-                    },
-                ),
-            ],
-        });
-        let bind_group = bind_group(device, &layout, &uniform, &depth);
-        let draw_layout = view_layout(device);
+        let map_of_depth = texture_binding(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2);
+        let layout = group_layout(&context, "octagloss shadow", visibility, &[UNIFORM, map_of_depth]);
+        let bind_group = bind_group(&context, &layout, &uniform, &depth);
+        let draw_layout = view_layout(&context);
         let octants = OctantDraws::new(&context, &draw_layout, map);
         Ok(Self { context, shadow, uniform, depth, octants, draw_layout, layout, bind_group })
     }
@@ -178,25 +159,19 @@ impl ShadowMap {
         &self.bind_group
     }
 
-    /// Such a group of `layout`, which a pipeline has derived from its shader.
+    /// The resources as a group of `layout`, which wgpu derived for a pipeline from its shader.
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        bind_group(self.context.device(), layout, &self.uniform, &self.depth)
+        bind_group(&self.context, layout, &self.uniform, &self.depth)
     }
 }
 
 fn bind_group(
-    device: &wgpu::Device,
+    context: &Context,
     layout: &wgpu::BindGroupLayout,
     uniform: &wgpu::Buffer,
     depth: &wgpu::TextureView,
 ) -> wgpu::BindGroup {
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("octagloss shadow"),
-        layout,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(depth) },
-        ],
-    })
+    let resources = [uniform.as_entire_binding(), wgpu::BindingResource::TextureView(depth)];
+    group(context, "octagloss shadow", layout, resources)
 }

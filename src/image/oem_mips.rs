@@ -22,7 +22,7 @@ pub enum Weights {
     Equal,
 }
 
-/// What a look-up reads outside the texture.
+/// Texels that look-ups read outside the texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Addressing {
     /// The nearest texel.

@@ -2,10 +2,10 @@
 
 use super::cube_file::{CubeFile, check_sizes};
 use super::exr::parts::{Part, exr_parts_bytes};
-use super::exr::write::Attribute;
+use super::exr::write::attributes;
 use super::provenance::Provenance;
 use super::{dds, ktx1, ktx2};
-use crate::chain::{Chain, Level};
+use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::format::container::Container;
 use crate::format::{LevelName, Pixel};
@@ -43,11 +43,6 @@ pub fn cube_bytes(
 /// `metadata`.
 fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     check_sizes("EXR", chain)?;
-    let attributes = |level: &Level| {
-        let text = metadata.iter().map(|(key, text)| (key.clone(), Attribute::Text(text.clone())));
-        let roughness = ("roughness".to_owned(), Attribute::Float(level.roughness as f32));
-        std::iter::once(roughness).chain(text).collect()
-    };
     let parts: Vec<Part<'_>> = (0..)
         .zip(&chain.levels)
         .flat_map(|(index, level)| Face::ALL.map(|face| (index, level, face)))
@@ -56,7 +51,7 @@ fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Resu
             width: level.size(),
             height: level.size(),
             texels: level.face(face),
-            attributes: attributes(level),
+            attributes: attributes(Some(level.roughness), metadata.iter().cloned()),
         })
         .collect();
     Ok(CubeFile::new(exr_parts_bytes(&parts, pixel)?, chain, pixel))

@@ -1,7 +1,7 @@
 //! Writes an environment as one image file: EXR (ZIP; half, or float if the light exceeds the range of half)
 //! or Radiance .hdr.
 
-use super::exr::write::{Attribute, Samples, exr_bytes};
+use super::exr::write::{Samples, attributes, exr_bytes};
 use super::hdr::write::hdr_bytes;
 use super::layout::image_from_faces;
 use super::output::{self, Existing};
@@ -63,10 +63,7 @@ pub(crate) fn picture_bytes(
         return hdr_bytes(width, height, texels, metadata);
     }
     let texts = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
-    let attributes: Vec<(String, Attribute)> = std::iter::once(("comments", comment))
-        .chain(texts)
-        .map(|(key, text)| (key.to_owned(), Attribute::Text(text.to_owned())))
-        .collect();
+    let attributes = attributes(None, std::iter::once(("comments", comment)).chain(texts));
     exr_bytes(width, height, Samples::Rgb(texels), pixel.stored(texels), &attributes)
 }
 
@@ -89,7 +86,7 @@ pub(crate) fn losses(texels: &[Rgb], pixel: Pixel, remedy: &str) -> Vec<String> 
 /// As [`exr_bytes`].
 pub fn exact_exr_bytes(environment: &Environment, comment: &str) -> Result<Vec<u8>> {
     let (width, height, texels) = picture(environment);
-    let attributes = [("comments".to_owned(), Attribute::Text(comment.to_owned()))];
+    let attributes = attributes(None, [("comments", comment)]);
     exr_bytes(width, height, Samples::Rgb(&texels), Pixel::F32, &attributes)
 }
 

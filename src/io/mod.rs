@@ -50,7 +50,7 @@ pub use repair::Repairs;
 pub use source::DEFAULT_MEMORY_LIMIT;
 
 use crate::chain::{Chain, Level};
-use crate::environment::{Environment, Layout, Rgb};
+use crate::environment::{Environment, Layout, Rgb, of_sound};
 use crate::error::{Error, Result, printable};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
@@ -393,6 +393,20 @@ fn file_of(path: &Path) -> Result<Option<PathBuf>> {
     if level_folder::has_levels(path) { Ok(None) } else { target_folder::levels_file(path) }
 }
 
+/// Names in `folder`, sorted.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read.
+pub(crate) fn names_in(folder: &Path) -> Result<Vec<String>> {
+    let fail = |error| Error::io(folder, error);
+    let name = |entry: std::io::Result<fs::DirEntry>| {
+        Ok(entry.map_err(fail)?.file_name().to_string_lossy().into_owned())
+    };
+    let mut names = fs::read_dir(folder).map_err(fail)?.map(name).collect::<Result<Vec<_>>>()?;
+    names.sort();
+    Ok(names)
+}
+
 /// Whether `path` is a directory.
 fn is_directory(path: &Path) -> Result<bool> {
     Ok(fs::metadata(path).map_err(|source| Error::io(path, source))?.is_dir())
@@ -530,7 +544,7 @@ fn finish_finite(
         repair::negative(&mut texels, density, &mut repaired);
     }
     let warnings = finish_texels(path, &mut texels, &repaired, warnings, options)?;
-    let environment = Environment::of_sound(arrangement.layout, texels)?;
+    let environment = of_sound(arrangement.layout, texels)?;
     let height = if is_cube { width } else { height };
     Ok(Loaded {
         environment,

@@ -20,7 +20,7 @@ use super::pad::Pad;
 use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::{Layout, Rgb};
 use crate::lobe::Lobe;
-use crate::target::Flip;
+use crate::target::{Flip, flipped, flipped_chain};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Number, Value, json};
 
@@ -189,7 +189,7 @@ impl Provenance {
         let flip = self.flip.unwrap_or_default();
         Ok(match (flip, layout) {
             (Flip::None, _) => texels,
-            (_, Layout::Cube { size }) => flip.level(&Level::cube(size, 0.0, texels)).texels,
+            (_, Layout::Cube { size }) => flipped(&Level::cube(size, 0.0, texels), flip).texels,
             // Azimuths run from -Z over +X and +Z, so that -z reverses the columns.
             (Flip::Z, Layout::Panorama { width, .. }) => rows(texels, width, <[Rgb]>::reverse),
             (Flip::X, Layout::Panorama { width, .. }) => {
@@ -232,7 +232,7 @@ impl Provenance {
             _ if !chain.levels.iter().all(|level| matches!(level.layout, Layout::Cube { .. })) => {
                 return Err("a flip is for cubes; bake it again".to_owned());
             }
-            flip => flip.chain(&chain),
+            flip => flipped_chain(&chain, flip),
         })
     }
 }

@@ -322,7 +322,7 @@ pub fn from_json<T: Default + Serialize + DeserializeOwned>(options: Map<String,
     Ok(parsed)
 }
 
-/// What serde's message says that is needed.
+/// The remedy in serde's message.
 fn remedy(message: &str) -> String {
     match message.rsplit_once("expected ") {
         Some((_, "u32")) => "a whole number is needed".to_owned(),

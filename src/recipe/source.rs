@@ -29,9 +29,9 @@ pub struct Source {
     pub suns: Vec<SunReport>,
     /// Repairs made.
     pub repaired: Repairs,
-    /// What was removed, one line each.
+    /// Removals, one line each.
     pub notes: Vec<String>,
-    /// What reading assumed, and what was to be removed or might be, and was not; one line each.
+    /// Warnings, one line each: assumptions of the reader, and suns that were not removed.
     pub warnings: Vec<String>,
     /// The encoding in words.
     pub format: String,
@@ -117,29 +117,32 @@ impl InputOptions {
     /// Reads the environment in `paths`, one file or folder, or the six faces of a cube, and turns it.
     ///
     /// # Errors
-    /// Those of [`io::read`] and [`io::read_faces`].
+    /// Those of [`Self::check`], [`io::read`] and [`io::read_faces`].
     pub fn open(&self, paths: &[PathBuf]) -> Result<Source> {
+        self.check()?;
         let loaded = match paths {
             [path] => io::read(path, &self.read_options())?,
             faces => io::read_faces(faces, &self.read_options())?,
         };
-        Ok(self.turned(paths.first().map_or_else(String::new, |path| path.display().to_string()), loaded))
+        self.turned(paths.first().map_or_else(String::new, |path| path.display().to_string()), loaded)
     }
 
     /// [`Self::open`] of the file `input`, which is in memory, in at most `memory_limit` bytes.
     ///
     /// # Errors
-    /// Those of [`io::read_from_memory`].
+    /// Those of [`Self::check`] and [`io::read_from_memory`].
     pub fn open_bytes(&self, input: &str, bytes: &[u8], memory_limit: u64) -> Result<Source> {
+        self.check()?;
         let options = io::ReadOptions { memory_limit, ..self.read_options() };
-        let source = self.turned(input.to_owned(), io::read_from_memory(Path::new(input), bytes, &options)?);
+        let source =
+            self.turned(input.to_owned(), io::read_from_memory(Path::new(input), bytes, &options)?)?;
         let blake3 = blake3::hash(bytes).to_hex().to_string();
         let file = InputFileReport { path: input.to_owned(), bytes: bytes.len() as u64, blake3 };
         Ok(Source { files: vec![file], ..source })
     }
 
     /// Mirrors and rotates `loaded`, and removes its suns, in this order.
-    fn turned(&self, input: String, loaded: Loaded) -> Source {
+    fn turned(&self, input: String, loaded: Loaded) -> Result<Source> {
         let Loaded { environment, repaired, warnings, format, layout, width, height, provenance } = loaded;
         let options = Self { mirror: false, rotate_y: None, extract_sun: None, ..self.clone() };
         let source = Source {
@@ -152,7 +155,7 @@ impl InputOptions {
             height,
             ..Source::new(environment, input, layout)
         };
-        source.turned(self.mirror, self.rotate_y.unwrap_or(0.0)).without(self.extract_sun.as_ref())
+        source.turned(self.mirror, self.rotate_y.unwrap_or(0.0))?.without(self.extract_sun.as_ref())
     }
 }
 
@@ -179,28 +182,33 @@ impl Source {
     }
 
     /// The source mirrored, if `mirror`, and then rotated about +Y by `degrees`.
-    #[must_use]
-    pub fn turned(mut self, mirror: bool, degrees: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] for an angle that is not finite.
+    pub fn turned(mut self, mirror: bool, degrees: f64) -> Result<Self> {
         if mirror || degrees != 0.0 {
             let environment = Arc::unwrap_or_clone(self.environment);
             let mirrored = if mirror { environment.mirrored() } else { environment };
-            self.environment = Arc::new(if degrees == 0.0 { mirrored } else { mirrored.rotated_y(degrees) });
+            self.environment =
+                Arc::new(if degrees == 0.0 { mirrored } else { mirrored.rotated_y(degrees)? });
         }
         self.options.mirror |= mirror;
         self.options.rotate_y = Some(self.options.rotate_y.unwrap_or(0.0) + degrees);
-        self
+        Ok(self)
     }
 
     /// The source without the suns that `asked` selects.
-    #[must_use]
-    pub fn without(mut self, asked: Option<&Suns>) -> Self {
-        let Some(asked) = asked else { return self };
-        let extraction = extract(&self.environment, asked);
+    ///
+    /// # Errors
+    /// Those of [`extract`].
+    pub fn without(mut self, asked: Option<&Suns>) -> Result<Self> {
+        let Some(asked) = asked else { return Ok(self) };
+        let extraction = extract(&self.environment, asked)?;
         self.options.extract_sun = Some(asked.clone());
         self.notes.extend(extraction.notes());
         self.warnings.extend(extraction.warnings());
         let report = |lamp: &Lamp| SunReport::new(&lamp.sun, lamp.energy_share);
         self.suns.extend(extraction.lamps.iter().map(report));
-        Self { environment: Arc::new(extraction.sunless), ..self }
+        Ok(Self { environment: Arc::new(extraction.sunless), ..self })
     }
 }

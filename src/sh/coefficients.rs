@@ -6,6 +6,7 @@
 //! the sphere, and L(d) is about the sum of c_k Y_k(d).
 
 use crate::environment::{Environment, Layout, Rgb};
+use crate::error::{Error, Result};
 use crate::geometry::exact::ExactTexels;
 use crate::sat::Sat;
 use crate::sphere::octahedral::{direction_from_oct, texel_centre};
@@ -147,23 +148,24 @@ pub fn table_harmonics(sat: &Sat) -> [[f64; 4]; MAX_COUNT] {
     total
 }
 
-/// Coefficients of `environment`'s radiance up to band `order` (at most [`MAX_ORDER`]), red, green and blue.
+/// Coefficients of `environment`'s radiance up to band `order`, red, green and blue.
 ///
 /// The basis functions are integrated over each texel to rounding; up to L2 the integrals follow from the
 /// exact moments of the direction.
 ///
-/// # Panics
-/// If `order` is above [`MAX_ORDER`].
-#[must_use]
-pub fn spherical_harmonics(environment: &Environment, order: u32) -> Vec<[f64; 3]> {
-    assert!(order <= MAX_ORDER, "bands up to L{MAX_ORDER}");
+/// # Errors
+/// [`Error::Parameter`] if `order` is above [`MAX_ORDER`].
+pub fn spherical_harmonics(environment: &Environment, order: u32) -> Result<Vec<[f64; 3]>> {
+    if order > MAX_ORDER {
+        return Err(Error::Parameter(format!("`order` is {order}; it must be 0 to {MAX_ORDER}")));
+    }
     let texels = ExactTexels::new(environment.layout());
     let coefficients = match (environment.layout(), order) {
         (Layout::Panorama { width, .. }, 0..=2) => panorama::<5>(environment, &texels, width as usize, order),
         (Layout::Panorama { width, .. }, _) => panorama::<9>(environment, &texels, width as usize, order),
         _ => blocks(environment, &texels, order),
     };
-    turned(&coefficients, environment.source_from_world())
+    Ok(turned(&coefficients, environment.source_from_world()))
 }
 
 type Coefficients = Vec<[f64; 3]>;

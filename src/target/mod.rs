@@ -6,7 +6,7 @@
 mod flip;
 pub(crate) mod sizes;
 
-pub use flip::Flip;
+pub use flip::{Flip, flipped, flipped_chain};
 
 use crate::chain::ChainKind;
 use crate::environment::Map;

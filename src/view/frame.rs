@@ -142,7 +142,7 @@ impl Diffuse {
         // Convolution factors of cosine over pi per band (Ramamoorthi and Hanrahan 2001, equation 8).
         const BANDS: [f64; 5] = [1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0];
         let mut harmonics = [[0.0; 4]; sh::MAX_COUNT];
-        let coefficients = sh::spherical_harmonics(environment, sh::MAX_ORDER);
+        let coefficients = sh::spherical_harmonics(environment, sh::MAX_ORDER).expect("the highest");
         for (index, (uniform, coefficient)) in harmonics.iter_mut().zip(coefficients).enumerate() {
             let [red, green, blue] = coefficient.map(|c| (BANDS[sh::band(index)] * c) as f32);
             *uniform = [red, green, blue, 0.0];

@@ -105,14 +105,7 @@ pub(super) fn filled_buffer(
             remedy: format!("use a {whole} of fewer triangles"),
         });
     }
-    let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
-        label: Some(content),
-        size: bytes.len() as u64,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    context.queue().write_buffer(&buffer, 0, bytes);
-    Ok(buffer)
+    Ok(context.buffer_of(content, bytes, usage))
 }
 
 impl Model {

@@ -1,8 +1,9 @@
 //! Tone-maps a linear picture for the display.
 
 use super::look::{Look, Tone};
-use super::resources::{Draw, draw_pass, group};
+use super::resources::draw_pass;
 use crate::gpu::Context;
+use crate::gpu::device::resources::{Draw, group};
 use crate::gpu::device::shader;
 use std::collections::HashMap;
 

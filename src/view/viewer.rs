@@ -175,9 +175,9 @@ impl Viewer {
         let mut light = self.renderer.light(environment, &self.table)?;
         // If the levels cannot be shown, still show the environment.
         let taken = levels.map(|levels| light.set_levels(self.renderer.context(), &levels?)).transpose();
-        if light.has_own_levels() {
+        if light.own_levels {
             self.look.filter = Technique::Levels;
-        } else if self.light.has_own_levels() && self.look.filter == Technique::Levels {
+        } else if self.light.own_levels && self.look.filter == Technique::Levels {
             self.look.filter = Look::default().filter;
         }
         self.light = light;
@@ -428,7 +428,7 @@ impl WindowContent for Viewer {
         });
         let size = self.picture_size();
         self.reported_size = size;
-        let (has_materials, has_levels) = (self.renderer.has_materials(), self.light.has_own_levels());
+        let (has_materials, has_levels) = (self.renderer.has_materials(), self.light.own_levels);
         let exposure = self.light.exposure();
         let half_height =
             self.look.camera.frame(f64::from(width) / f64::from(height), self.look.field()).up.length();

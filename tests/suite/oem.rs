@@ -323,7 +323,7 @@ fn level_0_is_the_mean_over_each_texel_in_the_world() {
         let radiance: Vec<Rgb> =
             texels(&mut random, Look::Noise, layout).into_iter().map(|t| t.map(tenfold)).collect();
         for degrees in [0.0, 90.0, 37.0] {
-            let turned = environment(layout, radiance.clone()).rotated_y(degrees);
+            let turned = environment(layout, radiance.clone()).rotated_y(degrees).expect("an angle");
             for (environment, size) in [(turned.clone(), 4), (turned.mirrored(), 3)] {
                 let cube = footprints_from_environment(&environment, size).expect("a small cube");
                 for (k, texel) in cube.iter().enumerate().step_by(sweep(5, 1)) {

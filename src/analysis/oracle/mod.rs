@@ -12,6 +12,7 @@ pub mod integrate;
 pub mod kernel;
 
 use crate::environment::{Environment, Layout, Rgb};
+use crate::error::{Error, Result};
 use crate::geometry::exact::ExactTexels;
 use crate::geometry::exact::patch::Accuracy;
 use crate::lobe::Lobe;
@@ -78,8 +79,26 @@ impl<'a> Oracle<'a> {
     /// Each channel is sum(L_i K_i) / sum(K_i), K_i the kernel's integral over texel i to a relative 1e-5 or
     /// better. At roughness 0 (below 3e-5) it is the radiance of the texel looked at, but for lobes that have
     /// no mirror.
-    #[must_use]
-    pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a roughness outside [0, 1], and a direction that is zero or not finite.
+    pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> Result<[f64; 3]> {
+        if !(0.0..=1.0).contains(&roughness) {
+            return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
+        }
+        // Scale first: squares of tiny and huge lengths exceed the range of floats.
+        let longest = direction.abs().max_element();
+        if !(direction.is_finite() && longest > 0.0) {
+            return Err(Error::Parameter(format!(
+                "the direction is {direction}; finite numbers that are not all 0 are needed"
+            )));
+        }
+        let direction = if (1e-100..1e100).contains(&longest) { direction } else { direction / longest };
+        Ok(self.reflected(lobe, roughness, direction))
+    }
+
+    /// [`Self::reflect`] of a checked roughness and direction.
+    pub(crate) fn reflected(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
         let direction = (self.environment.source_from_world() * direction).normalize();
         if roughness < MIRROR && lobe.has_mirror() {
             return self.texel_towards(direction).map(f64::from);

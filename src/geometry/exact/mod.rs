@@ -12,7 +12,7 @@ use glam::{DMat3, DVec2, DVec3};
 use patch::{Accuracy, Band, Flat, Patch, Plane, Sample};
 use std::f64::consts::{PI, TAU};
 
-/// What a texel is, in its own space.
+/// Outline of a texel, in its own space.
 #[derive(Clone, Copy, Debug)]
 pub struct Texel {
     /// Exact solid angle.

@@ -5,6 +5,7 @@ pub(super) mod block_on;
 pub mod context;
 pub(crate) mod names;
 pub mod readback;
+pub(crate) mod resources;
 pub mod shader;
 pub(crate) mod stage;
 pub mod timer;

@@ -5,11 +5,12 @@
 //! approximation for finely cut triangles, whose error falls with the square of their size. In C_1 the
 //! equation misprints atan2(a, -c), where C_1 is around +Z, and in both its sines are those of unit vectors.
 
-use super::target::{check_format, nearest_surface};
+use super::target::{NEAREST, check_format};
 use super::{DirectMesh, DirectTarget, cleared};
 use crate::direct::{DirectMap, check_near};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
+use crate::gpu::device::resources::{Draw, group};
 use crate::gpu::device::shader;
 use crate::gpu::device::timer::Timer;
 
@@ -65,28 +66,9 @@ impl Unwrap {
     pub fn new(context: &Context, format: wgpu::TextureFormat) -> Result<Self> {
         check_format(format)?;
         let module = &shader::module(context, "direct/unwrap.wgsl");
-        let compilation_options = wgpu::PipelineCompilationOptions::default;
-        let pipeline = context.device().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("unwrap"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module,
-                entry_point: Some("unwrap_corner"),
-                compilation_options: compilation_options(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(nearest_surface()),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module,
-                entry_point: Some("unwrapped_pixel"),
-                compilation_options: compilation_options(),
-                targets: &[Some(format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let entries = ["unwrap_corner", "unwrapped_pixel"];
+        let (target, depth) = (format.into(), Some(NEAREST));
+        let pipeline = Draw { module, entries, layout: None, corners: None, target, depth }.pipeline(context);
         Ok(Self { context: context.clone(), format, pipeline })
     }
 
@@ -112,15 +94,8 @@ impl Unwrap {
         };
         let groups = [0, 1].map(|panel| {
             let uniform = self.context.uniform("panel", &Panel { panel, remedy: remedy as u32, near });
-            let resources = [&uniform, &mesh.corners, &mesh.indices];
-            self.context.device().create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("panel"),
-                layout: &self.pipeline.get_bind_group_layout(0),
-                entries: &[0, 1, 2].map(|k| wgpu::BindGroupEntry {
-                    binding: k as u32,
-                    resource: resources[k].as_entire_binding(),
-                }),
-            })
+            let resources = [&uniform, &mesh.corners, &mesh.indices].map(wgpu::Buffer::as_entire_binding);
+            group(&self.context, "panel", &self.pipeline.get_bind_group_layout(0), resources)
         });
         let [colour, depth] = target.views(0);
         let corners = 3 * mesh.triangles();

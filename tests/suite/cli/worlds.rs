@@ -13,7 +13,7 @@ use octagloss::internals::io::exr::write::{Samples, exr_bytes};
 use octagloss::internals::io::ktx2::write::ktx2_bytes;
 use octagloss::internals::io::{ReadOptions, load_chain, read};
 use octagloss::internals::sphere::equirect::direction_from_equirect;
-use octagloss::internals::target::{Flip, TARGETS};
+use octagloss::internals::target::{Flip, TARGETS, flipped_chain};
 use octagloss::{Environment, Layout, Map};
 use std::fs;
 use std::path::Path;
@@ -85,7 +85,7 @@ impl Turn {
             world = world.mirrored();
         }
         if let Some(at) = self.0.iter().position(|word| *word == "--rotate-y") {
-            world = world.rotated_y(self.0[at + 1].parse().expect("a number"));
+            world = world.rotated_y(self.0[at + 1].parse().expect("a number")).expect("an angle");
         }
         moments(&world)
     }
@@ -489,7 +489,7 @@ fn make_ktx2_old(path: &Path, flip: Flip, target: Option<&str>) {
         pairs.extend([("octaglossTarget", target), ("octaglossFlip", flip.name())]);
     }
     let pairs: Vec<_> = pairs.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    let bytes = ktx2_bytes(&flip.chain(&bake.chain), Pixel::F16, &pairs).expect("valid").bytes;
+    let bytes = ktx2_bytes(&flipped_chain(&bake.chain, flip), Pixel::F16, &pairs).expect("valid").bytes;
     assert!(fs::read(path).expect("readable").len() > bytes.len(), "the old file must be shorter");
     fs::write(path, bytes).expect("writable");
 }

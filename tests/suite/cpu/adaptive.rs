@@ -203,7 +203,10 @@ fn a_sun_of_a_few_texels_is_sharp_at_any_map_size() {
     let roughness = 0.2;
     let truths: Vec<f64> = {
         let oracle = Oracle::new(&environment);
-        directions.par_iter().map(|d| luminance(oracle.reflect(Lobe::Ggx, roughness, *d))).collect()
+        directions
+            .par_iter()
+            .map(|d| luminance(oracle.reflect(Lobe::Ggx, roughness, *d).expect("valid")))
+            .collect()
     };
     for inner in [200, 256, 512] {
         let reflector = reflector(&environment, inner);
@@ -252,7 +255,7 @@ fn certified_bounds_hold_against_the_source() {
                     let Question { lobe, roughness, error, .. } = question;
                     let lobes = reflector.lobes(lobe, roughness, Filter::Adaptive(error)).expect("served");
                     let (mut workspace, mut answers) = (Workspace::default(), Vec::new());
-                    lobes.evaluate(&question.directions, &mut workspace, &mut answers);
+                    lobes.evaluate(&question.directions, &mut workspace, &mut answers).expect("unit vectors");
                     let answer = answers[question.lane];
                     let direction = question.directions[question.lane];
                     let truth = oracle.reflect(lobe, roughness, direction);
@@ -304,7 +307,7 @@ pub(crate) fn ask(
     let lobes = reflector.lobes(lobe, roughness, filter).expect("roughness in [0, 1]");
     let (mut workspace, mut answers) = (Workspace::default(), Vec::new());
     for direction in directions {
-        lobes.evaluate(&[*direction], &mut workspace, &mut answers);
+        lobes.evaluate(&[*direction], &mut workspace, &mut answers).expect("unit vectors");
     }
     answers.into_iter().map(|answer| answer.radiance.map(f64::from)).collect()
 }
@@ -315,7 +318,8 @@ fn answers_of_a_reflector_lie_within_their_bounds() {
     let mut compared = 0;
     for look in Look::ALL {
         let layout = Layout::Panorama { width: 48, height: 24 };
-        let environment = environment(layout, texels(&mut random, look, layout)).rotated_y(20.0);
+        let environment =
+            environment(layout, texels(&mut random, look, layout)).rotated_y(20.0).expect("an angle");
         let reflector = reflector(&environment, 48);
         let oracle = served(&environment, &reflector);
         for _ in 0..60 {
@@ -347,7 +351,8 @@ fn colour_error(
     let reflector = reflector(environment, 128);
     let oracle = Oracle::new(truth);
     let answers = ask(&reflector, lobe, roughness, Filter::Adaptive(0.005), directions);
-    let truths: Vec<[f64; 3]> = directions.iter().map(|d| oracle.reflect(lobe, roughness, *d)).collect();
+    let truths: Vec<[f64; 3]> =
+        directions.iter().map(|d| oracle.reflect(lobe, roughness, *d).expect("valid")).collect();
     let error = |c: usize| {
         let (mut sum, mut mean) = (0.0, 0.0);
         for (answer, expected) in answers.iter().zip(&truths) {
@@ -398,7 +403,8 @@ fn colours_have_no_seams() {
         .collect();
     for (lobe, roughness) in [(Lobe::Cosine, 0.0), (Lobe::Ggx, 0.6)] {
         let answers = ask(&reflector, lobe, roughness, Filter::Adaptive(0.005), &circle);
-        let truths: Vec<[f64; 3]> = circle.iter().map(|d| oracle.reflect(lobe, roughness, *d)).collect();
+        let truths: Vec<[f64; 3]> =
+            circle.iter().map(|d| oracle.reflect(lobe, roughness, *d).expect("valid")).collect();
         for c in 0..3 {
             let mean = truths.iter().map(|truth| truth[c]).sum::<f64>() / truths.len() as f64;
             let step = |values: &[[f64; 3]], k: usize| values[k + 1][c] - values[k][c];
@@ -555,7 +561,7 @@ fn edges_are_resolved_for_every_direction_of_a_packet() {
             let directions: Vec<DVec3> =
                 (0..16).map(|k| cube::direction_from_texel(face, 4, k % 4, k / 4)).collect();
             let (mut workspace, mut answers) = (Workspace::default(), Vec::new());
-            lobes.evaluate(&directions, &mut workspace, &mut answers);
+            lobes.evaluate(&directions, &mut workspace, &mut answers).expect("unit vectors");
             for (direction, answer) in directions.iter().zip(&answers) {
                 let truth = luminance(oracle.reflect(lobe, roughness, *direction));
                 let off = (luminance(answer.radiance.map(f64::from)) - truth).abs();

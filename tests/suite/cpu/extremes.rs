@@ -126,7 +126,7 @@ fn error_and_bound(texels: Vec<Rgb>, lobe: Lobe) -> (f64, f64) {
     let directions: Vec<_> = landmarks().into_iter().step_by(sweep(4, 1)).collect();
     for direction in directions.iter().copied() {
         let answer = reflector.query(direction, 0.5, lobe, Filter::Adaptive(0.003)).expect("a finite answer");
-        let truth = luminance(oracle.reflect(lobe, 0.5, direction));
+        let truth = luminance(oracle.reflect(lobe, 0.5, direction).expect("valid"));
         squares += (luminance(answer.radiance.map(f64::from)) - truth).powi(2);
         total += truth;
         bound = bound.max(f64::from(answer.bound.expect("a bound").luminance));

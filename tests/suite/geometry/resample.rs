@@ -10,7 +10,7 @@ use octagloss::internals::sphere::registry::{MAPS, NamedMap, named};
 use std::f64::consts::PI;
 
 pub(super) fn grid(name: &str, size: u32) -> Grid {
-    Grid::new(named(name).expect("a map").map, size).expect("a size")
+    Grid::new(named(name).expect("a map").map(), size).expect("a size")
 }
 
 /// Resamples `texels` of `grid`, turned by `world_from_source`, to `target`.
@@ -45,12 +45,14 @@ fn energy_and_constants_survive_from_every_map_to_every_map() {
     let share = sweep(3, 1);
     // At 20 mirrors run through blocks of texels; at 33 and 47 rims cut slivers of texels.
     for (k, (from, to)) in [(20, 16), (5, 47), (33, 8)].into_iter().enumerate() {
-        for (i, NamedMap { name, map, .. }) in MAPS.iter().enumerate() {
+        for (i, entry) in MAPS.iter().enumerate() {
+            let (name, map) = (&entry.name, &entry.map());
             let source = Grid::new(*map, from).expect("a size");
             let texels = noise(&source, 7);
             let sent = energy(&source, &texels);
             // Every two maps at one pair of sizes.
-            for NamedMap { name: other, map, .. } in MAPS.iter().skip((i + k) % share).step_by(share) {
+            for entry in MAPS.iter().skip((i + k) % share).step_by(share) {
+                let (other, map) = (&entry.name, &entry.map());
                 let case = format!("{name} {from} to {other} {to}");
                 let target = Grid::new(*map, to).expect("a size");
                 let result = resample(&source, &texels, DMat3::IDENTITY, &target);
@@ -89,13 +91,15 @@ fn maps_of_a_few_texels_keep_energy_and_constants_with_and_without_mirrors() {
     let (mut compared, share) = (0, sweep(2, 1));
     let sizes = [(1, 1), (1, 2), (1, 3), (2, 1), (2, 3), (3, 1), (3, 2)];
     for (k, (from, to)) in sizes.into_iter().enumerate() {
-        for (i, NamedMap { name, map, .. }) in MAPS.iter().enumerate() {
+        for (i, entry) in MAPS.iter().enumerate() {
+            let (name, map) = (&entry.name, &entry.map());
             let source = Grid::new(*map, from).expect("a size");
             let texels = noise(&source, 5);
             let sent = energy(&source, &texels);
             // The constant is the energy of the sphere.
             assert!((sent[1] / (4.0 * PI) - 1.0).abs() < 1e-12, "{name} {from}: {}", sent[1]);
-            for NamedMap { name: other, map, .. } in MAPS.iter().skip((i + k) % share).step_by(share) {
+            for entry in MAPS.iter().skip((i + k) % share).step_by(share) {
+                let (other, map) = (&entry.name, &entry.map());
                 let case = format!("{name} {from} to {other} {to}");
                 let target = Grid::new(*map, to).expect("a size");
                 let result = resample(&source, &texels, DMat3::IDENTITY, &target);
@@ -221,7 +225,8 @@ fn light_arrives_where_it_comes_from() {
 
 #[test]
 fn a_map_onto_itself_is_the_same() {
-    for NamedMap { name, map, .. } in &MAPS {
+    for entry in &MAPS {
+        let (name, map) = (&entry.name, &entry.map());
         let source = Grid::new(*map, 16).expect("a size");
         let texels = noise(&source, 3);
         let same = resample(&source, &texels, DMat3::IDENTITY, &source);

@@ -13,9 +13,9 @@ use octagloss::internals::cpu::leaves::{LANES, Packet as CpuPacket, Scratch};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::geometry::tent::Reconstruction;
-use octagloss::internals::gpu::adaptive::{self as on_gpu, Answers, LobePart, Packet};
-use octagloss::internals::gpu::cells::CellTree;
-use octagloss::internals::gpu::engine::{Engine, GpuReflector};
+use octagloss::internals::gpu::adaptive::{self, Answers, LobePart, Packet};
+use octagloss::internals::gpu::cells::{self, CellTree};
+use octagloss::internals::gpu::engine::GpuReflector;
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::lobe::kernel::{Kernel, leaf_share};
@@ -26,16 +26,16 @@ use octagloss::internals::synth::synth;
 use rayon::prelude::*;
 
 /// Builds the cell tree of `oem` on the GPU.
-fn tree(context: &Context, passes: &Engine, oem: &Oem, block: u32, spread: Reconstruction) -> CellTree {
+fn tree(context: &Context, oem: &Oem, block: u32, spread: Reconstruction) -> CellTree {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
-    let (stage, tree) = passes.cells.stage(context, &planes, block, spread).expect("a small tree");
+    let (stage, tree) = cells::stage(context, &planes, block, spread).expect("a small tree");
     context.submit(|encoder| stage.record(encoder));
     tree
 }
 
 fn evaluate(context: &Context, cells: &CellTree, kernel: Kernel, error: f64, packets: &[Packet]) -> Answers {
     let parts = [LobePart { cells, kernel, error, share: 1.0 }];
-    wait(context, on_gpu::evaluate(context, &parts, packets))
+    wait(context, adaptive::evaluate(context, &parts, packets))
 }
 
 /// Draws the test scenes of `seed`, with `lobe` or any lobe.
@@ -50,9 +50,9 @@ fn test_scenes(
 }
 
 /// Runs the questions of `test_scene` on the GPU, over the OEM `served`.
-fn outcomes(context: &Context, passes: &Engine, test_scene: &TestScene, served: &Oem) -> Vec<Outcome> {
+fn outcomes(context: &Context, test_scene: &TestScene, served: &Oem) -> Vec<Outcome> {
     let TestScene { scene, spread, questions } = test_scene;
-    let cells = tree(context, passes, served, 1, *spread);
+    let cells = tree(context, served, 1, *spread);
     let outcome = |(question, truth): &(Question, [f64; 3])| {
         let Question { directions, lane, lobe, roughness, error } = question;
         let kernel = Kernel::new(*lobe, roughness * roughness);
@@ -64,8 +64,8 @@ fn outcomes(context: &Context, passes: &Engine, test_scene: &TestScene, served: 
 }
 
 fn judge_bounds(name: &str, test_scenes: &[TestScene]) {
-    with_passes(name, |context, passes| {
-        let of = |test_scene: &TestScene| outcomes(context, passes, test_scene, &test_scene.scene.oem);
+    in_full(name, |context| {
+        let of = |test_scene: &TestScene| outcomes(context, test_scene, &test_scene.scene.oem);
         let outcomes: Vec<Outcome> = test_scenes.iter().flat_map(of).collect();
         let asked = test_scenes.iter().map(|test_scene| test_scene.questions.len()).sum();
         judge(&format!("{name}, {}", context.describe()), &outcomes, asked);
@@ -105,8 +105,8 @@ fn one_wrong_texel_breaks_a_bound() {
     // Charlie's band takes many more leaves, and their bounds add.
     for (lobe, times) in [(Lobe::Ggx, 10.0), (Lobe::Charlie, 300.0)] {
         let cases: Vec<_> = (0..10).map(|_| TestScene::with_wrong_texel(&mut random, lobe, times)).collect();
-        with_passes("one wrong texel", |context, passes| {
-            let outcomes = cases.iter().flat_map(|(case, wrong)| outcomes(context, passes, case, wrong));
+        in_full("one wrong texel", |context| {
+            let outcomes = cases.iter().flat_map(|(case, wrong)| outcomes(context, case, wrong));
             let broken = outcomes.filter(|outcome| !outcome.holds()).count();
             assert!(broken >= 18, "{lobe:?}: only {broken} of 20 comparisons failed");
         });
@@ -258,12 +258,12 @@ fn margin(width: f64) -> f64 {
 fn own_cuts_agree_but_for_decisions_within_rounding() {
     let oems = synthetic(64);
     let tiles: Vec<_> = tiles(8).into_iter().step_by(sweep(3, 1)).collect();
-    with_passes("own cuts", |context, passes| {
+    in_full("own cuts", |context| {
         let (mut strict, mut all) = (0, 0);
         for (name, oem) in &oems {
             let spread = Reconstruction::Constant;
             let cells = Cells::new(oem, 1, spread);
-            let tree = tree(context, passes, oem, 1, spread);
+            let tree = tree(context, oem, 1, spread);
             let uploaded = tree_of_cells(context, &cells, oem.size().inner, 1, spread);
             let totals = oem.totals();
             let mean = luminance([totals[0], totals[1], totals[2]]) / (4.0 * std::f64::consts::PI);

@@ -7,9 +7,8 @@ use crate::support::common::{Random, landmarks, oem};
 use glam::DVec3;
 use octagloss::Error;
 use octagloss::internals::gpu::device::shader;
-use octagloss::internals::gpu::fixed_point::FixedPoint;
-use octagloss::internals::gpu::sat_scan::SatScan;
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
+use octagloss::internals::gpu::{fixed_point, sat_scan};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::Scan;
 use octagloss::wgpu;
@@ -52,7 +51,7 @@ fn copy(
         )));
     }
     let pitch = map.table().pitch;
-    for (from, to) in map.planes().iter().zip(atlas.planes()) {
+    for (from, to) in map.planes.iter().zip(&atlas.planes) {
         for row in 0..size.bordered() {
             let at = |pitch: u32, x: u32, y: u32| 4 * (u64::from(pitch) * u64::from(y) + u64::from(x));
             let bytes = 4 * u64::from(size.bordered());
@@ -80,8 +79,8 @@ fn copies_of_maps_and_the_scan_of_all_tiles_equal_the_cpus() {
         let sat = SatPlanes::new(context, texels.size()).expect("small planes");
         let maps: Vec<OemPlanes> =
             spheres().map(|(_, map)| OemPlanes::upload(context, map).expect("small planes")).collect();
-        let fixed_point = FixedPoint::new(context).stage(context, &texels, &sat);
-        let stages = [fixed_point, SatScan::new(context).stage(context, &texels, &sat)];
+        let exponents = fixed_point::stage(context, &texels, &sat);
+        let stages = [exponents, sat_scan::stage(context, &texels, &sat)];
         context.submit(|encoder| {
             for (map, (tile, _)) in maps.iter().zip(spheres()) {
                 copy(encoder, map, &texels, *tile).expect("a tile of the map's size");

@@ -28,13 +28,13 @@ fn settings(filter: Filter) -> BakeSettings {
 
 fn environments() -> Vec<(&'static str, Environment)> {
     let names = ["sky", "studio", "labelled", "labelled-cube", "furnace"];
-    names.map(|name| (name, synth(name).expect("a recipe").rotated_y(30.0))).into()
+    names.map(|name| (name, synth(name).expect("a recipe").rotated_y(30.0).expect("an angle"))).into()
 }
 
 /// Coarse texels, which Charlie lobes integrate in a fraction of the time.
 fn small_sky() -> Environment {
     let layout = Layout::Panorama { width: 32, height: 16 };
-    environment(layout, texels(&mut Random::new(21), Look::Suns, layout)).rotated_y(40.0)
+    environment(layout, texels(&mut Random::new(21), Look::Suns, layout)).rotated_y(40.0).expect("an angle")
 }
 
 fn on_the_cpu(environment: &Environment, filter: Filter) -> Bake {
@@ -68,7 +68,9 @@ const TURN: f64 = 3e-5;
 
 impl Judge {
     fn new(environment: &Environment) -> Self {
-        let with = |error, turn| on_the_cpu(&environment.clone().rotated_y(turn), Filter::Adaptive(error));
+        let with = |error, turn| {
+            on_the_cpu(&environment.clone().rotated_y(turn).expect("an angle"), Filter::Adaptive(error))
+        };
         let expected = with(ERROR, 0.0);
         let others = vec![
             with(ERROR * (1.0 - MARGIN), 0.0),
@@ -324,7 +326,7 @@ fn solved_chains_match_the_cpu() {
         ..BakeSettings::default()
     };
     for name in ["sky", "studio"].into_iter().take(sweep(1, 2)) {
-        let environment = synth(name).expect("a recipe").rotated_y(30.0);
+        let environment = synth(name).expect("a recipe").rotated_y(30.0).expect("an angle");
         let cpu = bake(&environment, &solved).expect("a small bake");
         // The comparator detects one changed texel.
         for level in 0..5 {

@@ -10,9 +10,9 @@ use super::{
 use crate::support::common::{Look, Random, oem as oem_of, texels};
 use octagloss::Layout;
 use octagloss::internals::direct::DirectMap;
-use octagloss::internals::gpu::copy::Copy;
+use octagloss::internals::gpu::copy;
 use octagloss::internals::gpu::device::readback;
-use octagloss::internals::gpu::sat_f32::SatF32;
+use octagloss::internals::gpu::sat_f32;
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
@@ -132,8 +132,8 @@ fn small_maps_match_the_cpu() {
 #[test]
 fn stages_match_the_cpu() {
     on_every_adapter("brief: stages", |context| {
-        stages::take_overs(context, passes(context), &[TakeOver::Cells]);
-        boxes::integer_sums(context, passes(context), &[5]);
+        stages::take_overs(context, &[TakeOver::Cells]);
+        boxes::integer_sums(context, &[5]);
     });
 }
 
@@ -141,9 +141,9 @@ fn stages_match_the_cpu() {
 fn small_fitted_lobes_match_the_cpu() {
     on_every_adapter("brief: fitted lobes", |context| {
         let passes = passes(context);
-        emitters::emitters(context, passes, &[(64, 7, Look::Suns)]);
-        fitted::blurred_tables(context, passes, &[(32, 3, Look::Suns)]);
-        fitted::harmonics(context, passes, &[(16, 0, Look::Noise)]);
+        emitters::emitters(context, &[(64, 7, Look::Suns)]);
+        fitted::blurred_tables(context, &[(32, 3, Look::Suns)]);
+        fitted::harmonics(context, &[(16, 0, Look::Noise)]);
         fitted::radiance(context, passes, &[(16, Look::Noise)], &[0.0, 0.15, 0.4, 1.0]);
     });
 }
@@ -202,7 +202,7 @@ fn float32_tables_are_sums() {
     let oem = oem_of(size, &texels(&mut Random::new(140), Look::Noise, Layout::Octahedral { size: 17 }));
     on_every_adapter("brief: float32 tables", |context| {
         let planes = OemPlanes::upload(context, &oem).expect("small planes");
-        let (stage, table, mean) = SatF32::new(context).stage(context, &planes).expect("a small table");
+        let (stage, table, mean) = sat_f32::stage(context, &planes).expect("a small table");
         context.submit(|encoder| stage.record(encoder));
         let mut entries: Vec<[f32; 4]> = wait(context, readback::read(context, &table));
         let mean: Vec<[f32; 4]> = wait(context, readback::read(context, &mean));
@@ -224,7 +224,7 @@ fn float32_tables_are_sums() {
 
 /// Reads the words of each plane of `sat`.
 fn words(context: &Context, sat: &SatPlanes) -> Vec<Vec<u32>> {
-    sat.planes().iter().map(|plane| wait(context, readback::read(context, plane))).collect()
+    sat.planes.iter().map(|plane| wait(context, readback::read(context, plane))).collect()
 }
 
 #[test]
@@ -235,7 +235,7 @@ fn copies_are_exact() {
     on_every_adapter("brief: copies", |context| {
         let planes = SatPlanes::upload(context, &sat).expect("small planes");
         let before = words(context, &planes);
-        let stage = Copy::new(context).stage(context, &planes);
+        let stage = copy::stage(context, &planes);
         context.submit(|encoder| stage.record(encoder));
         let after = words(context, &planes);
         // Copy the first plane to the last, then the second to the first, then the third to the second.

@@ -12,7 +12,7 @@ use half::f16;
 use octagloss::internals::direct::{Corner, DirectMap, Triangles};
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::direct::{Direct, DirectMesh, DirectTarget, Method, Overlap};
-use octagloss::internals::gpu::reparameterise::Reparameterise;
+use octagloss::internals::gpu::reparameterise;
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::oem::OemSize;
 use octagloss::internals::sphere::cube::{Face, direction_from_texel};
@@ -79,7 +79,7 @@ fn counts(
 ) -> Vec<usize> {
     let direct = &PIPELINES.get(context).sum;
     let target = draw(context, direct, wgpu::TextureFormat::Rgba16Float, method, triangles, map, near);
-    let texels: Vec<[u16; 4]> = wait(context, readback::read_layer(context, target.colour(), layer));
+    let texels: Vec<[u16; 4]> = wait(context, readback::read_layer(context, &target.colour, layer));
     texels.iter().map(|texel| f16::from_bits(texel[3]).to_f32().round() as usize).collect()
 }
 
@@ -94,7 +94,7 @@ fn nearest(
 ) -> (Vec<[f32; 4]>, Vec<f32>) {
     let direct = &PIPELINES.get(context).nearest;
     let target = draw(context, direct, wgpu::TextureFormat::Rgba32Float, method, triangles, map, near);
-    let values = wait(context, readback::read_layer(context, target.colour(), layer));
+    let values = wait(context, readback::read_layer(context, &target.colour, layer));
     (values, wait(context, readback::read_layer(context, &target.depth, layer)))
 }
 
@@ -567,12 +567,7 @@ fn a_reparameterised_cube_is_close_to_the_direct_map() {
         let format = wgpu::TextureFormat::Rgba32Float;
         let target = draw(context, pipelines, format, Method::Cube, &surface, cube, 0.1);
         let planes = OemPlanes::new(context, OemSize { inner: size, border: 0 }).expect("planes");
-        let stage = Reparameterise::new(context).stage(
-            context,
-            Layout::Cube { size: face },
-            target.colour(),
-            &planes,
-        );
+        let stage = reparameterise::stage(context, Layout::Cube { size: face }, &target.colour, &planes);
         context.submit(|encoder| stage.as_ref().expect("a stage").record(encoder));
         let oem = wait(context, planes.read(context));
         for (energy, drawn) in oem.texels().iter().zip(direct) {

@@ -7,10 +7,10 @@ use octagloss::internals::bake::BakeSettings;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::geometry::tent::Reconstruction;
 use octagloss::internals::gpu::box_filter::SatTextures;
-use octagloss::internals::gpu::cells::BuildCells;
+use octagloss::internals::gpu::cells;
 use octagloss::internals::gpu::engine::{Engine, GpuReflector};
 use octagloss::internals::gpu::fitted::FittedTables;
-use octagloss::internals::gpu::reparameterise::upload;
+use octagloss::internals::gpu::reparameterise::{self, upload};
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes, adapters, block_on};
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::oem::OemSize;
@@ -86,13 +86,12 @@ fn limits_name_the_largest_size_that_fits() {
         assert_eq!(fits, 16);
         assert!(FittedTables::new(context, fits, 4).is_ok());
 
-        let stage = BuildCells::new(context);
-        let cells = |inner| {
+        let tree = |inner| {
             let planes = OemPlanes::new(context, square(inner)).expect("planes that fit");
-            stage.stage(context, &planes, 1, Reconstruction::Constant)
+            cells::stage(context, &planes, 1, Reconstruction::Constant)
         };
-        let fits = largest(cells(300));
-        assert!((60..300).contains(&fits) && cells(fits).is_ok(), "{fits} fits");
+        let fits = largest(tree(300));
+        assert!((60..300).contains(&fits) && tree(fits).is_ok(), "{fits} fits");
 
         let wide = Layout::Panorama { width: 300, height: 150 };
         let wide = environment(wide, vec![[1.0; 3]; wide.texel_count()]);
@@ -129,15 +128,14 @@ fn parameters_that_cannot_be_served_are_named() {
             (Layout::Panorama { width: 8, height: 4 }, Layout::Panorama { width: 8, height: 5 });
         let source = environment(layout, vec![[1.0; 3]; 32]);
         let texture = upload(context, &source).expect("a small texture");
-        let pass = &engine.reparameterise;
         let planes = OemPlanes::new(context, square(4)).expect("small planes");
         for wrong in [other, Layout::Cube { size: 8 }, Layout::Octahedral { size: 8 }] {
-            let outcome = pass.stage(context, wrong, &texture, &planes);
+            let outcome = reparameterise::stage(context, wrong, &texture, &planes);
             assert!(matches!(outcome, Err(Error::Parameter(_))), "{wrong:?} from {layout:?}");
         }
-        assert!(pass.stage(context, layout, &texture, &planes).is_ok());
+        assert!(reparameterise::stage(context, layout, &texture, &planes).is_ok());
         let turned = environment(other, vec![[1.0; 3]; 40]);
-        let outcome = pass.footprints(context, &turned, &texture, 2);
+        let outcome = reparameterise::footprints(context, &turned, &texture, 2);
         assert!(matches!(outcome, Err(Error::Parameter(_))), "a texture of another environment");
 
         let settings = ReflectorSettings { oem_size: Some(8), ..ReflectorSettings::default() };

@@ -172,7 +172,7 @@ pub(super) fn difference(
         let direction = source_from_world * *direction;
         let answer = reflector.query(direction, ROUGHNESS, Lobe::Ggx, Filter::Fitted(4)).expect("fitted");
         let expected = answer.radiance.map(f64::from);
-        let cosine = Oracle::new(environment).reflect(Lobe::Cosine, 1.0, direction);
+        let cosine = Oracle::new(environment).reflect(Lobe::Cosine, 1.0, direction).expect("valid");
         let wrong = far(glossy, expected, expected.map(|value| allowed * value))
             || far(diffuse, cosine, mean.map(|value| 4.0 * 0.034 * value));
         wrong.then(|| {
@@ -404,7 +404,5 @@ fn vectors_without_a_direction_are_refused_on_the_gpu() {
                 assert!(error.starts_with("direction 1 is "), "{error}");
             }
         }
-        let turned = environment.clone().rotated_y(f64::NAN);
-        assert!(GpuReflector::new(engine, &turned, &settings).is_err());
     });
 }

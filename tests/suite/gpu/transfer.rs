@@ -53,7 +53,7 @@ impl Upload for OemPlanes {
 
     fn upload(context: &Context, oem: &Oem) -> Result<Self> {
         let planes = Self::new(context, oem.size())?;
-        write(context, planes.table(), planes.planes(), oem.texels(), |energy: f32| energy);
+        write(context, planes.table(), &planes.planes, oem.texels(), |energy: f32| energy);
         Ok(planes)
     }
 }
@@ -64,19 +64,19 @@ impl Upload for SatPlanes {
     fn upload(context: &Context, sat: &Sat) -> Result<Self> {
         let planes = Self::new(context, sat.size())?;
         let exponents = sat.fixed_point().exponents;
-        context.queue().write_buffer(planes.exponents(), 0, bytemuck::cast_slice(&exponents));
+        context.queue().write_buffer(&planes.exponents, 0, bytemuck::cast_slice(&exponents));
         let words = |entry: u64| [entry as u32, (entry >> 32) as u32];
-        write(context, Table::new(sat.size()), planes.planes(), sat.entries(), words);
+        write(context, Table::new(sat.size()), &planes.planes, sat.entries(), words);
         Ok(planes)
     }
 }
 
 /// Reads exponents and entries back in the form of [`Sat`].
 pub(super) async fn read_sat(context: &Context, sat: &SatPlanes) -> Result<(FixedPoint, Vec<[u64; 4]>)> {
-    let exponents: Vec<i32> = readback::read(context, sat.exponents()).await?;
+    let exponents: Vec<i32> = readback::read(context, &sat.exponents).await?;
     let fixed = FixedPoint { exponents: std::array::from_fn(|c| exponents[c]) };
     let entry = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
-    Ok((fixed, Table::new(sat.size()).read(context, sat.planes(), entry).await?))
+    Ok((fixed, Table::new(sat.size()).read(context, &sat.planes, entry).await?))
 }
 
 async fn read_part<T: bytemuck::Pod>(context: &Context, part: wgpu::BufferBinding<'_>) -> Result<Vec<T>> {

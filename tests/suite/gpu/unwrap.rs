@@ -31,7 +31,7 @@ fn draw(context: &Context, surface: &Triangles, remedy: Remedy) -> Vec<([f32; 4]
     let target = DirectTarget::new(context, DirectMap::TennisBall { size: SIZE }, FORMAT).expect("a target");
     let frame = unwrap.frame(remedy, &mesh, &target, 0.1).expect("a frame");
     context.submit(|encoder| frame.record(encoder, None));
-    let values: Vec<[f32; 4]> = wait(context, readback::read_texture(context, target.colour()));
+    let values: Vec<[f32; 4]> = wait(context, readback::read_texture(context, &target.colour));
     let in_panels = values.into_iter().zip(0..).filter_map(|(value, k): ([f32; 4], u32)| {
         let (x, y) = (k % (3 * SIZE), k / (3 * SIZE));
         let panel = y / SIZE;

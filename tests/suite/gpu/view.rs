@@ -61,7 +61,7 @@ struct Seen {
 /// Returns the CPU's picture of `look`, computed without the viewer's code.
 fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<[u8; 3]> {
     let settings = ReflectorSettings { oem_size: Some(OEM), ..ReflectorSettings::default() };
-    let turned = environment.clone().rotated_y(look.turn);
+    let turned = environment.clone().rotated_y(look.turn).expect("an angle");
     let reflector = Reflector::new(&turned, &settings).expect("an OEM");
     let filter = match look.filter {
         Technique::Box => octagloss::internals::filter::Filter::Box,

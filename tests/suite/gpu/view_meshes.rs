@@ -201,14 +201,16 @@ fn diffuse_light_is_the_irradiance() {
     let radiance = |d: DVec3| [0.4 + 0.3 * d.z, 0.4 + 0.3 * d.y, 0.4 - 0.3 * d.x * d.z].map(|c| c as f32);
     let texels = (0..32).flat_map(|j| (0..64).map(move |i| (i, j)));
     let texels: Vec<Rgb> = texels.map(|(i, j)| radiance(layout.direction_from_texel(0, i, j))).collect();
-    let environment = Environment::new(layout, texels).expect("an environment").rotated_y(25.0);
+    let environment =
+        Environment::new(layout, texels).expect("an environment").rotated_y(25.0).expect("an angle");
     let settings = ReflectorSettings { oem_size: Some(64), ..ReflectorSettings::default() };
-    let turned = environment.clone().rotated_y(30.0);
+    let turned = environment.clone().rotated_y(30.0).expect("an angle");
     let reflector = Reflector::new(&turned, &settings).expect("an OEM");
     let glossy =
         reflector.query(DVec3::Z, 0.8, Lobe::Ggx, Bake::Box).expect("a lobe").radiance.map(f64::from);
     let reflected = reflected(DVec3::splat(0.04), 0.8);
-    let diffuse = DVec3::from_array(Oracle::new(&turned).reflect(Lobe::Cosine, 0.0, DVec3::Z));
+    let diffuse =
+        DVec3::from_array(Oracle::new(&turned).reflect(Lobe::Cosine, 0.0, DVec3::Z).expect("valid"));
     let base = DVec3::new(0.8, 0.6, 1.0);
     let expected = reflected * DVec3::from_array(glossy) + base * (DVec3::ONE - reflected) * diffuse;
     let front = json!({"baseColorFactor": [0.8, 0.6, 1, 1], "metallicFactor": 0, "roughnessFactor": 0.8});
@@ -244,6 +246,7 @@ fn own_levels_are_shown_as_they_are() {
         Environment::new(Layout::Cube { size: 1 }, vec![[0.0; 3]; 6])
             .expect("an environment")
             .rotated_y(degrees)
+            .expect("an angle")
             .source_from_world()
     };
     on_every_adapter("view of own levels", |context| {
@@ -253,7 +256,7 @@ fn own_levels_are_shown_as_they_are() {
             let level0 = Environment::new(Layout::Cube { size: 4 }, chain.levels[0].texels.clone())
                 .expect("an environment");
             for turn in [0.0, 90.0] {
-                let turned = level0.clone().rotated_y(turn);
+                let turned = level0.clone().rotated_y(turn).expect("an angle");
                 let mut light = renderer.light(&turned, &table(16)).expect("tables that fit");
                 let levels = Levels::new(chain.clone(), quarter(turn)).expect("levels").expect("several");
                 light.set_levels(context, &levels).expect("a small cube");

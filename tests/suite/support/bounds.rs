@@ -64,7 +64,7 @@ impl<'a> ServedOracle<'a> {
             over_oem().iter().zip(&mut sum).for_each(|(value, sum)| *sum += share * value);
         }
         if share < 1.0 {
-            let over_source = self.source.reflect(lobe, roughness, direction);
+            let over_source = self.source.reflect(lobe, roughness, direction).expect("valid");
             over_source.iter().zip(&mut sum).for_each(|(value, sum)| *sum += (1.0 - share) * value);
         }
         sum
