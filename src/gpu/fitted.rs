@@ -7,7 +7,6 @@
 //! ```
 
 use super::device::readback;
-use super::device::shader;
 use super::device::stage::{Dispatch, in_rows};
 use super::octaves::{Octave, OctaveLayout};
 use super::{Context, Stage};
@@ -419,8 +418,7 @@ impl Fitted {
     /// Compiles the stage.
     #[must_use]
     pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "fitted.wgsl");
-        Self { pipeline: shader::pipeline(context, &module, "fitted", &[]) }
+        Self { pipeline: context.pipeline("fitted.wgsl", "fitted", None) }
     }
 
     /// Stage that answers `queries`, directions in the OEM's space with their roughness, and its output: four

@@ -4,7 +4,6 @@ use super::look::{Look, Tone};
 use super::resources::draw_pass;
 use crate::gpu::Context;
 use crate::gpu::device::resources::{Draw, group};
-use crate::gpu::device::shader;
 use std::collections::HashMap;
 
 /// Uniform of the pass.
@@ -60,7 +59,7 @@ impl Presenter {
     pub(super) fn present(&mut self, picture: &wgpu::TextureView, display: Display<'_>, look: &Look) {
         let Display { encoder, view, format, viewport } = display;
         let pipeline = self.pipelines.entry(format).or_insert_with(|| {
-            let module = shader::module(&self.context, "view/present.wgsl");
+            let module = self.context.module("view/present.wgsl");
             let entries = ["cover", "show"];
             let target = format.into();
             Draw { module: &module, entries, layout: None, corners: None, target, depth: None }

@@ -14,11 +14,11 @@ use crate::environment::Environment;
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::gpu::box_filter::SatTextures;
+use crate::gpu::device::readback;
 use crate::gpu::device::resources::{
     Draw, SAMPLER, UNIFORM, group, group_layout, pipeline_layout, texture_binding,
 };
 use crate::gpu::device::timer::Timer;
-use crate::gpu::device::{readback, shader};
 use crate::gpu::fitted::FittedTables;
 use crate::mesh::{Mesh, SubMesh, Vertex};
 use crate::reflector::ReflectorSettings;
@@ -388,7 +388,7 @@ impl Renderer {
         if self.pipelines.contains_key(&(source, output, of_mesh)) {
             return;
         }
-        let module = shader::module(&self.context, source.file());
+        let module = self.context.module(source.file());
         let own = match source {
             RadianceSource::Box => Some(&self.boxes_layout),
             RadianceSource::Fitted => Some(&self.fitted_layout),

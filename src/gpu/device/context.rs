@@ -1,8 +1,8 @@
 //! Adapters, devices and their errors.
 
-use super::shader::{self, Compiled};
+use super::compiled::Compiled;
 use crate::error::{Error, Result};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A device with its queue, the compute pipelines compiled on it, and the first error that occurred on it.
 #[derive(Clone, Debug)]
@@ -10,7 +10,7 @@ pub struct Context {
     device: wgpu::Device,
     queue: wgpu::Queue,
     failure: Arc<Mutex<Option<String>>>,
-    compiled: Arc<Mutex<Compiled>>,
+    compiled: Arc<Compiled>,
 }
 
 /// Every adapter of the system, hardware first, in the system's order.
@@ -129,6 +129,11 @@ impl Context {
         }
     }
 
+    /// The module of the shader `file`, compiled when it is first asked for.
+    pub(crate) fn module(&self, file: &str) -> wgpu::ShaderModule {
+        self.compiled.module(&self.device, file)
+    }
+
     /// The pipeline of an entry point of the shader `file`, compiled when it is first asked for; `constant` is
     /// the value of one of the shader's `override` declarations.
     pub(in crate::gpu) fn pipeline(
@@ -138,12 +143,7 @@ impl Context {
         constant: Option<(&str, u32)>,
     ) -> wgpu::ComputePipeline {
         let constants = constant.map(|(name, value)| (name, f64::from(value)));
-        shader::pipeline(self, &shader::module(self, file), entry_point, constants.as_slice())
-    }
-
-    /// What is compiled for the device.
-    pub(super) fn compiled(&self) -> MutexGuard<'_, Compiled> {
-        self.compiled.lock().unwrap_or_else(PoisonError::into_inner)
+        self.compiled.pipeline(&self.device, file, entry_point, constants.as_slice())
     }
 
     /// Returns [`Error::Limit`] if `bytes` exceed the limit of one binding; `largest` gives the remedy for

@@ -2,6 +2,7 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) mod block_on;
+mod compiled;
 pub mod context;
 pub(crate) mod names;
 pub mod readback;

@@ -1,8 +1,6 @@
 //! Shader sources: plain WGSL files. A line `#include "common/name.wgsl"` inserts that file, once per shader.
 
-use super::context::Context;
 use super::names::prefixed;
-use std::collections::HashMap;
 
 macro_rules! files {
     ($($path:literal),* $(,)?) => {
@@ -110,48 +108,4 @@ pub(in crate::gpu) fn for_callers(path: &str, resources: &[&str], group: u32, pr
         |(binding, resource): (u32, &&str)| format!("@group({group}) @binding({binding}) {resource};\n");
     let declared: String = (0..).zip(resources).map(declare).collect();
     prefixed(&(declared + &source(path)), prefix)
-}
-
-/// What is compiled once per context, however many passes use it.
-#[derive(Debug, Default)]
-pub(super) struct Compiled {
-    /// By file.
-    modules: HashMap<String, wgpu::ShaderModule>,
-    /// By module, entry point and constants.
-    pipelines: HashMap<(wgpu::ShaderModule, String), wgpu::ComputePipeline>,
-}
-
-/// The module of file `path`.
-pub(crate) fn module(context: &Context, path: &str) -> wgpu::ShaderModule {
-    let create = || {
-        context.device().create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(path),
-            source: wgpu::ShaderSource::Wgsl(source(path).into()),
-        })
-    };
-    context.compiled().modules.entry(path.to_owned()).or_insert_with(create).clone()
-}
-
-/// The pipeline of one entry point, with its layout inferred from the shader.
-pub(in crate::gpu) fn pipeline(
-    context: &Context,
-    module: &wgpu::ShaderModule,
-    entry_point: &str,
-    constants: &[(&str, f64)],
-) -> wgpu::ComputePipeline {
-    let key = (module.clone(), format!("{entry_point} {constants:?}"));
-    let compiled = context.compiled().pipelines.get(&key).cloned();
-    compiled.unwrap_or_else(|| {
-        // Unlocked, so that threads compile side by side.
-        let pipeline = context.device().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(entry_point),
-            layout: None,
-            module,
-            entry_point: Some(entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
-            cache: None,
-        });
-        context.compiled().pipelines.insert(key, pipeline.clone());
-        pipeline
-    })
 }

@@ -24,9 +24,9 @@ pub(in crate::gpu) use surroundings::Surroundings;
 pub use target::DirectTarget;
 
 use super::Context;
+use super::device::readback;
 use super::device::resources::{Draw, UNIFORM, added, group, group_layout, pipeline_layout};
 use super::device::timer::Timer;
-use super::device::{readback, shader};
 use crate::direct::{Corner, check_near};
 use crate::error::{Error, Result};
 use crate::names::named;
@@ -136,7 +136,7 @@ impl Direct {
         }
         let group = view_layout(context);
         let layout = pipeline_layout(context, "direct", [&group]);
-        let module = shader::module(context, "direct/draw.wgsl");
+        let module = context.module("direct/draw.wgsl");
         let corners = wgpu::VertexBufferLayout {
             array_stride: size_of::<Corner>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,

@@ -11,7 +11,6 @@ use crate::direct::{DirectMap, check_near};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::resources::{Draw, group};
-use crate::gpu::device::shader;
 use crate::gpu::device::timer::Timer;
 
 /// What becomes of triangles across the half circle phi = pi, where unwrapping tears them: section 3.2. It
@@ -65,7 +64,7 @@ impl Unwrap {
     /// [`Error::Parameter`] for formats other than `Rgba16Float` and `Rgba32Float`.
     pub fn new(context: &Context, format: wgpu::TextureFormat) -> Result<Self> {
         check_format(format)?;
-        let module = &shader::module(context, "direct/unwrap.wgsl");
+        let module = &context.module("direct/unwrap.wgsl");
         let entries = ["unwrap_corner", "unwrapped_pixel"];
         let (target, depth) = (format.into(), Some(NEAREST));
         let pipeline = Draw { module, entries, layout: None, corners: None, target, depth }.pipeline(context);

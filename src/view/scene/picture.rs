@@ -10,7 +10,6 @@ use crate::gpu::Context;
 use crate::gpu::device::resources::{
     Draw, UNIFORM, added, group, group_layout, pipeline_layout, storage_binding,
 };
-use crate::gpu::device::shader;
 use bytemuck::Zeroable as _;
 use glam::DVec3;
 
@@ -49,7 +48,7 @@ impl Pictures {
         let resources = [&frame, &buffers.light, &buffers.parts, &buffers.texels];
         let resources = resources.map(wgpu::Buffer::as_entire_binding);
         let frame_group = group(context, "scene frame", &frame_layout, resources);
-        let module = shader::module(context, "view/scene.wgsl");
+        let module = context.module("view/scene.wgsl");
         let groups = [&frame_layout, live_layout];
         let build = |vertex, fragment, groups: &[&wgpu::BindGroupLayout], depth, blend| {
             pipeline(context, &module, [vertex, fragment], groups, depth, blend)

@@ -6,7 +6,6 @@ use crate::direct::{DirectMap, check_near};
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::gpu::device::resources::{UNIFORM, group, group_layout, pipeline_layout, storage_binding};
-use crate::gpu::device::shader;
 use crate::gpu::device::timer::Timer;
 use crate::gpu::direct::{Direct, DirectFrame, DirectMesh, DirectTarget, Method, Overlap};
 use crate::gpu::live::LiveEnvironment;
@@ -71,7 +70,7 @@ impl ProbePasses {
         let read = storage_binding(true);
         let kinds = [UNIFORM, UNIFORM, read, read, read, storage_binding(false)];
         let layout = group_layout(context, "scene pose", wgpu::ShaderStages::COMPUTE, &kinds);
-        let module = shader::module(context, "view/scene_pose.wgsl");
+        let module = context.module("view/scene_pose.wgsl");
         let pipeline = |entry, groups: &[&wgpu::BindGroupLayout]| {
             let layout = pipeline_layout(context, entry, groups.iter().copied());
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
