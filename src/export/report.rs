@@ -314,6 +314,15 @@ fn relative_difference(source: [f64; 3], oem: [f64; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::{relative, relative_difference};
+
+    #[test]
+    fn differences_are_those_of_the_worst_channel_and_black_has_none() {
+        assert_eq!(relative_difference([2.0, 4.0, 0.0], [3.0, 5.0, 0.0]), 0.5);
+        assert_eq!(relative_difference([4.0, 4.0, 2.0], [5.0, 4.0, 1.0]), 0.5);
+        assert_eq!((relative(3.0, 2.0), relative(3.0, 0.0)), (1.5, 0.0));
+    }
+
     #[test]
     fn numbers_of_reports_come_back_as_they_were() {
         let mut bits = 1_u64;

@@ -20,7 +20,7 @@ fn the_recipe_of_a_plan_makes_the_same_plan() {
         json!({"format": "hdr", "irradiance": 4, "skybox": "source"}),
         json!({"format": "exr", "bounds": true, "size": 32}),
         json!({"lobe": "cosine"}),
-        json!({"filter": "fitted:4", "oem_size": 256, "ladder": "filament", "pixel": "f32"}),
+        json!({"filter": "fitted:4", "oem_size": 256, "border": 0, "ladder": "filament", "pixel": "f32"}),
         json!({"filter": "box", "scan": "hensley:4", "chain": "sampled", "sh_order": 4, "sh_window": "lanczos:3"}),
         json!({"rotate_y": -90.5, "scale": 2, "mirror": true, "pad": "edge", "extract_sun": "0,1,0:-1,0,0"}),
     ];

@@ -121,6 +121,7 @@ fn hashes_and_sizes_are_those_of_the_files_and_options_are_filled_in() {
     let args = ["bake", "sky.exr", "--size", "64", "-o", "a.ktx2", "--irradiance", "2", "--preview", "p.png"];
     done(folder.path(), &[&args[..], &["--chain", "sampled"]].concat());
     let report = json_file(&folder.path().join("a.ktx2.report.json"));
+    assert!(report.get("compressed").is_none() && report.get("sheen").is_none(), "what there is none of");
     let input = fs::read(folder.path().join("sky.exr")).expect("readable");
     let file = &report["input_files"][0];
     assert_eq!(file["blake3"], blake3::hash(&input).to_hex().to_string());

@@ -169,6 +169,20 @@ fn a_dry_run_lists_what_would_be_written_and_writes_nothing() {
 }
 
 #[test]
+fn help_says_what_each_target_stands_for() {
+    let words: Vec<_> =
+        done(Path::new("."), &["bake", "--help"]).split_whitespace().map(str::to_owned).collect();
+    let text = words.join(" ");
+    for options in [
+        "--size 640 --levels 8 --ladder linear --flip none --diffuse none Files: specular.ktx2",
+        "--size 512 --levels 6 --ladder linear --diffuse none Files: NAME_oem.ktx2",
+        "cube (untested in its engine) --size 1024 --diffuse none Files: NAME_panorama.hdr",
+    ] {
+        assert!(text.contains(options), "{options}");
+    }
+}
+
+#[test]
 fn too_bright_texels_are_clamped_compressed_or_refused() {
     let folder = with_environments();
     let with = |how: &'static str, out: &'static str| {
