@@ -99,7 +99,7 @@ fn typings_have_every_option() {
         assert!(
             javascript.contains(&format!("\n    {camel}?: "))
                 || javascript.contains(&format!("\n    {camel}?:\n")),
-            "{camel}"
+            "npm/js/index.d.ts lacks {camel}"
         );
         let own = match name.as_str() {
             // Python draws no previews, and has methods for suns.
@@ -110,7 +110,7 @@ fn typings_have_every_option() {
         };
         assert!(
             python.contains(&format!("\n    {own}: ")) || python.contains(&format!("\n        {own}: ")),
-            "{own}"
+            "python/octagloss/_octagloss.pyi lacks {own}"
         );
     }
 }
