@@ -53,5 +53,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     drop(pass);
     queue.submit([encoder.finish()]);
 
-    common::save(&device, &queue, &pixels, 512, "render.png")
+    common::save(&device, &queue, &pixels, 512, "sphere.png")
 }
