@@ -51,7 +51,7 @@ pub struct CellTree {
     pub(super) reconstruction: Reconstruction,
     /// The least radiance of each channel, padded to four floats.
     pub least: wgpu::Buffer,
-    /// The quads, four times [`QUAD_FIELDS`] floats each, in the order of [`crate::cpu::cells::Cells`].
+    /// The quads, four times `QUAD_FIELDS` floats each, in the order of [`crate::cpu::cells::Cells`].
     pub quads: wgpu::Buffer,
     /// First quad and quads along an edge, from the finest level to the root.
     pub(super) levels: Vec<[u32; 2]>,

@@ -96,7 +96,7 @@ pub fn upload(context: &Context, environment: &Environment) -> Result<wgpu::Text
 }
 
 /// Stage that resamples `texture`, with texels in `layout`, to `planes`, border included. Also uploads
-/// the solid angles of `planes`. The texture's first level must have [`texture_size`] and a format of
+/// the solid angles of `planes`. The texture's first level must have `texture_size` and a format of
 /// colours that shaders read as floats. Negative values and NaN count as 0, infinity as the greatest
 /// float.
 ///

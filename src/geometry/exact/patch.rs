@@ -25,7 +25,7 @@ pub struct Sample {
 pub type Rule = &'static [(f64, f64)];
 
 /// How exact an integral is to be: the greatest side of a piece, in units of the integrand's reach, for each
-/// order of [`ORDERS`].
+/// order of `ORDERS`.
 #[derive(Clone, Copy, Debug)]
 pub struct Accuracy([f64; 5]);
 
