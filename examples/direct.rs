@@ -2,8 +2,9 @@
 //! --example direct -- 0.2 1.5` writes direct.png for roughness 0.2 after 1.5 seconds. Device, queue,
 //! buffers, pipelines and encoder are the renderer's own.
 
+mod common;
+
 use glam::{DVec3, Mat3, Vec3};
-use octagloss::internals::gpu::{Context, adapters, block_on, device::readback};
 use octagloss::wgpu::util::DeviceExt as _;
 use octagloss::{LiveEnvironment, wgpu};
 
@@ -45,8 +46,7 @@ fn cube(centre: Vec3, half: f32, turn: f32, radiance: impl Fn(Vec3) -> Vec3) -> 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut numbers = std::env::args().skip(1).map(|text| text.parse::<f32>());
     let (roughness, seconds) = (numbers.next().unwrap_or(Ok(0.2))?, numbers.next().unwrap_or(Ok(0.0))?);
-    let adapter = block_on(None, adapters())?.into_iter().next().ok_or("no adapter")?;
-    let (device, queue) = block_on(None, adapter.request_device(&wgpu::DeviceDescriptor::default()))??;
+    let (device, queue) = common::device()?;
     let mut live = LiveEnvironment::new(&device, &queue, 256)?;
 
     // A room with a bright ceiling, and three cubes that circle the sphere.
@@ -139,7 +139,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     drop(pass);
     queue.submit([encoder.finish()]);
 
-    let context = Context::from_device(device, queue);
-    let pixels: Vec<u8> = block_on(Some(&context), readback::read(&context, &pixels))??;
-    Ok(image::save_buffer("direct.png", &pixels, 512, 512, image::ColorType::Rgba8)?)
+    common::save(&device, &queue, &pixels, 512, "direct.png")
 }

@@ -7,11 +7,12 @@
 use glam::{DMat3, DQuat, DVec3};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::filter::{Answer, Filter};
-use octagloss::internals::gpu::build_fitted::BuildFitted;
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::fitted::{Fitted, FittedTables};
-use octagloss::internals::gpu::pyramid::{BuildPyramid, PyramidMaps, PyramidQuery};
-use octagloss::internals::gpu::{Context, OemPlanes, Stage, adapters, block_on};
+use octagloss::internals::gpu::pyramid::{PyramidMaps, radiance, stage};
+use octagloss::internals::gpu::{
+    Context, OemPlanes, Stage, adapters, block_on, build_fitted, build_pyramid, reparameterise,
+};
 use octagloss::internals::lobe::{Lobe, kernel};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::pyramid::Pyramid;
@@ -184,7 +185,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Builds the pyramid on every adapter, compares look-ups, and times passes and frames.
-fn on_gpu(oem: &Oem, pyramid: &Pyramid) {
+fn on_gpu(environment: &Environment, oem: &Oem, pyramid: &Pyramid) {
     for adapter in block_on(None, adapters()).expect("adapters") {
         let context = block_on(None, Context::new(&adapter)).expect("a device").expect("a device");
         println!("  {}", context.describe());
@@ -200,18 +201,21 @@ fn on_gpu(oem: &Oem, pyramid: &Pyramid) {
                 .collect();
             seconds.into_iter().fold(f64::INFINITY, f64::min)
         };
-        let planes = OemPlanes::upload(&context, oem).expect("planes");
+        let planes = OemPlanes::new(&context, oem.size()).expect("planes");
+        let texture = reparameterise::upload(&context, environment).expect("a texture");
+        let filled =
+            reparameterise::stage(&context, environment.layout(), &texture, &planes).expect("a stage");
+        println!("    reparameterise: {:.4} s", timed(std::slice::from_ref(&filled)));
         let maps = PyramidMaps::new(&context, oem.size().inner).expect("maps");
-        let build = BuildPyramid::new(&context).stages(&context, &planes, &maps);
+        let build = build_pyramid::stages(&context, &planes, &maps);
         for stage in &build {
             println!("    {}: {:.4} s", stage.label(), timed(std::slice::from_ref(stage)));
         }
         println!("    update by pyramid: {:.4} s, {:.2} MB", timed(&build), maps.bytes() as f64 / 1e6);
-        let query = PyramidQuery::new(&context);
         let mut random = Random(9);
         for roughness in ROUGHNESS.into_iter().chain([0.0, 0.03]) {
             let queries: Vec<_> = (0..2000).map(|_| (random.direction(), roughness)).collect();
-            let found = block_on(Some(&context), query.radiance(&context, &maps, &queries));
+            let found = block_on(Some(&context), radiance(&context, &maps, &queries));
             let found: Vec<DVec3> = found
                 .expect("a device")
                 .expect("answers")
@@ -234,9 +238,10 @@ fn on_gpu(oem: &Oem, pyramid: &Pyramid) {
                 (DVec3::new(sine * x, cosine, sine * z), u)
             })
             .collect();
-        println!("    frame by pyramid: {:.4} s", timed(&[query.stage(&context, &maps, &frame).0]));
+        println!("    frame by pyramid: {:.4} s", timed(&[stage(&context, &maps, &frame).0]));
         let tables = FittedTables::new(&context, oem.size().inner, 4).expect("tables");
-        let old = BuildFitted::new(&context).stages(&context, &planes, &tables).expect("stages");
+        let old = build_fitted::stages(&context, octagloss::internals::sat::Scan::Blocks, &planes, &tables)
+            .expect("stages");
         println!("    update by fitted:4: {:.4} s", timed(&old));
         let stage = Fitted::new(&context).stage(&context, &tables, &frame).0;
         println!("    frame by fitted:4: {:.4} s", timed(&[stage]));
@@ -282,7 +287,7 @@ fn main() {
             between.elapsed().as_secs_f64()
         );
         if gpu {
-            on_gpu(&oem, &pyramid);
+            on_gpu(&environment, &oem, &pyramid);
             continue;
         }
         let reflector = fitted.then(|| {

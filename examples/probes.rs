@@ -2,7 +2,8 @@
 //! run --release --example probes -- 0.2 1.5` writes probes.png for roughness 0.2 after 1.5 seconds. Device,
 //! queue, textures, pipelines and encoder are the renderer's own.
 
-use octagloss::internals::gpu::{Context, adapters, block_on, device::readback};
+mod common;
+
 use octagloss::wgpu::util::DeviceExt as _;
 use octagloss::{LiveProbes, wgpu};
 
@@ -88,8 +89,7 @@ const SPHERES: &str = "
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut numbers = std::env::args().skip(1).map(|text| text.parse::<f32>());
     let (roughness, seconds) = (numbers.next().unwrap_or(Ok(0.2))?, numbers.next().unwrap_or(Ok(0.0))?);
-    let adapter = block_on(None, adapters())?.into_iter().next().ok_or("no adapter")?;
-    let (device, queue) = block_on(None, adapter.request_device(&wgpu::DeviceDescriptor::default()))??;
+    let (device, queue) = common::device()?;
     let mut probes = LiveProbes::new(&device, &queue, 256, 2)?;
 
     let pipeline = |source: String, format: wgpu::TextureFormat| {
@@ -196,7 +196,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     queue.submit([encoder.finish()]);
 
-    let context = Context::from_device(device, queue);
-    let pixels: Vec<u8> = block_on(Some(&context), readback::read(&context, &pixels))??;
-    Ok(image::save_buffer("probes.png", &pixels, width, height, image::ColorType::Rgba8)?)
+    common::save(&device, &queue, &pixels, width, "probes.png")
 }

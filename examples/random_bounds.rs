@@ -11,6 +11,7 @@ mod lights;
 mod support {
     pub(crate) mod bounds;
     pub(crate) mod common;
+    pub(crate) mod oem_oracle;
 }
 
 use lights::{Tally, examine, examine_unbounded};

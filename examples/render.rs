@@ -1,7 +1,8 @@
 //! Draws a glossy sphere of any roughness with the library's WGSL: `cargo run --release --example render --
 //! 0.3` writes sphere.png. Device, queue, texture, pipeline and encoder are the renderer's own.
 
-use octagloss::internals::gpu::{Context, adapters, block_on, device::readback};
+mod common;
+
 use octagloss::{Environment, LiveEnvironment, wgpu};
 
 const SPHERE: &str = "
@@ -16,8 +17,7 @@ const SPHERE: &str = "
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let roughness: f32 = std::env::args().nth(1).map_or(Ok(0.3), |text| text.parse())?;
-    let adapter = block_on(None, adapters())?.into_iter().next().ok_or("no adapter")?;
-    let (device, queue) = block_on(None, adapter.request_device(&wgpu::DeviceDescriptor::default()))??;
+    let (device, queue) = common::device()?;
     let mut live = LiveEnvironment::new(&device, &queue, 512)?;
     let texture = live.upload(&Environment::read("hdr/sky.exr")?)?;
 
@@ -53,7 +53,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     drop(pass);
     queue.submit([encoder.finish()]);
 
-    let context = Context::from_device(device, queue);
-    let pixels: Vec<u8> = block_on(Some(&context), readback::read(&context, &pixels))??;
-    Ok(image::save_buffer("sphere.png", &pixels, 512, 512, image::ColorType::Rgba8)?)
+    common::save(&device, &queue, &pixels, 512, "sphere.png")
 }

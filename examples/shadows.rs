@@ -2,8 +2,9 @@
 //! --example shadows -- 1.5` writes shadows.png for the lamp's place after 1.5 seconds. Device, queue,
 //! buffers, pipelines and encoder are the renderer's own.
 
+mod common;
+
 use glam::{Mat3, Mat4, Vec3};
-use octagloss::internals::gpu::{Context, adapters, block_on, device::readback};
 use octagloss::wgpu::util::DeviceExt as _;
 use octagloss::{ShadowMap, wgpu};
 
@@ -57,8 +58,7 @@ fn cube(centre: Vec3, half: f32, turn: f32, albedo: impl Fn(Vec3) -> Vec3) -> Ve
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seconds: f32 = std::env::args().nth(1).map_or(Ok(0.0), |text| text.parse())?;
-    let adapter = block_on(None, adapters())?.into_iter().next().ok_or("no adapter")?;
-    let (device, queue) = block_on(None, adapter.request_device(&wgpu::DeviceDescriptor::default()))??;
+    let (device, queue) = common::device()?;
     let mut shadows = ShadowMap::new(&device, &queue, 1024)?;
 
     // A room, and cubes around the lamp.
@@ -196,9 +196,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     pass.set_vertex_buffer(0, corners.slice(..));
     pass.draw(0..scene.len() as u32, 0..1);
     drop(pass);
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * 512), rows_per_image: None };
+    let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+    let descriptor = wgpu::BufferDescriptor { label: None, size: 4 << 18, usage, mapped_at_creation: false };
+    let pixels = device.create_buffer(&descriptor);
+    encoder.copy_texture_to_buffer(
+        colour.as_image_copy(),
+        wgpu::TexelCopyBufferInfo { buffer: &pixels, layout },
+        colour.size(),
+    );
     queue.submit([encoder.finish()]);
 
-    let context = Context::from_device(device, queue);
-    let pixels: Vec<[u8; 4]> = block_on(Some(&context), readback::read_texture(&context, &colour))??;
-    Ok(image::save_buffer("shadows.png", pixels.as_flattened(), 512, 512, image::ColorType::Rgba8)?)
+    common::save(&device, &queue, &pixels, 512, "shadows.png")
 }

@@ -115,7 +115,7 @@ try {
     );
     // The report's keys, values that do not depend on the platform, and its file.
     const stable = ({
-        options,
+        recipe,
         oem,
         target,
         sh,
@@ -125,7 +125,7 @@ try {
         levels,
     }) =>
         JSON.stringify([
-            options,
+            recipe,
             oem,
             target,
             sh.order,

@@ -1,5 +1,4 @@
-// Box queries for lists of directions, and integer sums of given boxes. Directions are unit vectors in the
-// OEM's space; answers are radiance; sums are 64-bit fixed point.
+// Box queries for lists of directions, unit vectors in the OEM's space; answers are radiance.
 @group(0) @binding(0) var<uniform> octagloss_table: OctaglossTable;
 @group(0) @binding(1) var octagloss_low: texture_2d<u32>;
 @group(0) @binding(2) var octagloss_high: texture_2d<u32>;
@@ -12,9 +11,6 @@ const GROUP_SIZE = 64u;
 // The stack for every direction: solid angle and weight of each box.
 @group(1) @binding(4) var<storage, read> stack: array<vec2<f32>>;
 @group(1) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
-// Boxes in the unfolded plane: low x, low y, high x, high y.
-@group(1) @binding(2) var<storage, read> boxes: array<vec4<i32>>;
-@group(1) @binding(3) var<storage, read_write> sums: array<Sum>;
 
 @compute @workgroup_size(GROUP_SIZE)
 fn radiance(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
@@ -25,13 +21,5 @@ fn radiance(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
             energy += stack[b].y * octagloss_box_energy(queries[k].xyz, stack[b].x);
         }
         answers[k] = vec4<f32>(energy.rgb / energy.a, 1.0);
-    }
-}
-
-@compute @workgroup_size(GROUP_SIZE)
-fn box_sums(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let k = index_in_rows(group) * GROUP_SIZE + lane;
-    if k < arrayLength(&boxes) {
-        sums[k] = plane_box(boxes[k].xy, boxes[k].zw);
     }
 }

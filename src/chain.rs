@@ -19,7 +19,8 @@ pub struct Level {
 }
 
 impl Level {
-    /// Creates a cube level with faces of `size` x `size` texels and no bounds.
+    /// A cube level with faces of `size` x `size` texels and no bounds. [`crate::Bake::write`] checks the
+    /// number of texels, as of any level.
     #[must_use]
     pub const fn cube(size: u32, roughness: f64, texels: Vec<Rgb>) -> Self {
         Self { layout: Layout::Cube { size }, roughness, texels, bounds: None }
@@ -31,14 +32,11 @@ impl Level {
         self.layout.sides().1
     }
 
-    /// The texels of one face of a cube, row-major.
-    ///
-    /// # Panics
-    /// If the level is no cube, or has fewer texels.
+    /// The texels of one face of a cube, row-major; empty where the level has fewer texels.
     #[must_use]
     pub fn face(&self, face: Face) -> &[Rgb] {
         let area = self.size() as usize * self.size() as usize;
-        &self.texels[face.index() * area..][..area]
+        self.texels.get(face.index() * area..).and_then(|rest| rest.get(..area)).unwrap_or_default()
     }
 }
 

@@ -23,22 +23,22 @@ pub(crate) fn exact_luminance<T: Into<f64>>(rgb: [T; 3]) -> f64 {
     LUMINANCE.iter().zip(rgb).map(|(weight, value)| f64::from(*weight) * value.into()).sum()
 }
 
-/// How an environment's texels cover the sphere.
+/// How an environment's texels cover the sphere; the crate's conventions give the formulas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// `width` x `height` texels, see [`equirect`]. The panorama of an [`Environment`] is 2:1, or one texel.
+    /// `width` x `height` texels. The panorama of an [`Environment`] is 2:1, or one texel.
     Panorama {
         /// Columns, at least 1.
         width: u32,
         /// Rows, at least 1.
         height: u32,
     },
-    /// Six faces of `size` x `size` texels in the order of [`cube::Face::ALL`], see [`cube`].
+    /// Six faces of `size` x `size` texels in the order of [`cube::Face::ALL`].
     Cube {
         /// Texels along an edge, at least 1.
         size: u32,
     },
-    /// `size` x `size` texels, see [`octahedral`].
+    /// `size` x `size` texels.
     Octahedral {
         /// Texels along an edge, at least 1.
         size: u32,
@@ -48,12 +48,12 @@ pub enum Layout {
 /// A map of the sphere without a size; [`Layout`] adds the size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Map {
-    /// Six faces, see [`cube`].
+    /// Six faces.
     #[default]
     Cube,
-    /// A panorama, 2:1, see [`equirect`].
+    /// A panorama, 2:1.
     Panorama,
-    /// An octahedral square, see [`octahedral`].
+    /// An octahedral square.
     Octahedral,
 }
 
@@ -118,9 +118,16 @@ impl Layout {
         }
     }
 
-    /// Solid angle of the texel in column `i`, row `j` of its image.
+    fn inside(self, i: u32, j: u32) -> (u32, u32) {
+        let (columns, rows) = self.sides();
+        (i.min(columns.saturating_sub(1)), j.min(rows.saturating_sub(1)))
+    }
+
+    /// Solid angle of the texel in column `i`, row `j` of its image, where those beyond the last count as the
+    /// last; NaN for a layout of no texels.
     #[must_use]
     pub fn texel_solid_angle(self, i: u32, j: u32) -> f64 {
+        let (i, j) = self.inside(i, j);
         match self {
             Self::Panorama { width, height } => equirect::texel_solid_angle(width, height, j),
             Self::Cube { size } => cube::texel_solid_angle(size, i, j),
@@ -128,19 +135,20 @@ impl Layout {
         }
     }
 
-    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image` (a cube's face,
-    /// otherwise 0).
-    ///
-    /// # Panics
-    /// If a cube has no such face.
+    /// Unit direction of the centre of the texel in column `i`, row `j` of image `image` (a cube's face;
+    /// without meaning elsewhere), where those beyond the last count as the last; NaN for a layout of no
+    /// texels.
     #[must_use]
     pub fn direction_from_texel(self, image: u32, i: u32, j: u32) -> DVec3 {
+        let (i, j) = self.inside(i, j);
         match self {
             Self::Panorama { width, height } => equirect::direction_from_equirect(
                 (f64::from(i) + 0.5) / f64::from(width),
                 (f64::from(j) + 0.5) / f64::from(height),
             ),
-            Self::Cube { size } => cube::direction_from_texel(cube::Face::ALL[image as usize], size, i, j),
+            Self::Cube { size } => {
+                cube::direction_from_texel(cube::Face::ALL[image.min(5) as usize], size, i, j)
+            }
             Self::Octahedral { size } => octahedral::direction_from_oct(octahedral::texel_centre(size, i, j)),
         }
     }
@@ -190,7 +198,7 @@ impl Environment {
                  with black or resample it"
             )));
         }
-        let environment = Self::of_sound(layout, texels)?;
+        let environment = of_sound(layout, texels)?;
         let texels = &environment.texels;
         let wrong = |c: f32| !(c.is_finite() && c >= 0.0);
         // No early exit, which would prevent vectorisation.
@@ -204,38 +212,23 @@ impl Environment {
         Ok(environment)
     }
 
-    /// [`Environment::new`] for texels known to be finite and not negative, and panoramas of any shape.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] if the count is not the layout's, or a side is zero.
-    #[doc(hidden)]
-    pub fn of_sound(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
-        let (needed, given) = (layout.texel_count(), texels.len());
-        if needed == 0 {
-            return Err(Error::Parameter(format!(
-                "{} of no texels ({layout:?}); every side must be at least 1",
-                layout.name()
-            )));
-        }
-        if given != needed {
-            return Err(Error::Parameter(format!("{layout:?} requires {needed} texels, got {given}")));
-        }
-        Ok(Self { layout, texels, source_from_world: DMat3::IDENTITY })
-    }
-
     /// Replaces the texels, with the same layout and orientation; they must be finite and not negative.
     pub(crate) fn with_texels(&self, texels: Vec<Rgb>) -> Self {
         debug_assert_eq!(texels.len(), self.texels.len(), "one for one");
         Self { texels, ..*self }
     }
 
-    /// Rotates the environment about +Y: +90 degrees maps +Z to +X. Bakes and reflectors refuse an
-    /// environment that was rotated by NaN or infinity.
-    #[must_use]
-    pub fn rotated_y(mut self, degrees: f64) -> Self {
+    /// Rotates the environment about +Y: +90 degrees maps +Z to +X.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an angle that is not finite.
+    pub fn rotated_y(mut self, degrees: f64) -> Result<Self> {
+        if !degrees.is_finite() {
+            return Err(Error::Parameter(format!("a rotation by {degrees} degrees, which is not finite")));
+        }
         // A world direction is looked up where the rotation took it from.
         self.source_from_world *= rotation_y(degrees).transpose();
-        self
+        Ok(self)
     }
 
     /// Flips the picture left to right: a panorama about its centre (z becomes -z), cube faces and octahedral
@@ -268,17 +261,6 @@ impl Environment {
         self.source_from_world
     }
 
-    /// Checks that the rotation is finite.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] if not.
-    pub(crate) fn check_rotation(&self) -> Result<()> {
-        if self.source_from_world.is_finite() {
-            return Ok(());
-        }
-        Err(Error::Parameter("the environment is rotated by an angle that is not finite".to_owned()))
-    }
-
     /// Calls `visit` for every texel with the unit world direction of its centre, its solid angle and its
     /// radiance.
     pub fn for_each_texel(&self, mut visit: impl FnMut(DVec3, f64, Rgb)) {
@@ -308,4 +290,22 @@ impl Environment {
             }
         }
     }
+}
+
+/// [`Environment::new`] for texels known to be finite and not negative, and panoramas of any shape.
+///
+/// # Errors
+/// [`Error::Parameter`] if the count is not the layout's, or a side is zero.
+pub fn of_sound(layout: Layout, texels: Vec<Rgb>) -> Result<Environment> {
+    let (needed, given) = (layout.texel_count(), texels.len());
+    if needed == 0 {
+        return Err(Error::Parameter(format!(
+            "{} of no texels ({layout:?}); every side must be at least 1",
+            layout.name()
+        )));
+    }
+    if given != needed {
+        return Err(Error::Parameter(format!("{layout:?} requires {needed} texels, got {given}")));
+    }
+    Ok(Environment { layout, texels, source_from_world: DMat3::IDENTITY })
 }

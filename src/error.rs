@@ -54,7 +54,7 @@ pub enum Error {
     #[error("{0}")]
     Parameter(String),
     /// A filter or lobe that only the CPU engine supports.
-    #[error("{what} runs on the CPU only; use the CPU engine")]
+    #[error("{what} runs on the CPU only; use `engine` cpu")]
     Unsupported {
         /// The filter or the lobe.
         what: String,
@@ -86,6 +86,29 @@ pub fn quoted(text: &str) -> String {
         Some((end, _)) => format!("{:?}... ({} bytes)", &text[..end], text.len()),
         None => format!("{text:?}"),
     }
+}
+
+/// `text` of an error or a warning with each setting in it, such as `` `oem_size` ``, as `named` calls it: an
+/// option, a key, a parameter.
+#[must_use]
+pub fn with_settings(text: &str, named: &dyn Fn(&str) -> String) -> String {
+    let is_setting =
+        |word: &str| !word.is_empty() && word.bytes().all(|c| c.is_ascii_lowercase() || c == b'_');
+    let parts: Vec<&str> = text.split('`').collect();
+    let mut whole = String::new();
+    let mut quotes = "";
+    for (place, part) in parts.iter().enumerate() {
+        let is_quoted = place > 0 && place + 1 < parts.len() && is_setting(part);
+        if is_quoted && quotes == "`" {
+            whole += &named(part);
+            quotes = "";
+        } else {
+            whole += quotes;
+            whole += part;
+            quotes = "`";
+        }
+    }
+    whole
 }
 
 /// Result with this library's [`Error`] by default.
@@ -125,7 +148,7 @@ pub(crate) fn printable(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Error, printable};
+    use super::{Error, printable, with_settings};
     use std::path::Path;
 
     #[test]
@@ -134,5 +157,18 @@ mod tests {
         assert_eq!(error, r"a.exr: no channels among \u{1b}[2J\u{2}, \u{e9}".replace(r"\u{e9}", "\u{e9}"));
         let long = printable(&"layer ".repeat(1_000_000));
         assert!(long.len() < 1100 && long.ends_with("..."), "{} bytes", long.len());
+    }
+
+    #[test]
+    fn settings_in_messages_are_named_as_options() {
+        let option = |setting: &str| format!("--{}", setting.replace('_', "-"));
+        for (text, expected) in [
+            ("`oem_size` 3 is odd; `size` keeps `chain`", "--oem-size 3 is odd; --size keeps --chain"),
+            ("`", "`"),
+            ("a`b.exr: `pad` fills `Up`, ``, `a b`", "a`b.exr: --pad fills `Up`, ``, `a b`"),
+            ("set `a`", "set --a"),
+        ] {
+            assert_eq!(with_settings(text, &option), expected);
+        }
     }
 }

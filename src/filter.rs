@@ -29,6 +29,24 @@ pub enum Filter {
     Reference,
 }
 
+impl Default for Filter {
+    fn default() -> Self {
+        Self::Adaptive(0.005)
+    }
+}
+
+/// Writes the filter as on the command line and in reports.
+impl std::fmt::Display for Filter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Adaptive(error) => write!(f, "adaptive:{error}"),
+            Self::Fitted(count) => write!(f, "fitted:{count}"),
+            Self::Box => f.write_str("box"),
+            Self::Reference => f.write_str("reference"),
+        }
+    }
+}
+
 impl Filter {
     /// Filter for a chain's secondary lobes, sheen and irradiance: fitted lobes support only GGX.
     #[must_use]
@@ -145,9 +163,9 @@ pub struct Answer {
 /// Certified bounds of an answer's errors, in units of radiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bound {
-    /// Of red, green and blue.
+    /// Bounds of red, green and blue.
     pub channels: Rgb,
-    /// Of the luminance.
+    /// Bound of the luminance.
     pub luminance: f32,
 }
 

@@ -25,7 +25,7 @@ named!(Ladder { Linear = "linear", Filament = "filament", Unity = "unity", Babyl
 
 impl Ladder {
     /// Perceptual roughness of level `level` of `levels`, with `size` texels along an edge of level 0; levels
-    /// beyond the last have the last one's.
+    /// beyond the last have the last one's, and 0 levels or texels count as 1.
     #[must_use]
     pub fn roughness(self, level: u32, levels: u32, size: u32) -> f64 {
         let last = levels.max(1) - 1;
@@ -37,16 +37,19 @@ impl Ladder {
             // Exact at the last level; the square root would round.
             Self::Unity if step == 1.0 => 1.0,
             Self::Unity => (1.7 - (2.89 - 2.8 * step).sqrt()) / 1.4,
-            Self::Babylon => ((f64::from(level.min(last)) / 0.8).exp2() / f64::from(size)).min(1.0).sqrt(),
+            Self::Babylon => {
+                ((f64::from(level.min(last)) / 0.8).exp2() / f64::from(size.max(1))).min(1.0).sqrt()
+            }
         }
     }
 
     /// The level of detail that a renderer looks up for perceptual roughness `roughness` in a chain of
-    /// `levels` below a level 0 of `size` texels: the inverse of [`Ladder::roughness`] between its levels.
+    /// `levels` below a level 0 of `size` texels: the inverse of [`Ladder::roughness`] between its levels. A
+    /// roughness outside [0, 1] counts as the nearest in it.
     #[must_use]
     pub fn lod(self, roughness: f64, levels: u32, size: u32) -> f64 {
         let last = f64::from(levels.max(1) - 1);
-        let r = roughness;
+        let r = roughness.clamp(0.0, 1.0);
         let lod = match self {
             Self::Linear => last * r,
             Self::Filament => last * r * (2.0 - r),
@@ -77,7 +80,7 @@ impl Ladder {
     /// levels; `LAST_TEXELS` gives the fewest levels for each last size.
     #[must_use]
     pub fn default_levels(self, map: Map, size: u32) -> u32 {
-        let most = map.most_levels(size);
+        let most = map.most_levels(size).max(1);
         match self {
             Self::Linear => {
                 let face = size / edges_of_a_face(map);

@@ -99,14 +99,18 @@ A scene that moves is drawn straight into the octahedral map, by [`LiveEnvironme
 `examples/direct.rs`. [`ShadowMap`] draws the shadows of a lamp the same way: `examples/shadows.rs`.
 "#
 )]
-// Parts that only some features use; the build with all of them has no dead code.
+// Parts that only some features use; the build with cli, view and plot has no dead code.
 #![cfg_attr(
     not(all(feature = "cli", feature = "view", feature = "plot")),
-    allow(dead_code, unused_imports, reason = "for other features")
+    allow(dead_code, reason = "for other features")
+)]
+#![cfg_attr(not(feature = "internals"), allow(unreachable_pub, reason = "`internals` reaches them"))]
+#![cfg_attr(
+    not(all(feature = "cli", feature = "view", feature = "plot", feature = "internals")),
+    allow(unused_imports, reason = "exported for other features")
 )]
 
 mod analysis;
-mod atlas;
 mod bake;
 mod chain;
 mod chain_lookup;
@@ -114,6 +118,7 @@ mod chain_lookup;
 mod cli;
 mod cpu;
 mod direct;
+mod direction;
 mod environment;
 mod error;
 mod export;
@@ -138,9 +143,11 @@ mod percent;
 mod plot;
 mod pyramid;
 mod realtime;
+mod recipe;
 mod reflector;
 mod sat;
 mod sh;
+mod smoothstep;
 mod sphere;
 mod synth;
 mod table_bytes;
@@ -149,12 +156,16 @@ mod vector;
 #[cfg(feature = "view")]
 mod view;
 
-pub use bake::{Bake, BakeSettings, bake};
-pub use chain::{Chain, Level};
-pub use environment::{Environment, Layout, Map, Rgb};
+pub use analysis::oracle::Oracle;
+pub use analysis::statistics::{HalfLoss, Statistics};
+pub use bake::{
+    Bake, BakeSettings, LevelStats, OnProgress, Processor, Progress, Skybox, bake, bake_all, unwatched,
+};
+pub use chain::{Chain, ChainKind, Level, LevelSpec};
+pub use environment::{Environment, LUMINANCE, Layout, MAX_DEGREES, Map, Rgb, luminance};
 pub use error::{Error, Result};
 pub use export::write::WriteOptions;
-pub use filter::{Answer, Filter};
+pub use filter::{Answer, Bound, Filter};
 #[cfg(feature = "gpu")]
 pub use gpu::live::LiveEnvironment;
 #[cfg(feature = "gpu")]
@@ -162,20 +173,93 @@ pub use gpu::live_probes::LiveProbes;
 #[cfg(feature = "gpu")]
 pub use gpu::shadow::ShadowMap;
 pub use ladder::Ladder;
-pub use lobe::Lobe;
-pub use reflector::{Reflector, ReflectorSettings};
+pub use lobe::{LOBES, Lobe};
+pub use oem::OemSize;
+pub use reflector::{Lobes, Reflector, ReflectorSettings, Workspace};
 pub use sat::Scan;
 #[cfg(feature = "gpu")]
 pub use wgpu;
 
-/// What the fields of [`WriteOptions`] take.
+/// Types of the fields of [`WriteOptions`], and atomic outputs.
 pub mod files {
+    pub use crate::export::files::Made;
+    pub use crate::export::write::write_files;
     pub use crate::format::container::Container;
+    pub use crate::format::overflow::Overflow;
     pub use crate::format::{OutputLayout, Pixel};
-    pub use crate::io::output::Existing;
+    pub use crate::io::output::{Existing, check_file, check_folder, recover};
 }
 
-/// Further items for the program, its tests, fuzz targets and examples. They may change in any version.
+/// Spherical harmonics of environments.
+pub mod harmonics {
+    pub use crate::sh::scale::{ShScale, scaled};
+    pub use crate::sh::window::{ShWindow, parsed as parsed_window};
+    pub use crate::sh::{MAX_ORDER, spherical_harmonics};
+}
+
+/// Maps of the sphere: directions of points, and points of directions.
+pub mod maps {
+    pub use crate::sphere::cube::Face;
+    pub use crate::sphere::map::{Component, Place};
+    pub use crate::sphere::registry::{MAPS, NamedMap, named};
+}
+
+/// Queries of many directions, and the words for them.
+pub mod queries {
+    pub use crate::bake::query::Query;
+    pub use crate::direction::unit;
+    pub use crate::filter::parsed as parsed_filter;
+    pub use crate::reflector::{check_answers, sharpest};
+}
+
+/// Readers of environments and prefiltered chains.
+pub mod read {
+    pub use crate::io::provenance::{Provenance, TakenSun};
+    pub use crate::io::{
+        InputLayout, Loaded, Pad, ReadOptions, Repairs, read, read_chain, read_faces, read_from_memory,
+    };
+}
+
+/// Every option of a bake as one value, and what it makes of a source: files, reports and pictures.
+pub mod recipes {
+    pub use crate::error::with_settings;
+    pub use crate::export::produce::{
+        Baked, Product, Products, SunFile, json_bytes, name, produce, products, report_path,
+    };
+    pub use crate::export::report::{
+        EnergyReport, FingerprintReport, LevelReport, OemReport, OutputFileReport, Report, ShReport,
+        TargetReport,
+    };
+    pub use crate::image::exposure::Exposure;
+    pub use crate::recipe::plan::BakePlan;
+    pub use crate::recipe::source::{InputFileReport, Source, SunReport};
+    pub use crate::recipe::{InputOptions, Recipe, TableOptions, from_json};
+}
+
+/// The reflectance of surfaces by angle and roughness: the table of the split sum.
+pub mod reflectance {
+    pub use crate::bake::dfg::{DfgBlue, DfgForm, DfgTable, dfg_table};
+}
+
+/// Suns of environments, and the emitters that can be taken out of them.
+pub mod suns {
+    pub use crate::analysis::extraction::{Extraction, Kept, Lamp, Suns, Why, extract};
+    pub use crate::analysis::sun::{Brightest, Sun};
+}
+
+/// The engines that bakes are made for.
+pub mod targets {
+    pub use crate::format::{LevelName, Shown};
+    pub use crate::target::{Content, Diffuse, FileSpec, Flip, Naming, TARGETS, Target, TargetPlan};
+}
+
+/// Runs the program on the arguments of the process; `licenses` are those of the crates in it.
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub use cli::main as run_program;
+
+/// Further items for the tests, fuzz targets and maintainers' tools. They may change in any version.
+#[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod internals {
     macro_rules! modules {
@@ -190,7 +274,6 @@ pub mod internals {
 
     modules![
         analysis,
-        atlas,
         bake,
         chain,
         chain_lookup,
@@ -210,6 +293,7 @@ pub mod internals {
         oem,
         pyramid,
         realtime,
+        recipe,
         reflector,
         sat,
         sh,

@@ -43,7 +43,7 @@ fn log2_floor(value: f32) -> i32 {
 
 impl LightScale {
     /// The scale for `environment`; k is 0 for ordinary or black light.
-    pub(crate) fn of(environment: &Environment) -> Self {
+    pub(crate) fn new(environment: &Environment) -> Self {
         // Bit patterns of non-negative floats sort like their values. Zeros wrap to the greatest pattern.
         let range = |chunk: &[Rgb]| {
             chunk.as_flattened().iter().fold((0, u32::MAX), |(most, least): (u32, u32), channel| {
@@ -139,15 +139,15 @@ pub(crate) fn rounded_up(value: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::environment::Layout;
+    use crate::environment::{Layout, of_sound};
     use crate::filter::Bound;
 
     fn scale(values: &[f32]) -> (LightScale, Vec<f32>) {
         let size = values.len() as u32;
         let texels = values.iter().map(|value| [*value; 3]).collect();
         let layout = Layout::Panorama { width: size, height: 1 };
-        let environment = Environment::of_sound(layout, texels).expect("valid");
-        let scale = LightScale::of(&environment);
+        let environment = of_sound(layout, texels).expect("valid");
+        let scale = LightScale::new(&environment);
         (scale, scale.scaled(&environment).texels().iter().map(|texel| texel[0]).collect())
     }
 

@@ -31,9 +31,6 @@ pub enum Lobe {
 /// Every lobe.
 pub const LOBES: [Lobe; 5] = Lobe::ALL;
 
-/// The key under which outputs name their lobe.
-pub const LOBE_KEY: &str = "octaglossLobe";
-
 /// The least roughness of a Charlie lobe, four degrees across: level 1 of nine. At 0 it would be the
 /// horizon's circle, which no texel resolves. The sampler's level 0 is black: none of its half vectors has
 /// light above the horizon.
@@ -163,7 +160,7 @@ pub(crate) fn zonal_nodes(lobe: Lobe, alpha: f64) -> impl Iterator<Item = (f64, 
 
 /// Legendre's polynomials of order 0 to 4 at `x`.
 #[must_use]
-pub(crate) fn legendre(x: f64) -> [f64; 5] {
+pub fn legendre(x: f64) -> [f64; 5] {
     let x2 = x * x;
     [1.0, x, (3.0 * x2 - 1.0) / 2.0, (5.0 * x2 - 3.0) * x / 2.0, ((35.0 * x2 - 30.0) * x2 + 3.0) / 8.0]
 }

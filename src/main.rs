@@ -9,5 +9,5 @@ const LICENSES: Option<&str> = Some(include_str!(env!("OCTAGLOSS_LICENSES")));
 const LICENSES: Option<&str> = None;
 
 fn main() -> ExitCode {
-    octagloss::internals::cli::main(LICENSES)
+    octagloss::run_program(LICENSES)
 }

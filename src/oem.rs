@@ -4,6 +4,7 @@
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
+use crate::smoothstep::smoothstep;
 use crate::sphere::octahedral::wrap_texel;
 
 /// The share of bilinear reconstruction in a lobe of `alpha` over `inner` x `inner` texels.
@@ -18,8 +19,7 @@ pub fn bilinear_share(lobe: Lobe, alpha: f64, inner: u32) -> f64 {
     }
     let alpha = lobe.served_roughness(alpha.sqrt()).powi(2);
     let texels = alpha * f64::from(inner) / 2.0;
-    let fade = ((4.0 - texels) / 2.0).clamp(0.0, 1.0);
-    fade * fade * (3.0 - 2.0 * fade)
+    smoothstep((4.0 - texels) / 2.0)
 }
 
 /// Size of an OEM.
@@ -32,10 +32,10 @@ pub struct OemSize {
 }
 
 impl OemSize {
-    /// Texels along an edge, border included.
+    /// Texels along an edge, border included; at most the greatest `u32`.
     #[must_use]
     pub const fn bordered(self) -> u32 {
-        self.inner + 2 * self.border
+        self.inner.saturating_add(self.border.saturating_mul(2))
     }
 }
 
@@ -93,11 +93,6 @@ impl Oem {
         &self.texels
     }
 
-    /// All texels, border included.
-    pub(crate) fn texels_mut(&mut self) -> &mut [[f32; 4]] {
-        &mut self.texels
-    }
-
     /// Texel (`x`, `y`) of the square, 0 <= x, y < inner.
     #[must_use]
     pub fn texel(&self, x: u32, y: u32) -> [f32; 4] {
@@ -143,6 +138,7 @@ impl Oem {
     }
 
     /// Radiance of texel (`x`, `y`) of the square.
+    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn radiance(&self, x: u32, y: u32) -> Rgb {
         let [r, g, b, w] = self.texel(x, y);

@@ -7,6 +7,7 @@ use crate::cpu::cells::{Cells, SourceLight};
 use crate::cpu::fitted::{Fitted, finest_octave};
 use crate::cpu::leaves::{LANES, Packet, Scratch};
 use crate::cpu::{blur, mirror, reparameterise};
+use crate::direction::units;
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::{Answer, Bound, Filter};
@@ -94,7 +95,7 @@ impl ReflectorSettings {
         let bytes = |settings: &Self| {
             let (size, block) = settings.plan(layout)?;
             Ok(layout.texel_count() as u64 * SOURCE
-                + Tables::of(layout, size, block, settings.scan, served).peak())
+                + Tables::new(layout, size, block, settings.scan, served).peak())
         };
         let needed = match bytes(self) {
             Ok(needed) if needed <= limit => return Ok(()),
@@ -118,7 +119,7 @@ impl ReflectorSettings {
         largest_oem(self.fitted, |size| {
             let settings = Self { oem_size: Some(size), ..*self };
             let plan = settings.plan(layout);
-            let peak = |(size, block)| source + Tables::of(layout, size, block, self.scan, served).peak();
+            let peak = |(size, block)| source + Tables::new(layout, size, block, self.scan, served).peak();
             plan.is_ok_and(|plan| peak(plan) <= limit)
         })
     }
@@ -196,8 +197,8 @@ impl<'a> Reflector<'a> {
     /// Prepares `environment`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an OEM of no texels and a rotation that is not finite, [`Error::Limit`] if
-    /// building it takes more than `crate::table_bytes::LIMIT`.
+    /// [`Error::Parameter`] for an OEM of no texels, a `sharpest` outside [0, 1] and an invalid scan,
+    /// [`Error::Limit`] if building it takes more than 4 GiB, in WebAssembly 3 GiB.
     pub fn new(environment: &'a Environment, settings: &ReflectorSettings) -> Result<Self> {
         Self::prepared(Cow::Borrowed(environment), settings)
     }
@@ -214,24 +215,29 @@ impl<'a> Reflector<'a> {
     #[cfg(feature = "gpu")]
     pub(crate) fn over(environment: &'a Environment, oem: Oem, settings: ReflectorSettings) -> Self {
         let size = oem.size();
-        Self::of(Cow::Borrowed(environment), LightScale::default(), size, OnceLock::from(oem), settings)
+        Self::with_parts(
+            Cow::Borrowed(environment),
+            LightScale::default(),
+            size,
+            OnceLock::from(oem),
+            settings,
+        )
     }
 
     fn prepared(environment: Cow<'a, Environment>, settings: &ReflectorSettings) -> Result<Self> {
-        environment.check_rotation()?;
         settings.check_memory("this reflector", environment.layout(), &[], LIMIT)?;
         let (size, _) = settings.plan(environment.layout())?;
-        let scale = LightScale::of(&environment);
+        let scale = LightScale::new(&environment);
         let oem = OnceLock::new();
         // Cells of the source may be all that is used.
         if !reparameterise::is_infallible(environment.layout(), size) {
             let made = reparameterise::oem_from_environment(&scale.scaled(&environment), size)?;
             oem.get_or_init(|| made);
         }
-        Ok(Self::of(environment, scale, size, oem, *settings))
+        Ok(Self::with_parts(environment, scale, size, oem, *settings))
     }
 
-    const fn of(
+    const fn with_parts(
         environment: Cow<'a, Environment>,
         scale: LightScale,
         size: OemSize,
@@ -258,9 +264,8 @@ impl<'a> Reflector<'a> {
     }
 
     /// The OEM, in the source's own space. Its light is that of the source times
-    /// 2^[`Reflector::light_exponent`].
-    #[must_use]
-    pub fn oem(&self) -> &Oem {
+    /// 2^[`LightScale::exponent`].
+    pub(crate) fn map(&self) -> &Oem {
         self.oem.get_or_init(|| {
             let source = self.scale.scaled(&self.environment);
             reparameterise::oem_from_environment(&source, self.size).expect("checked when prepared")
@@ -273,27 +278,19 @@ impl<'a> Reflector<'a> {
         self.size
     }
 
-    /// The exponent k, where the OEM holds the source's light times 2^k: 0 for light from 2^-60 to 2^60.
-    /// Light outside that range is scaled, so that float32 holds energies and their sums; answers are in the
-    /// source's own units.
-    #[must_use]
-    pub const fn light_exponent(&self) -> i32 {
-        self.scale.exponent()
-    }
-
     /// Total energy of the light that lobes read, red, green and blue, in the source's own units: that of the
     /// cells of the source, or of the OEM.
     pub(crate) fn energy(&self) -> [f64; 3] {
         let energy = self.source.get().and_then(Cells::energy).unwrap_or_else(|| {
-            let [red, green, blue, _] = self.oem().totals();
+            let [red, green, blue, _] = self.map().totals();
             [red, green, blue]
         });
         self.scale.energies(energy)
     }
 
     /// The OEM's exact table.
-    pub fn sat(&self) -> &Sat {
-        self.sat.get_or_init(|| Sat::new(self.oem(), self.settings.scan))
+    fn sat(&self) -> &Sat {
+        self.sat.get_or_init(|| Sat::new(self.map(), self.settings.scan))
     }
 
     /// Cells of the source's texels, for lobes wider than the OEM's texels.
@@ -308,7 +305,7 @@ impl<'a> Reflector<'a> {
     /// Cells of the OEM, interpolated bilinearly.
     fn bilinear_cells(&self) -> &Cells {
         let block = self.settings.block(self.size.inner);
-        self.bilinear.get_or_init(|| Cells::new(self.oem(), block, Reconstruction::Bilinear))
+        self.bilinear.get_or_init(|| Cells::new(self.map(), block, Reconstruction::Bilinear))
     }
 
     /// The light of the source, scaled as the OEM's.
@@ -319,7 +316,7 @@ impl<'a> Reflector<'a> {
     /// Emitters, and blurred tables and harmonics of the residual map. The OEM's size must be a power of two.
     fn soft(&self) -> &SoftTables {
         self.soft.get_or_init(|| {
-            let (emitters, rest) = emitters::extracted(self.oem());
+            let (emitters, rest) = emitters::extracted(self.map());
             let sat = Sat::new(&rest, self.settings.scan);
             SoftTables {
                 emitters,
@@ -337,7 +334,7 @@ impl<'a> Reflector<'a> {
     /// [`Error::Parameter`] for a roughness outside [0, 1], an adaptive error outside [1e-6, 1), a filter
     /// that does not support the lobe, an unsupported count of fitted boxes, and fitted lobes over an OEM
     /// whose size is not a power of two of at least 16; [`Error::Limit`] if the lobes' tables take more than
-    /// `crate::table_bytes::LIMIT`.
+    /// [`Reflector::new`] allows.
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_>> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
@@ -358,14 +355,14 @@ impl<'a> Reflector<'a> {
                 Evaluation::Fitted(Fitted::new(
                     table,
                     alpha,
-                    self.oem(),
+                    self.map(),
                     emitters,
                     *least,
                     &blurred,
                     harmonics,
                 ))
             }
-            Filter::Adaptive(_) if mirror => Evaluation::Mirror(self.oem(), self.oem().least_radiance()),
+            Filter::Adaptive(_) if mirror => Evaluation::Mirror(self.map(), self.map().least_radiance()),
             Filter::Adaptive(error) => {
                 let share = bilinear_share(lobe, alpha, self.size.inner);
                 let kernel = Kernel::new(lobe, alpha);
@@ -398,10 +395,9 @@ impl<'a> Reflector<'a> {
         let directions = &units(directions)?[..];
         let block = |directions: &[DVec3]| {
             let mut answers = Vec::with_capacity(directions.len());
-            lobes.evaluate(directions, &mut Workspace::default(), &mut answers);
-            answers
+            lobes.evaluate(directions, &mut Workspace::default(), &mut answers).map(|()| answers)
         };
-        let answers: Vec<Answer> = directions.par_chunks(BLOCK).flat_map_iter(block).collect();
+        let answers = directions.par_chunks(BLOCK).map(block).collect::<Result<Vec<_>>>()?.concat();
         check_answers(directions, &answers)?;
         Ok(answers)
     }
@@ -413,9 +409,31 @@ impl<'a> Reflector<'a> {
     pub fn query(&self, direction: DVec3, roughness: f64, lobe: Lobe, filter: Filter) -> Result<Answer> {
         let directions = units(&[direction])?;
         let mut answers = Vec::with_capacity(1);
-        self.lobes(lobe, roughness, filter)?.evaluate(&directions, &mut Workspace::default(), &mut answers);
+        self.lobes(lobe, roughness, filter)?.evaluate(
+            &directions,
+            &mut Workspace::default(),
+            &mut answers,
+        )?;
         check_answers(&directions, &answers)?;
         Ok(answers[0])
+    }
+}
+
+/// For tests.
+#[cfg(feature = "internals")]
+impl Reflector<'_> {
+    /// The OEM.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn oem(&self) -> &Oem {
+        self.map()
+    }
+
+    /// The exponent of the light in the OEM.
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn light_exponent(&self) -> i32 {
+        self.scale.exponent()
     }
 }
 
@@ -426,33 +444,6 @@ pub fn sharpest(lobe: Lobe, roughness: &[f64]) -> Option<f64> {
     let served = roughness.iter().map(|roughness| lobe.served_roughness(*roughness));
     let least = served.clone().filter(|roughness| *roughness > 0.0).reduce(f64::min);
     least.or_else(|| served.reduce(f64::min))
-}
-
-/// The unit vector along `direction`, unchanged if it is one; `None` if it is zero or not finite.
-#[must_use]
-pub fn unit(direction: DVec3) -> Option<DVec3> {
-    if (direction.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON {
-        return Some(direction);
-    }
-    // Scale first: squares of tiny and huge lengths exceed the range of floats.
-    let longest = direction.abs().max_element();
-    (direction.is_finite() && longest > 0.0).then(|| (direction / longest).normalize())
-}
-
-/// The unit vectors along `directions`.
-///
-/// # Errors
-/// [`Error::Parameter`] for one that is zero or not finite.
-pub(crate) fn units(directions: &[DVec3]) -> Result<Vec<DVec3>> {
-    let of = |(index, direction): (usize, &DVec3)| {
-        unit(*direction).ok_or_else(|| {
-            let DVec3 { x, y, z } = direction;
-            Error::Parameter(format!(
-                "direction {index} is {x}, {y}, {z}; finite numbers that are not all 0 are needed"
-            ))
-        })
-    };
-    directions.iter().enumerate().map(of).collect()
 }
 
 /// Directions of one task of [`Reflector::query_all`].
@@ -526,9 +517,22 @@ pub struct Workspace {
 }
 
 impl Lobes<'_> {
-    /// Appends the answer for each of `directions` (unit vectors in world space). Up to [`LANES`] consecutive
+    /// Appends the answer for each of `directions` (unit vectors in world space). A few consecutive
     /// directions share one traversal if they are close to each other.
-    pub fn evaluate(&self, directions: &[DVec3], workspace: &mut Workspace, answers: &mut Vec<Answer>) {
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a direction that is no unit vector, to a millionth.
+    pub fn evaluate(
+        &self,
+        directions: &[DVec3],
+        workspace: &mut Workspace,
+        answers: &mut Vec<Answer>,
+    ) -> Result<()> {
+        // NaN is none, too.
+        let is_unit = |direction: &&DVec3| (direction.length_squared() - 1.0).abs() < 1e-6;
+        if let Some(direction) = directions.iter().find(|direction| !is_unit(direction)) {
+            return Err(Error::Parameter(format!("the direction {direction} is no unit vector")));
+        }
         let source_from_world = self.source_from_world;
         let first_answer = answers.len();
         let unbounded = |radiance: Rgb| Answer { radiance, bound: None };
@@ -571,12 +575,14 @@ impl Lobes<'_> {
             Evaluation::Mirror(oem, least) => answers.extend(
                 directions.iter().map(|d| unbounded(mirror::radiance(oem, *least, source_from_world * *d))),
             ),
-            Evaluation::Reference(oracle, lobe, roughness) => answers.extend(
-                directions.iter().map(|d| unbounded(oracle.reflect(*lobe, *roughness, *d).map(|c| c as f32))),
-            ),
+            Evaluation::Reference(oracle, lobe, roughness) => {
+                let radiance = |d: &DVec3| oracle.reflected(*lobe, *roughness, *d).map(|c| c as f32);
+                answers.extend(directions.iter().map(|d| unbounded(radiance(d))));
+            }
         }
         for answer in &mut answers[first_answer..] {
             *answer = self.scale.answer(*answer);
         }
+        Ok(())
     }
 }

@@ -93,7 +93,7 @@ impl FixedPoint {
         Self::of_texels(inner * inner, || oem.square())
     }
 
-    /// The same for `count` `texels`, whose boxes count each texel at most four times.
+    /// [`FixedPoint::of_square`] for `count` `texels`, whose boxes count each texel at most four times.
     pub(crate) fn of_texels<'a, I: Iterator<Item = &'a [f32; 4]>>(
         count: u64,
         texels: impl Fn() -> I,
@@ -181,7 +181,8 @@ pub struct Sat {
 
 impl Sat {
     /// A table of `entries`, row-major, already summed.
-    pub(crate) const fn from_entries(size: OemSize, fixed: FixedPoint, entries: Vec<[u64; 4]>) -> Self {
+    #[must_use]
+    pub const fn from_entries(size: OemSize, fixed: FixedPoint, entries: Vec<[u64; 4]>) -> Self {
         Self { size, fixed, entries }
     }
 
@@ -202,18 +203,6 @@ impl Sat {
         Self { size: OemSize { inner, border: 0 }, fixed, entries }
     }
 
-    /// The table of a square of bordered `size` whose first texel is (`x`, `y`) of this table's square, with
-    /// this table's exponents.
-    ///
-    /// # Panics
-    /// If it leaves this table's border.
-    pub(crate) fn part(&self, [x, y]: [u32; 2], size: OemSize) -> Self {
-        let (x, y, side) = (i64::from(x), i64::from(y), i64::from(size.bordered()));
-        let entry = |k: i64| self.bordered_box(x, y, x + k % side + 1, y + k / side + 1);
-        let entries = (0..side * side).into_par_iter().map(entry).collect();
-        Self { size, fixed: self.fixed, entries }
-    }
-
     /// Size of the OEM summed.
     #[must_use]
     pub const fn size(&self) -> OemSize {
@@ -227,6 +216,7 @@ impl Sat {
     }
 
     /// All entries, row-major, border included.
+    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn entries(&self) -> &[[u64; 4]] {
         &self.entries

@@ -6,6 +6,7 @@ mod marks;
 
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
+use crate::smoothstep::smoothstep;
 use crate::sphere::cube::{self, Face};
 use crate::sphere::equirect;
 use glam::DVec3;
@@ -141,9 +142,9 @@ fn mean(samples: u32, radiance: impl Fn(f64, f64) -> Rgb) -> Rgb {
     sum.map(|s| (s / f64::from(samples * samples)) as f32)
 }
 
-fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+/// 0 on the side of `low`, 1 on that of `high`.
+fn between(low: f64, high: f64, x: f64) -> f64 {
+    smoothstep((x - low) / (high - low))
 }
 
 fn lerp(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
@@ -160,7 +161,7 @@ fn sky(direction: DVec3) -> Rgb {
     let colour = if direction.y > 0.004 {
         preetham(direction)
     } else {
-        let haze = smoothstep(0.25, 0.0, -direction.y).powi(2);
+        let haze = between(0.25, 0.0, -direction.y).powi(2);
         lerp([0.115, 0.105, 0.07], horizon.map(|c| c * 0.6), haze)
     };
     colour.map(|c| c as f32)
@@ -290,10 +291,10 @@ fn studio(direction: DVec3) -> Rgb {
             }
         }
     }
-    let wall = lerp([0.03, 0.031, 0.034], [0.075, 0.075, 0.08], smoothstep(-0.2, 0.9, direction.y));
+    let wall = lerp([0.03, 0.031, 0.034], [0.075, 0.075, 0.08], between(-0.2, 0.9, direction.y));
     // Light the floor around the nadir.
-    let floor = [0.24, 0.23, 0.22].map(|c| c * (0.25 + 0.75 * smoothstep(0.3, 1.0, -direction.y)));
-    lerp(wall, floor, smoothstep(0.1, 0.13, -direction.y)).map(|c| c as f32)
+    let floor = [0.24, 0.23, 0.22].map(|c| c * (0.25 + 0.75 * between(0.3, 1.0, -direction.y)));
+    lerp(wall, floor, between(0.1, 0.13, -direction.y)).map(|c| c as f32)
 }
 
 /// Cube faces, each with its colour, a frame, its name and an up arrow.

@@ -46,8 +46,8 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    /// Those over a source of `layout`.
-    pub(crate) fn of(layout: Layout, size: OemSize, block: u32, scan: Scan, served: &[LobeRequest]) -> Self {
+    /// Bytes of the tables over a source of `layout`.
+    pub(crate) fn new(layout: Layout, size: OemSize, block: u32, scan: Scan, served: &[LobeRequest]) -> Self {
         let square = |side: u32| u64::from(side) * u64::from(side);
         let (inner, bordered) = (square(size.inner), square(size.bordered()));
         let border = if size.border > 0 { OEM * bordered } else { 0 };

@@ -11,12 +11,15 @@ async function fetched(url, signal) {
     return response;
 }
 
-// The target that the KTX2 file `bytes` was baked for; undefined for other files.
+// The target that the KTX2 file `bytes` was baked for; undefined for other files. Version 0.2 wrote the
+// target alone, later ones the recipe.
 function targetOf(bytes) {
     if (!KTX2.every((byte, index) => bytes[index] === byte)) return undefined;
-    const value = read(bytes).keyValue.octaglossTarget;
+    const { octaglossRecipe, octaglossTarget } = read(bytes).keyValue;
+    const value = octaglossRecipe ?? octaglossTarget;
     const text = value instanceof Uint8Array ? new TextDecoder().decode(value) : value;
-    return text?.replace(/\0.*$/s, '');
+    const whole = text?.replace(/\0.*$/s, '');
+    return octaglossRecipe ? JSON.parse(whole).target : whole;
 }
 
 // KTX2Loader makes one texture of an uncompressed cube, with the six faces one after the other.

@@ -3,29 +3,28 @@
 //! The module answers synchronously, on one thread. The package's JavaScript runs it in workers, and cancels
 //! a call by ending its worker.
 
-mod given;
-mod output;
-mod plan;
+mod options;
 mod query;
-mod source;
 
-use given::{Given, with_options};
 use js_sys::{Array, Error, Float32Array, Function, Object, Reflect, Uint8Array};
-use octagloss::internals::analysis::statistics::Statistics;
-use octagloss::internals::analysis::sun::{Brightest, Sun};
-use octagloss::internals::bake::report::{RepairReport, SunReport};
-use octagloss::internals::bake::{Progress, bake_all};
-use octagloss::internals::target::{TARGETS, Target};
-use output::{Baked, Output, output};
-use plan::Request;
+use octagloss::read::Repairs;
+use octagloss::recipes::{
+    Baked, InputOptions, Products, Recipe, Source, SunReport, json_bytes, name, produce, report_path,
+};
+use octagloss::suns::{Brightest, Sun};
+use octagloss::targets::{TARGETS, Target};
+use octagloss::{Progress, Statistics, bake_all};
+use options::{parsed, with_options};
 use query::Query;
 use serde::Serialize;
-use source::{Opened, Reading};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 use wasm_bindgen::prelude::wasm_bindgen;
 use wasm_bindgen::{JsError, JsValue};
 use web_time::Instant;
+
+/// Most bytes that reading a file may take.
+const MEMORY_LIMIT: u64 = 2 << 30;
 
 thread_local! {
     /// Called with the share of a bake that is done. Not captured by the library's callback, which is shared
@@ -62,7 +61,7 @@ pub fn targets() -> Result<String, JsError> {
             let Target { name, reader, size, verified, .. } = target;
             serde_json::json!({"name": name, "reader": reader, "size": size, "verified": verified})
         };
-        output::json(&TARGETS.iter().map(target).collect::<Vec<_>>())
+        json(&TARGETS.iter().map(target).collect::<Vec<_>>())
     })
 }
 
@@ -81,22 +80,23 @@ pub fn bake(
 ) -> Result<Object, JsError> {
     answered(|| {
         let start = Instant::now();
-        let mut given = Given::parsed(options)?;
-        let reading = Reading::of(&mut given)?;
-        let request = Request::of(&mut given, reading.extract_sun.is_some())?;
-        given.finish()?;
-        let opened = reading.open(input, &bytes)?;
+        let recipe: Recipe = parsed(options)?;
+        recipe.plans()?;
+        let source = recipe.input.open_bytes(input, &bytes, MEMORY_LIMIT)?;
         drop(bytes);
         read.call0(&JsValue::NULL).ok();
-        let plans = request.plans(opened.environment.layout());
-        let settings: Vec<_> = plans.iter().map(|plan| plan.settings.clone()).collect();
         ON_PROGRESS.set(progress);
-        let bakes = bake_all(&opened.environment, &settings, &advance);
+        let products = produce(&recipe, &source, start, |settings| {
+            Ok(Baked::on_cpu(bake_all(&source.environment, settings, &advance)?))
+        });
         ON_PROGRESS.set(None);
-        let seconds = start.elapsed().as_secs_f64();
-        let baked = Baked { input, reading: &reading, opened: &opened, seconds };
-        Ok(object(output(&request, &plans, bakes?, &baked)?))
+        object(products?, &source)
     })
+}
+
+/// The text of `value` as a JSON file.
+fn json(value: &impl Serialize) -> octagloss::Result<String> {
+    Ok(String::from_utf8(json_bytes(value)?).expect("JSON is UTF-8"))
 }
 
 /// The result of `work`, with options in messages named as here.
@@ -115,23 +115,34 @@ fn advance(Progress { done, total, .. }: Progress) -> ControlFlow<()> {
 }
 
 /// The object that JavaScript gets: `files`, `reports`, `warnings` and `preview`.
-fn object(Output { files, reports, warnings, preview }: Output) -> Object {
-    let array = Array::new();
-    // Freed one after the other, for JavaScript has copies.
-    for (name, bytes) in files {
-        array.push(&object_of([
-            ("name", JsValue::from_str(&name)),
-            ("bytes", Uint8Array::from(&bytes[..]).into()),
-        ]));
+fn object(products: Products, source: &Source) -> octagloss::Result<Object> {
+    let (files, reports, several) = (Array::new(), Array::new(), products.per_plan.len() > 1);
+    let mut warnings: Vec<String> = Vec::new();
+    let add = |name: &str, bytes: &[u8]| {
+        let bytes: JsValue = Uint8Array::from(bytes).into();
+        files.push(&object_of([("name", JsValue::from_str(name)), ("bytes", bytes)]));
+    };
+    for (name, bytes) in products.files() {
+        add(&name, bytes);
     }
-    let texts = |texts: Vec<String>| -> Array { texts.iter().map(|text| JsValue::from_str(text)).collect() };
-    let preview = preview.map_or(JsValue::NULL, |bytes| Uint8Array::from(&bytes[..]).into());
-    object_of([
-        ("files", array.into()),
-        ("reports", texts(reports).into()),
-        ("warnings", texts(warnings).into()),
+    for product in &products.per_plan {
+        let text = json(&product.report)?;
+        add(&report_path(several, &product.plan, &name(&product.plan, source)), text.as_bytes());
+        reports.push(&JsValue::from_str(&text));
+        for warning in product.report.warnings.iter().map(|warning| with_options(warning)) {
+            if !warnings.contains(&warning) {
+                warnings.push(warning);
+            }
+        }
+    }
+    let warnings: Array = warnings.iter().map(|text| JsValue::from_str(text)).collect();
+    let preview = products.preview.map_or(JsValue::NULL, |bytes| Uint8Array::from(&bytes[..]).into());
+    Ok(object_of([
+        ("files", files.into()),
+        ("reports", reports.into()),
+        ("warnings", warnings.into()),
         ("preview", preview),
-    ])
+    ]))
 }
 
 fn object_of<const N: usize>(entries: [(&str, JsValue); N]) -> Object {
@@ -162,33 +173,32 @@ pub fn info(input: &str, bytes: Vec<u8>, options: &str) -> Result<String, JsErro
             max: [f32; 3],
             mean: [f64; 3],
             sun: Option<SunReport>,
-            repaired: RepairReport,
+            repaired: Repairs,
             warnings: &'a [String],
         }
-        let mut given = Given::parsed(options)?;
-        let mut reading = Reading::of(&mut given)?;
-        given.finish()?;
+        let mut options: InputOptions = parsed(options)?;
+        options.check()?;
         // Counts NaN and Inf, unless repairs are errors.
-        reading.options.sanitize = !reading.options.strict;
-        let Opened { environment, loaded, warnings, bytes, .. } = reading.open(input, &bytes)?;
-        let statistics = Statistics::new(&environment);
+        options.sanitize = !options.strict;
+        let source = options.open_bytes(input, &bytes, MEMORY_LIMIT)?;
+        let statistics = Statistics::new(&source.environment);
         let share = statistics.sun_share();
         let is_sun = |sun: &&Sun| sun.kind == Brightest::Sun;
         let info = Info {
             input,
-            format: &loaded.format,
-            bytes,
-            layout: loaded.layout,
-            width: loaded.width,
-            height: loaded.height,
+            format: &source.format,
+            bytes: bytes.len() as u64,
+            layout: source.layout,
+            width: source.width,
+            height: source.height,
             min: statistics.min,
             max: statistics.max,
             mean: statistics.mean,
             sun: statistics.sun.as_ref().filter(is_sun).map(|sun| SunReport::new(sun, share)),
-            repaired: loaded.repaired.into(),
-            warnings: &warnings,
+            repaired: source.repaired,
+            warnings: &source.warnings,
         };
-        output::json(&info)
+        json(&info)
     })
 }
 
@@ -207,12 +217,10 @@ pub fn query(
     roughness: &[f64],
 ) -> Result<Float32Array, JsError> {
     answered(|| {
-        let mut given = Given::parsed(options)?;
-        let reading = Reading::of(&mut given)?;
-        let query = Query::of(&mut given)?;
-        given.finish()?;
-        let opened = reading.open(input, &bytes)?;
+        let query: Query = parsed(options)?;
+        query.check()?;
+        let source = query.input.open_bytes(input, &bytes, MEMORY_LIMIT)?;
         drop(bytes);
-        Ok(Float32Array::from(&query.answer(&opened.environment, directions, roughness)?[..]))
+        Ok(Float32Array::from(&query.answer(&source.environment, directions, roughness)?[..]))
     })
 }

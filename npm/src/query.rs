@@ -1,35 +1,33 @@
 //! Single queries: lobes around directions.
 
-use crate::given::{Given, wrong};
+use crate::options::wrong;
 use glam::DVec3;
-use octagloss::internals::bake::query::Query as Directions;
-use octagloss::internals::filter;
-use octagloss::internals::lobe::LOBES;
-use octagloss::internals::reflector::sharpest;
-use octagloss::{Environment, Filter, Lobe, Reflector, ReflectorSettings, Result};
+use octagloss::queries::{Query as Directions, sharpest};
+use octagloss::recipes::{InputOptions, TableOptions};
+use octagloss::{Answer, Bound, Environment, Filter, Lobe, Reflector, ReflectorSettings, Result};
+use serde::{Deserialize, Serialize};
 
 /// Options of a query other than directions and roughness.
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
 pub(crate) struct Query {
+    #[serde(flatten)]
+    pub(crate) input: InputOptions,
+    #[serde(flatten)]
+    table: TableOptions,
     lobe: Lobe,
     filter: Filter,
     bound: bool,
-    oem_size: Option<u32>,
-    border: Option<u32>,
 }
 
 impl Query {
-    pub(crate) fn of(given: &mut Given) -> Result<Self> {
-        let query = Self {
-            lobe: given.choice("lobe", &LOBES.map(|lobe| (lobe.name(), lobe)))?.unwrap_or(Lobe::Ggx),
-            filter: given.parsed_text("filter", filter::parsed)?.unwrap_or(Filter::Adaptive(0.005)),
-            bound: given.flag("bound")?,
-            oem_size: given.whole("oemSize", 1..=16_384)?,
-            border: given.whole("border", 0..=16_384)?,
-        };
-        if query.bound && !matches!(query.filter, Filter::Adaptive(_)) {
+    pub(crate) fn check(&self) -> Result<()> {
+        self.input.check()?;
+        self.table.check(self.filter)?;
+        if self.bound && !matches!(self.filter, Filter::Adaptive(_)) {
             return wrong("`bound` needs `filter` adaptive:E; other filters have no certified bounds");
         }
-        Ok(query)
+        Ok(())
     }
 
     /// Red, green and blue of each of `directions`, three numbers each, and with `bound` a fourth number.
@@ -49,10 +47,11 @@ impl Query {
         }
         let directions: Vec<DVec3> = directions.iter().copied().map(DVec3::from_array).collect();
         let each = self.roughness(roughness, directions.len())?;
-        self.filter.check(self.lobe, self.oem_size)?;
+        self.filter.check(self.lobe, self.table.oem_size)?;
         let settings = ReflectorSettings {
-            oem_size: self.oem_size,
-            border: self.border,
+            oem_size: self.table.oem_size,
+            border: self.table.border,
+            scan: self.table.scan.unwrap_or_default(),
             sharpest: sharpest(self.lobe, &each).unwrap_or(1.0),
             fitted: matches!(self.filter, Filter::Fitted(_)),
             ..ReflectorSettings::default()
@@ -61,8 +60,8 @@ impl Query {
         let query =
             Directions { lobe: self.lobe, filter: self.filter, directions: &directions, roughness: &each };
         let answers = query.answered(&reflector)?;
-        let row = |answer: &filter::Answer| {
-            let bounds = self.bound.then(|| answer.bound.unwrap_or(filter::Bound::NONE).values());
+        let row = |answer: &Answer| {
+            let bounds = self.bound.then(|| answer.bound.unwrap_or(Bound::NONE).values());
             answer.radiance.into_iter().chain(bounds.into_iter().flatten())
         };
         Ok(answers.iter().flat_map(row).collect())

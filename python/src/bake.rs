@@ -2,19 +2,19 @@
 
 use crate::arrays::{Shown, array, view};
 use crate::choices;
-use crate::environment::{Environment, Origin, map_of, shape_of};
-use crate::errors::{warn, wrong};
-use crate::output::Output;
+use crate::environment::{Environment, map_of, shape_of};
+use crate::errors::{raised, warn, wrong};
+use crate::options;
+use crate::output::{Output, check, planned};
 use crate::work::run;
 use numpy::PyArrayDyn;
-use octagloss::files::OutputLayout;
-use octagloss::internals::bake::dfg::{DfgBlue, dfg_table};
-use octagloss::internals::bake::{LevelStats, Skybox, bake_all};
-use octagloss::internals::chain::Level as CoreLevel;
-use octagloss::internals::export::plan::PlanOptions;
-use octagloss::internals::target::Target;
-use octagloss::{Bake as CoreBake, BakeSettings};
+use octagloss::files::Overflow;
+use octagloss::recipes::{Recipe, Source};
+use octagloss::reflectance::{DfgBlue, dfg_table};
+use octagloss::{Bake as CoreBake, BakeSettings, Level as CoreLevel, LevelStats, bake_all};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::json;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,8 +25,9 @@ use std::time::Instant;
 pub(crate) struct Bake {
     pub(crate) core: Arc<CoreBake>,
     pub(crate) settings: BakeSettings,
-    pub(crate) target: Option<&'static Target>,
-    pub(crate) origin: Origin,
+    /// Without options of files.
+    pub(crate) recipe: Recipe,
+    pub(crate) source: Source,
     /// Wall time in seconds.
     pub(crate) seconds: f64,
 }
@@ -192,7 +193,7 @@ impl Bake {
     /// Name of the target; None without one.
     #[getter]
     fn target(&self) -> Option<&'static str> {
-        self.target.map(|target| target.name)
+        self.recipe.target.first().map(|target| target.name)
     }
 
     /// Writes the bake. All files appear whole, or none does.
@@ -215,17 +216,30 @@ impl Bake {
         name: Option<String>,
         force: bool,
     ) -> PyResult<()> {
-        let place = path.display().to_string();
-        let output = Output::new(self, path, (container, pixel, overflow), name, force)?;
-        let warnings = run(py, move |cancel, pool| pool.install(|| output.write(cancel)))?;
-        warnings.iter().try_for_each(|warning| warn(py, &format!("{place}: {warning}")))
+        let files = json!({"format": container, "pixel": pixel, "overflow": overflow, "name": name});
+        let files = files.as_object().expect("an object").clone();
+        self.write_by(py, path, options::parsed(py, files)?, force)
     }
 
     fn __repr__(&self) -> String {
         let levels = &self.core.chain.levels;
-        let of = self.target.map_or_else(String::new, |target| format!(" for {}", target.name));
+        let of = self.target().map_or_else(String::new, |target| format!(" for {target}"));
         let (size, count) = (self.settings.size, levels.len());
         format!("<octagloss.Bake: {} {size}, {count} levels{of}>", choices::map_name(self.settings.map))
+    }
+}
+
+impl Bake {
+    /// Writes the bake with the options of `files` that are about files.
+    fn write_by(&self, py: Python<'_>, path: PathBuf, files: Recipe, force: bool) -> PyResult<()> {
+        let place = path.display().to_string();
+        let Recipe { format, pixel, overflow, name, .. } = files;
+        let recipe = Recipe { format, pixel, overflow, name, ..self.recipe.clone() };
+        let plan = planned(py, &path, &recipe, &self.source)?;
+        let output = Output { bake: Arc::clone(&self.core), plan, source: self.source.clone(), path, force };
+        let seconds = self.seconds;
+        let warnings = run(py, move |cancel, pool| pool.install(|| output.write(seconds, cancel)))?;
+        warnings.iter().try_for_each(|warning| warn(py, &format!("{place}: {warning}")))
     }
 }
 
@@ -236,82 +250,43 @@ impl Bake {
 /// Environment.reflect. chain: sampled, solved for trilinear look-ups, or mixed, sampled
 /// where sharp and solved above; by default mixed for cubes of ggx without a target, bounds or another ladder
 /// or filter, else sampled. bounds: keep every texel's certified
-/// bound. irradiance, skybox: edges of additional cubes; skybox may be "source".
+/// bound. irradiance, skybox: edges of additional cubes; skybox may be "source". sh_order, sh_window: of the
+/// spherical harmonics. oem_size, border, scan: of the octahedral map and its summed-area table.
 ///
-/// target: the preset of an engine; it sets size, levels, ladder and layout unless given. output: a path to
-/// write to, as Bake.write does, with container, pixel, overflow, name and force.
+/// target: the preset of an engine; it sets size, levels, ladder and layout unless given; flip and diffuse
+/// change it. output: a path to write to, as Bake.write does, with container, pixel, overflow, name and
+/// force.
 #[pyfunction]
-#[pyo3(signature = (environment, *, size=None, levels=None, ladder=None, layout=None, lobe="ggx",
-    filter="adaptive:0.005", chain=None, bounds=false, irradiance=None, skybox=None, sh_order=2,
-    sh_window="none", oem_size=None, border=None, target=None, output=None, container=None, pixel=None,
-    overflow="clamp", name=None, force=false))]
-#[expect(clippy::too_many_arguments, reason = "named in Python")]
+#[pyo3(signature = (environment, *, output=None, force=false, **options))]
 pub(crate) fn bake(
     py: Python<'_>,
     environment: &Environment,
-    size: Option<u32>,
-    levels: Option<u32>,
-    ladder: Option<&str>,
-    layout: Option<&str>,
-    lobe: &str,
-    filter: &str,
-    chain: Option<&str>,
-    bounds: bool,
-    irradiance: Option<u32>,
-    skybox: Option<&Bound<'_, PyAny>>,
-    sh_order: u32,
-    sh_window: &str,
-    oem_size: Option<u32>,
-    border: Option<u32>,
-    target: Option<&str>,
     output: Option<PathBuf>,
-    container: Option<&str>,
-    pixel: Option<&str>,
-    overflow: &str,
-    name: Option<String>,
     force: bool,
+    options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Bake> {
-    let target = target.map(choices::target).transpose()?;
-    if output.is_none() && (container.is_some() || pixel.is_some() || name.is_some() || force) {
+    let recipe = options::recipe(py, options)?;
+    let Recipe { format, pixel, name, .. } = &recipe;
+    if output.is_none() && (format.is_some() || pixel.is_some() || name.is_some() || force) {
         return Err(wrong("`container`, `pixel`, `name` and `force` are for `output`, which is missing"));
     }
-    let options = PlanOptions {
-        size,
-        levels,
-        ladder: ladder.map(choices::ladder).transpose()?,
-        chain: chain.map(choices::chain).transpose()?,
-        lobe: choices::lobe(lobe)?,
-        filter: choices::filter(filter)?,
-        // Those of the output are checked with it.
-        container: None,
-        out_layout: layout.map(|layout| out_layout(layout, target)).transpose()?.flatten(),
-        pixel: None,
-        irradiance,
-        skybox: skybox.map(skybox_of).transpose()?,
-        sh_order,
-        sh_window: choices::sh_window("sh_window", sh_window)?,
-        flip: None,
-        diffuse: None,
-        bounds,
-        oem_size,
-        border,
-        scan: None,
+    let levels =
+        Recipe { format: None, pixel: None, overflow: Overflow::default(), name: None, ..recipe.clone() };
+    let settings = match levels.target.first() {
+        Some(target) => levels.targeted(target).map(|plan| plan.settings),
+        None => levels.untargeted_settings(),
     };
-    let settings = match target {
-        Some(target) => options.targeted(target).map(|plan| plan.settings),
-        None => options.untargeted_settings(),
-    };
+    let source = environment.source.clone();
     let settings = BakeSettings {
-        skybox: options.skybox.map(|skybox| skybox.edge(environment.light.layout())),
-        ..settings.map_err(|error| wrong(error.to_string()))?
+        skybox: levels.skybox.map(|skybox| skybox.edge(source.environment.layout())),
+        ..settings.map_err(|error| raised(py, &error))?
     };
-    let (light, origin) = (Arc::clone(&environment.light), environment.origin.clone());
-    let theirs = settings.clone();
+    let (light, theirs) = (Arc::clone(&source.environment), settings.clone());
     let start = Instant::now();
     // An output that cannot be written is reported before the bake.
     if let Some(path) = &output {
-        Output::check(path, target, (container, pixel, overflow), (settings.map, name.as_deref()), force)
-            .map_err(|error| error.into_raised(py))?;
+        let plan = planned(py, path, &recipe, &source)?;
+        check(path, &plan, force).map_err(|error| raised(py, &error))?;
     }
     let core = run(py, move |cancel, pool| {
         let progress = |_| if cancel.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
@@ -322,34 +297,11 @@ pub(crate) fn bake(
         warn(py, warning)?;
     }
     let seconds = start.elapsed().as_secs_f64();
-    let bake = Bake { core: Arc::new(core), settings, target, origin, seconds };
+    let bake = Bake { core: Arc::new(core), settings, recipe: levels, source, seconds };
     if let Some(path) = output {
-        bake.write(py, path, container, pixel, overflow, name, force)?;
+        bake.write_by(py, path, recipe, force)?;
     }
     Ok(bake)
-}
-
-/// The layout of files of levels called `layout`; none for that of `target`.
-fn out_layout(layout: &str, target: Option<&'static Target>) -> PyResult<Option<OutputLayout>> {
-    let (map, own) = choices::level_layout(layout)?;
-    match target {
-        None => Ok(Some(own)),
-        Some(target) if target.map == map => Ok(None),
-        Some(Target { name, map, .. }) => {
-            let needed = choices::map_name(*map);
-            Err(wrong(format!("`layout` is {layout}, but target {name} needs {needed}; omit it")))
-        }
-    }
-}
-
-/// The size of a skybox, a number or `source`.
-fn skybox_of(skybox: &Bound<'_, PyAny>) -> PyResult<Skybox> {
-    let text = match skybox.extract::<String>() {
-        Ok(name) => name,
-        Err(_) => skybox.extract::<u32>()?.to_string(),
-    };
-    Skybox::parsed(&text)
-        .map_err(|_| wrong(format!("`skybox` is {text}; a size from 1 to 16384 or \"source\" is needed")))
 }
 
 /// The split-sum DFG (BRDF integration) table: float32 of shape (size, size, 2), with charlie (size, size,

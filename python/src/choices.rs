@@ -1,17 +1,12 @@
 //! Parameters with a few values, by the names of the command line.
 
 use crate::errors::wrong;
-use octagloss::files::{Container, OutputLayout, Pixel};
-use octagloss::internals::bake::dfg::DfgForm;
-use octagloss::internals::bake::overflow::Overflow;
-use octagloss::internals::chain::ChainKind;
-use octagloss::internals::filter;
-use octagloss::internals::io::{InputLayout, Pad};
-use octagloss::internals::lobe::LOBES;
-use octagloss::internals::sh::scale::ShScale;
-use octagloss::internals::sh::window::{self, ShWindow};
-use octagloss::internals::target::{TARGETS, Target};
-use octagloss::{Filter, Ladder, Lobe, Map};
+use octagloss::files::OutputLayout;
+use octagloss::harmonics::{ShScale, ShWindow, parsed_window};
+use octagloss::queries::parsed_filter;
+use octagloss::reflectance::DfgForm;
+use octagloss::targets::{TARGETS, Target};
+use octagloss::{Filter, LOBES, Lobe, Map};
 use pyo3::PyResult;
 
 /// The value of `choices` named `text`, for the parameter `setting`.
@@ -27,11 +22,11 @@ pub(crate) fn lobe(text: &str) -> PyResult<Lobe> {
 }
 
 pub(crate) fn filter(text: &str) -> PyResult<Filter> {
-    filter::parsed(text).map_err(|message| wrong(format!("`filter` is {text:?}; {message}")))
+    parsed_filter(text).map_err(|message| wrong(format!("`filter` is {text:?}; {message}")))
 }
 
 pub(crate) fn sh_window(setting: &str, text: &str) -> PyResult<ShWindow> {
-    window::parsed(text).map_err(|message| wrong(format!("`{setting}` is {text:?}; {message}")))
+    parsed_window(text).map_err(|message| wrong(format!("`{setting}` is {text:?}; {message}")))
 }
 
 pub(crate) fn sh_scale(text: &str) -> PyResult<ShScale> {
@@ -41,14 +36,6 @@ pub(crate) fn sh_scale(text: &str) -> PyResult<ShScale> {
         ("filament", ShScale::Filament),
     ];
     choice("scale", text, &all)
-}
-
-pub(crate) fn ladder(text: &str) -> PyResult<Ladder> {
-    choice("ladder", text, &Ladder::ALL.map(|ladder| (ladder.name(), ladder)))
-}
-
-pub(crate) fn chain(text: &str) -> PyResult<ChainKind> {
-    choice("chain", text, &ChainKind::ALL.map(|kind| (kind.name(), kind)))
 }
 
 /// Layout of a baked level, and of its files.
@@ -74,32 +61,9 @@ pub(crate) fn array_layout(text: &str) -> PyResult<Map> {
     level_layout(text).map(|(map, _)| map)
 }
 
-/// Layout of a file.
-pub(crate) fn file_layout(text: &str) -> PyResult<InputLayout> {
-    choice("layout", text, &InputLayout::ALL.map(|layout| (layout.name(), layout)))
-}
-
-pub(crate) fn pad(text: &str) -> PyResult<Pad> {
-    choice("pad", text, &Pad::ALL.map(|pad| (pad.name(), pad)))
-}
-
 pub(crate) fn target(text: &str) -> PyResult<&'static Target> {
     let all: Vec<_> = TARGETS.iter().map(|target| (target.name, target)).collect();
     choice("target", text, &all)
-}
-
-pub(crate) fn container(text: &str) -> PyResult<Container> {
-    choice("container", text, &Container::ALL.map(|container| (container.name(), container)))
-}
-
-pub(crate) fn pixel(text: &str) -> PyResult<Pixel> {
-    let all = [&Pixel::CHOICES[..], &[Pixel::Rgbd, Pixel::Rgbp, Pixel::Rgbe]].concat();
-    let all: Vec<_> = all.into_iter().map(|pixel| (pixel.name(), pixel)).collect();
-    choice("pixel", text, &all)
-}
-
-pub(crate) fn overflow(text: &str) -> PyResult<Overflow> {
-    choice("overflow", text, &Overflow::ALL.map(|how| (how.name(), how)))
 }
 
 pub(crate) fn dfg_form(text: &str) -> PyResult<DfgForm> {

@@ -3,25 +3,25 @@
 use crate::arrays::{Reals, Shown, array, directions, element, shown, view};
 use crate::choices;
 use crate::errors::{warn, wrong};
-use crate::query::{Asked, Roughness, Tables, sharpest_of};
+use crate::options;
+use crate::query::{Asked, Kept, Roughness, answers, sharpest_of};
 use crate::sun::Sun;
 use crate::work::run;
 use numpy::PyArrayDyn;
-use octagloss::internals::analysis::extraction::{Suns, extract};
-use octagloss::internals::analysis::sun::Sun as FoundSun;
-use octagloss::internals::bake::report::{RepairReport, SunReport};
-use octagloss::internals::environment::{LUMINANCE, MAX_DEGREES, luminance};
-use octagloss::internals::io::provenance::{Provenance, TakenSun};
-use octagloss::internals::io::{self, ReadOptions, Repairs};
-use octagloss::internals::sh::scale::scaled;
-use octagloss::internals::sh::{MAX_ORDER, spherical_harmonics};
-use octagloss::{Environment as Light, Filter, Layout, Lobe, Map, ReflectorSettings, Rgb};
+use octagloss::harmonics::{MAX_ORDER, scaled, spherical_harmonics};
+use octagloss::read::Repairs;
+use octagloss::recipes::Source;
+use octagloss::suns::{Sun as FoundSun, Suns};
+use octagloss::{
+    Environment as Light, Filter, LUMINANCE, Layout, Lobe, MAX_DEGREES, Map, ReflectorSettings, Rgb,
+    luminance,
+};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::f64::consts::PI;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// Radiance from every direction, for reflections and bakes.
 ///
@@ -29,35 +29,21 @@ use std::sync::{Arc, Mutex};
 /// several threads.
 #[pyclass(frozen, module = "octagloss")]
 pub(crate) struct Environment {
-    pub(crate) light: Arc<Light>,
-    pub(crate) origin: Origin,
+    /// The light, where it comes from, and how it was changed.
+    pub(crate) source: Source,
     /// The tables of the last query.
-    pub(crate) tables: Arc<Mutex<Option<Tables>>>,
-}
-
-/// Where an environment comes from, and how it was changed.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Origin {
-    /// Path, or `array`.
-    pub(crate) input: String,
-    /// Layout of the file, in words.
-    pub(crate) layout: String,
-    /// Rotation, mirroring, scale and sun, as files record them.
-    pub(crate) turned: Provenance,
-    pub(crate) suns: Vec<SunReport>,
-    /// The last selection of suns that were removed.
-    pub(crate) extract_sun: Option<Suns>,
-    pub(crate) repaired: Repairs,
-    pub(crate) warnings: Vec<String>,
-    pub(crate) sanitize: bool,
-    pub(crate) strict: bool,
+    tables: Kept,
 }
 
 impl Shown for Environment {}
 
 impl Environment {
-    fn new(light: Light, origin: Origin) -> Self {
-        Self { light: Arc::new(light), origin, tables: Arc::default() }
+    fn new(source: Source) -> Self {
+        Self { source, tables: Arc::default() }
+    }
+
+    pub(crate) fn light(&self) -> Arc<Light> {
+        Arc::clone(&self.source.environment)
     }
 }
 
@@ -135,24 +121,15 @@ fn texels_of(array: &Reals<'_>) -> PyResult<Vec<Rgb>> {
 type Doubles<'py> = Bound<'py, PyArrayDyn<f64>>;
 
 /// A path, or the six of a cube's faces.
-enum Paths {
-    One(PathBuf),
-    Several(Vec<PathBuf>),
-}
-
-impl Paths {
-    fn of(object: &Bound<'_, PyAny>) -> PyResult<Self> {
-        if let Ok(path) = object.extract() {
-            return Ok(Self::One(path));
-        }
-        if let Ok(paths) = object.extract() {
-            return Ok(Self::Several(paths));
-        }
-        let given = object.get_type().name()?;
-        Err(PyTypeError::new_err(format!(
-            "`path` is of the type {given}; a path, or a list of six, is needed"
-        )))
+fn paths_of(object: &Bound<'_, PyAny>) -> PyResult<Vec<PathBuf>> {
+    if let Ok(path) = object.extract() {
+        return Ok(vec![path]);
     }
+    if let Ok(paths) = object.extract() {
+        return Ok(paths);
+    }
+    let given = object.get_type().name()?;
+    Err(PyTypeError::new_err(format!("`path` is of the type {given}; a path, or a list of six, is needed")))
 }
 
 #[pymethods]
@@ -167,71 +144,19 @@ impl Environment {
     ///
     /// Raises OSError for a file that cannot be read, InputError for one that is not an environment.
     #[staticmethod]
-    #[pyo3(signature = (path, *, layout="auto", rotate_y=0.0, mirror=false, scale=1.0, crop=false, pad=None,
-        sanitize=false, strict=false))]
-    #[expect(clippy::too_many_arguments, reason = "named in Python")]
+    #[pyo3(signature = (path, **options))]
     fn from_file(
         py: Python<'_>,
         path: &Bound<'_, PyAny>,
-        layout: &str,
-        rotate_y: f64,
-        mirror: bool,
-        scale: f64,
-        crop: bool,
-        pad: Option<&str>,
-        sanitize: bool,
-        strict: bool,
+        options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        if !(scale.is_finite() && scale > 0.0) {
-            return Err(wrong(format!("`scale` is {scale}; it must be finite and above 0")));
+        let options = options::input(py, options)?;
+        let paths = paths_of(path)?;
+        let source = run(py, move |_, pool| pool.install(|| options.open(&paths)))?;
+        for warning in &source.warnings {
+            warn(py, &format!("{}: {warning}", source.input))?;
         }
-        if strict && sanitize {
-            return Err(wrong("`strict` and `sanitize` contradict each other; omit one"));
-        }
-        check_degrees("rotate_y", rotate_y)?;
-        let path = Paths::of(path)?;
-        let options = ReadOptions {
-            layout: choices::file_layout(layout)?,
-            sanitize,
-            strict,
-            scale,
-            crop,
-            pad: pad.map(choices::pad).transpose()?,
-            ..ReadOptions::default()
-        };
-        let input = match &path {
-            Paths::One(path) => path.display().to_string(),
-            Paths::Several(paths) => {
-                paths.first().map_or_else(String::new, |path| path.display().to_string())
-            }
-        };
-        let turned = Provenance {
-            scale: Some(scale).filter(|scale| *scale != 1.0),
-            crop: crop.then_some(true),
-            pad: options.pad,
-            ..Provenance::default()
-        };
-        let loaded = run(py, move |_, pool| {
-            pool.install(|| match path {
-                Paths::One(path) => io::read(&path, &options),
-                Paths::Several(paths) => io::read_faces(&paths, &options),
-            })
-        })?;
-        for warning in &loaded.warnings {
-            warn(py, &format!("{input}: {warning}"))?;
-        }
-        let origin = Origin {
-            input,
-            layout: loaded.layout.to_owned(),
-            turned,
-            suns: Vec::new(),
-            extract_sun: None,
-            repaired: loaded.repaired,
-            warnings: loaded.warnings,
-            sanitize,
-            strict,
-        };
-        Ok(Self::new(loaded.environment, origin).turned(rotate_y, mirror))
+        Ok(Self::new(source))
     }
 
     /// Takes linear radiance from an array of real numbers.
@@ -246,44 +171,40 @@ impl Environment {
         let array = Reals::of(array, "array")?;
         let layout = layout_of(map, array.shape())?;
         let light = Light::new(layout, texels_of(&array)?).map_err(|error| wrong(error.to_string()))?;
-        let origin = Origin {
-            input: "array".to_owned(),
-            layout: choices::map_name(map).to_owned(),
-            ..Origin::default()
-        };
-        Ok(Self::new(light, origin).turned(rotate_y, mirror))
+        let source = Source::new(light, "array".to_owned(), choices::map_name(map));
+        Ok(Self::new(source.turned(mirror, rotate_y).map_err(|error| wrong(error.to_string()))?))
     }
 
     /// Layout of the texels: panorama, cube or octahedral.
     #[getter]
     fn layout(&self) -> &'static str {
-        choices::map_name(map_of(self.light.layout()))
+        choices::map_name(map_of(self.source.environment.layout()))
     }
 
     /// Shape of the texels: (height, width, 3), or (6, n, n, 3) for a cube.
     #[getter]
     fn shape<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, shape_of(self.light.layout()))
+        PyTuple::new(py, shape_of(self.source.environment.layout()))
     }
 
     /// The texels as stored, float32, without rotation and mirroring: a read-only array, not a copy.
     #[getter]
     fn texels<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let shape = shape_of(slf.get().light.layout());
-        view(slf, |environment| environment.light.texels().as_flattened(), &shape)
+        let shape = shape_of(slf.get().source.environment.layout());
+        view(slf, |environment| environment.source.environment.texels().as_flattened(), &shape)
     }
 
     /// Warnings of reading the file.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.origin.warnings.clone()
+        self.source.warnings.clone()
     }
 
     /// Repairs of reading the file: how many values were negative, nan or infinite, and
     /// negative_energy_share.
     #[getter]
     fn repaired<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let RepairReport { negative, nan, infinite, negative_energy_share } = self.origin.repaired.into();
+        let Repairs { negative, nan, infinite, negative_energy_share } = self.source.repaired;
         let repaired = PyDict::new(py);
         repaired.set_item("negative", negative)?;
         repaired.set_item("nan", nan)?;
@@ -295,7 +216,7 @@ impl Environment {
     /// World directions of the texels' centres and their solid angles, shaped as the texels: (..., 3) and
     /// (...), float64.
     fn texel_directions<'py>(&self, py: Python<'py>) -> PyResult<(Doubles<'py>, Doubles<'py>)> {
-        let light = Arc::clone(&self.light);
+        let light = self.light();
         let (centres, solid_angles) = run(py, move |_, _| {
             let (mut centres, mut solid_angles) = (Vec::new(), Vec::new());
             light.for_each_texel(|direction, solid_angle, _| {
@@ -304,7 +225,7 @@ impl Environment {
             });
             Ok((centres, solid_angles))
         })?;
-        let shape = shape_of(self.light.layout());
+        let shape = shape_of(self.source.environment.layout());
         let without_channels = shape[..shape.len() - 1].to_vec();
         Ok((array(py, centres, shape)?, array(py, solid_angles, without_channels)?))
     }
@@ -312,7 +233,8 @@ impl Environment {
     /// The same environment rotated about +Y; +90 degrees maps +Z to +X.
     fn rotated_y(&self, degrees: f64) -> PyResult<Self> {
         check_degrees("degrees", degrees)?;
-        Ok(Self::new((*self.light).clone(), self.origin.clone()).turned(degrees, false))
+        let turned = self.source.clone().turned(false, degrees).map_err(|error| wrong(error.to_string()))?;
+        Ok(Self::new(turned))
     }
 
     /// Radiance of a lobe around each direction: float32 of shape (..., 3) for directions (..., 3) of any
@@ -354,7 +276,7 @@ impl Environment {
             fitted: matches!(filter, Filter::Fitted(_)),
             ..ReflectorSettings::default()
         };
-        self.answers(py, asked, (lobe, filter), settings, (bounds, 1.0))
+        answers(py, (self.light(), Arc::clone(&self.tables)), asked, (lobe, filter), settings, (bounds, 1.0))
     }
 
     /// Irradiance on surfaces of the given normals (..., 3): the integral of radiance times the cosine,
@@ -374,7 +296,14 @@ impl Environment {
         let (directions, shape) = directions(normals, "normals")?;
         let asked = Asked { directions, shape, roughness: Roughness::One(1.0) };
         let settings = ReflectorSettings { oem_size, sharpest: 1.0, ..ReflectorSettings::default() };
-        self.answers(py, asked, (Lobe::Cosine, filter), settings, (bounds, PI))
+        answers(
+            py,
+            (self.light(), Arc::clone(&self.tables)),
+            asked,
+            (Lobe::Cosine, filter),
+            settings,
+            (bounds, PI),
+        )
     }
 
     /// Spherical harmonics: float64 of shape ((order + 1)^2, 3), real and orthonormal, in the order L0; L1 by
@@ -392,10 +321,10 @@ impl Environment {
         if name == "filament" && order != 2 {
             return Err(wrong(format!("`scale` filament is for `order` 2, not {order}")));
         }
-        let light = Arc::clone(&self.light);
+        let light = self.light();
         let coefficients = run(py, move |_, pool| {
-            let radiance = pool.install(|| spherical_harmonics(&light, order));
-            Ok(scaled(&window.settled(&radiance).apply(&radiance), scale))
+            let radiance = pool.install(|| spherical_harmonics(&light, order))?;
+            Ok(scaled(&window.apply(&radiance)?, scale))
         })?;
         let count = coefficients.len();
         array(py, coefficients.into_flattened(), vec![count, 3])
@@ -403,7 +332,7 @@ impl Environment {
 
     /// The brightest region: a Sun, whose is_sun says whether it is one; None if nothing stands out.
     fn sun(&self, py: Python<'_>) -> PyResult<Option<Sun>> {
-        let light = Arc::clone(&self.light);
+        let light = self.light();
         run(py, move |_, pool| {
             Ok(pool.install(|| {
                 let sun = FoundSun::find(&light)?;
@@ -433,47 +362,28 @@ impl Environment {
     }
 
     fn __repr__(&self) -> String {
-        let shape = shown(&shape_of(self.light.layout()));
-        format!("<octagloss.Environment: {} {shape} of {}>", self.layout(), self.origin.input)
+        let shape = shown(&shape_of(self.source.environment.layout()));
+        format!("<octagloss.Environment: {} {shape} of {}>", self.layout(), self.source.input)
     }
 }
 
 impl Environment {
     /// Splits off `suns`; warns about lights that stay.
     fn parted(&self, py: Python<'_>, suns: Suns) -> PyResult<(Self, Vec<Sun>)> {
-        let light = Arc::clone(&self.light);
-        let asked = suns.clone();
-        let found = run(py, move |_, pool| Ok(pool.install(|| extract(&light, &asked))))?;
-        let mut origin = self.origin.clone();
-        if suns != Suns::Brightest || !found.lamps.is_empty() {
-            for warning in found.warnings() {
+        let (source, asked) = (self.source.clone(), suns.clone());
+        let (known, warned) = (source.suns.len(), source.warnings.len());
+        let mut source = run(py, move |_, pool| pool.install(|| source.without(Some(&asked))))?;
+        let warnings = source.warnings.split_off(warned);
+        let found: Vec<Sun> = source.suns[known..].iter().map(|sun| Sun::of(sun, true)).collect();
+        if suns != Suns::Brightest || !found.is_empty() {
+            for warning in warnings {
                 warn(py, &warning)?;
             }
         }
-        let reports = found.lamps.iter().map(|lamp| SunReport::new(&lamp.sun, lamp.energy_share));
-        origin.suns.extend(reports);
-        origin.turned.suns.extend(found.lamps.iter().map(|lamp| TakenSun::from(&lamp.sun)));
-        if !found.lamps.is_empty() {
-            origin.extract_sun = Some(suns);
+        if found.is_empty() {
+            source.options.extract_sun.clone_from(&self.source.options.extract_sun);
         }
-        let suns = found.lamps.iter().map(|lamp| Sun::new(&lamp.sun, lamp.energy_share)).collect();
-        Ok((Self::new(found.sunless, origin), suns))
-    }
-
-    /// Rotates and mirrors, in the order of the command line: mirrors first.
-    fn turned(self, degrees: f64, mirror: bool) -> Self {
-        let Self { light, mut origin, .. } = self;
-        let mut light = Arc::unwrap_or_clone(light);
-        if mirror {
-            light = light.mirrored();
-        }
-        if degrees != 0.0 {
-            light = light.rotated_y(degrees);
-        }
-        let before = origin.turned.rotate_y.unwrap_or(0.0);
-        origin.turned.rotate_y = Some(before + degrees);
-        origin.turned.mirror = Some(mirror || origin.turned.mirror == Some(true));
-        Self::new(light, origin)
+        Ok((Self::new(source), found))
     }
 }
 

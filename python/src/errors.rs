@@ -1,6 +1,7 @@
 //! Errors of the library as Python exceptions, with the library's text.
 
 use octagloss::Error;
+use octagloss::recipes::with_settings;
 use pyo3::PyTypeInfo as _;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
@@ -8,8 +9,7 @@ use std::ffi::CString;
 
 /// The exception for `error`.
 pub(crate) fn raised(py: Python<'_>, error: &Error) -> PyErr {
-    // Other settings have the names of parameters.
-    let text = error.to_string().replace("`Existing::Replace`", "`force`");
+    let text = with_parameters(&error.to_string());
     match error {
         // With its number, Python chooses FileNotFoundError, PermissionError and so on.
         Error::Io { error: system, .. } => match system.raw_os_error() {
@@ -21,6 +21,17 @@ pub(crate) fn raised(py: Python<'_>, error: &Error) -> PyErr {
         Error::Limit { .. } => PyMemoryError::new_err(text),
         _ => PyRuntimeError::new_err(text),
     }
+}
+
+/// Names of options here, and in the library.
+pub(crate) const NAMES: [(&str, &str); 2] = [("container", "format"), ("layout", "out_layout")];
+
+/// `text` of the library with its settings named as parameters.
+pub(crate) fn with_parameters(text: &str) -> String {
+    with_settings(text, &|setting| {
+        let own = NAMES.iter().find(|(_, theirs)| *theirs == setting);
+        format!("`{}`", own.map_or(setting, |(own, _)| own))
+    })
 }
 
 /// A `ValueError` about a parameter.

@@ -6,8 +6,10 @@ mod choices;
 mod environment;
 mod errors;
 mod maps;
+mod options;
 mod output;
 mod query;
+mod reference;
 mod sun;
 mod work;
 
@@ -25,7 +27,7 @@ mod _octagloss {
         map_names, oct_from_direction,
     };
     #[pymodule_export]
-    use crate::query::reference;
+    use crate::reference::reference;
     #[pymodule_export]
     use crate::sun::Sun;
     #[pymodule_export]

@@ -4,18 +4,9 @@ use crate::arrays::{array, directions, element, points, with_axis};
 use crate::errors::wrong;
 use glam::{DVec2, DVec3};
 use numpy::PyArrayDyn;
-use octagloss::internals::sphere::cube::{
-    Face, cube_from_direction as to_cube, direction_from_cube as from_cube,
-};
-use octagloss::internals::sphere::equirect::{
-    direction_from_equirect as from_equirect, equirect_from_direction as to_equirect,
-};
-use octagloss::internals::sphere::map::SphereMap;
-use octagloss::internals::sphere::octahedral::{
-    direction_from_oct as from_oct, oct_from_direction as to_oct,
-};
-use octagloss::internals::sphere::registry::{MAPS, named};
+use octagloss::maps::{MAPS, NamedMap, Place, named};
 use pyo3::prelude::*;
+use std::f64::consts::{PI, TAU};
 
 type Doubles<'py> = Bound<'py, PyArrayDyn<f64>>;
 /// Least and greatest coordinates.
@@ -49,12 +40,48 @@ fn check_inside(uv: &[DVec2], shape: &[usize], low: DVec2, high: DVec2) -> PyRes
     }
 }
 
+/// The map that the package has a name of its own for.
+fn known(name: &str) -> &'static NamedMap {
+    named(name).expect("one of the maps")
+}
+
+/// The points of `map` at directions (..., 3): components, points in units of `unit`, and their shape.
+fn places(
+    map: &NamedMap,
+    given: &Bound<'_, PyAny>,
+    unit: DVec2,
+) -> PyResult<(Vec<i64>, Vec<DVec2>, Vec<usize>)> {
+    let (values, shape) = directions(given, "directions")?;
+    let places = values.into_iter().map(|direction| map.place(direction));
+    let places = places.collect::<octagloss::Result<Vec<_>>>().map_err(|error| wrong(error.to_string()))?;
+    let (components, uv) =
+        places.into_iter().map(|place| (i64::from(place.component), place.uv / unit)).unzip();
+    Ok((components, uv, shape))
+}
+
+/// Unit directions (..., 3) at points `uv` (..., 2) of `component`, in units of `unit`.
+fn shown_at<'py>(
+    map: &NamedMap,
+    component: u32,
+    uv: &Bound<'py, PyAny>,
+    unit: DVec2,
+) -> PyResult<Doubles<'py>> {
+    let rectangle = map.component(component).map_err(|error| wrong(error.to_string()))?;
+    let (values, shape) = points(uv, "uv")?;
+    check_inside(&values, &shape, rectangle.low / unit, rectangle.high / unit)?;
+    let direction = |uv| map.direction(Place { component, uv: uv * unit });
+    let found = values.into_iter().map(direction).collect::<octagloss::Result<_>>();
+    vectors(uv.py(), found.map_err(|error| wrong(error.to_string()))?, shape)
+}
+
+/// The map's own coordinates of a panorama are angles.
+const PANORAMA: DVec2 = DVec2::new(TAU, PI);
+
 /// Panorama coordinates (..., 2) of directions (..., 3): u and v in [0, 1], v downwards.
 #[pyfunction]
 #[pyo3(signature = (directions, /))]
 pub(crate) fn equirect_from_direction<'py>(directions: &Bound<'py, PyAny>) -> PyResult<Doubles<'py>> {
-    let (values, shape) = self::directions(directions, "directions")?;
-    let uv = values.into_iter().map(|d| to_equirect(d).into()).collect();
+    let (_, uv, shape) = places(known("equirect"), directions, PANORAMA)?;
     pairs(directions.py(), uv, shape)
 }
 
@@ -62,26 +89,22 @@ pub(crate) fn equirect_from_direction<'py>(directions: &Bound<'py, PyAny>) -> Py
 #[pyfunction]
 #[pyo3(signature = (uv, /))]
 pub(crate) fn direction_from_equirect<'py>(uv: &Bound<'py, PyAny>) -> PyResult<Doubles<'py>> {
-    let (values, shape) = points(uv, "uv")?;
-    check_inside(&values, &shape, DVec2::ZERO, DVec2::ONE)?;
-    vectors(uv.py(), values.into_iter().map(|uv| from_equirect(uv.x, uv.y)).collect(), shape)
+    shown_at(known("equirect"), 0, uv, PANORAMA)
 }
 
 /// Octahedral coordinates (..., 2) in [-1, 1] of directions (..., 3): u along x, v along z, +Y at the centre.
 #[pyfunction]
 #[pyo3(signature = (directions, /))]
 pub(crate) fn oct_from_direction<'py>(directions: &Bound<'py, PyAny>) -> PyResult<Doubles<'py>> {
-    let (values, shape) = self::directions(directions, "directions")?;
-    pairs(directions.py(), values.into_iter().map(to_oct).collect(), shape)
+    let (_, uv, shape) = places(known("octahedral"), directions, DVec2::ONE)?;
+    pairs(directions.py(), uv, shape)
 }
 
 /// Unit directions (..., 3) of octahedral coordinates (..., 2) in [-1, 1].
 #[pyfunction]
 #[pyo3(signature = (uv, /))]
 pub(crate) fn direction_from_oct<'py>(uv: &Bound<'py, PyAny>) -> PyResult<Doubles<'py>> {
-    let (values, shape) = points(uv, "uv")?;
-    check_inside(&values, &shape, DVec2::NEG_ONE, DVec2::ONE)?;
-    vectors(uv.py(), values.into_iter().map(from_oct).collect(), shape)
+    shown_at(known("octahedral"), 0, uv, DVec2::ONE)
 }
 
 /// Faces (...) and coordinates (..., 2) in [-1, 1] of directions (..., 3). Faces are +X -X +Y -Y +Z -Z.
@@ -90,39 +113,21 @@ pub(crate) fn direction_from_oct<'py>(uv: &Bound<'py, PyAny>) -> PyResult<Double
 pub(crate) fn cube_from_direction<'py>(
     directions: &Bound<'py, PyAny>,
 ) -> PyResult<(Indices<'py>, Doubles<'py>)> {
-    let (values, shape) = self::directions(directions, "directions")?;
-    let places = values.into_iter().map(to_cube);
-    let (faces, uv): (Vec<i64>, Vec<DVec2>) =
-        places.map(|(face, s, t)| (face.index() as i64, DVec2::new(s, t))).unzip();
-    Ok((array(directions.py(), faces, shape.clone())?, pairs(directions.py(), uv, shape)?))
+    map_from_direction("cube", directions)
 }
 
 /// Unit directions (..., 3) of coordinates (..., 2) in [-1, 1] on one face, 0 to 5, of a cube.
 #[pyfunction]
 #[pyo3(signature = (face, uv, /))]
-pub(crate) fn direction_from_cube<'py>(face: usize, uv: &Bound<'py, PyAny>) -> PyResult<Doubles<'py>> {
-    let Some(face) = Face::ALL.get(face).copied() else {
+pub(crate) fn direction_from_cube<'py>(face: u32, uv: &Bound<'py, PyAny>) -> PyResult<Doubles<'py>> {
+    if face > 5 {
         return Err(wrong(format!("`face` is {face}; it must be 0 to 5, for +X -X +Y -Y +Z -Z")));
-    };
-    let (values, shape) = points(uv, "uv")?;
-    check_inside(&values, &shape, DVec2::NEG_ONE, DVec2::ONE)?;
-    vectors(uv.py(), values.into_iter().map(|uv| from_cube(face, uv.x, uv.y)).collect(), shape)
-}
-
-fn map_named(name: &str) -> PyResult<&'static dyn SphereMap> {
-    named(name)
-        .map(|row| row.map)
-        .ok_or_else(|| wrong(format!("`name` is {name:?}; choose one of {}", map_names().join(", "))))
-}
-
-/// A map and one of its components.
-fn component(name: &str, component: u32) -> PyResult<&'static dyn SphereMap> {
-    let map = map_named(name)?;
-    if component >= map.components() {
-        let last = map.components() - 1;
-        return Err(wrong(format!("`component` is {component}; {name} has 0 to {last}")));
     }
-    Ok(map)
+    shown_at(known("cube"), face, uv, DVec2::ONE)
+}
+
+fn map_named(name: &str) -> PyResult<&'static NamedMap> {
+    named(name).ok_or_else(|| wrong(format!("`name` is {name:?}; choose one of {}", map_names().join(", "))))
 }
 
 /// Names of all maps of the sphere.
@@ -135,11 +140,10 @@ pub(crate) fn map_names() -> Vec<&'static str> {
 #[pyfunction]
 pub(crate) fn map_components(name: &str) -> PyResult<Vec<Rectangle>> {
     let map = map_named(name)?;
-    let rectangle = |index| {
-        let component = map.component(index);
-        (component.low.into(), component.high.into())
-    };
-    Ok((0..map.components()).map(rectangle).collect())
+    let rectangle =
+        |index| map.component(index).map(|component| (component.low.into(), component.high.into()));
+    let rectangles = (0..map.components()).map(rectangle).collect::<octagloss::Result<_>>();
+    rectangles.map_err(|error| wrong(error.to_string()))
 }
 
 /// Components (...) and coordinates (..., 2) of directions (..., 3) on a map.
@@ -149,11 +153,7 @@ pub(crate) fn map_from_direction<'py>(
     name: &str,
     directions: &Bound<'py, PyAny>,
 ) -> PyResult<(Indices<'py>, Doubles<'py>)> {
-    let map = map_named(name)?;
-    let (values, shape) = self::directions(directions, "directions")?;
-    let places = values.into_iter().map(|direction| map.locate(direction));
-    let (components, uv): (Vec<i64>, Vec<DVec2>) =
-        places.map(|place| (i64::from(place.component), place.uv)).unzip();
+    let (components, uv, shape) = places(map_named(name)?, directions, DVec2::ONE)?;
     Ok((array(directions.py(), components, shape.clone())?, pairs(directions.py(), uv, shape)?))
 }
 
@@ -165,11 +165,7 @@ pub(crate) fn direction_from_map<'py>(
     uv: &Bound<'py, PyAny>,
     component: u32,
 ) -> PyResult<Doubles<'py>> {
-    let map = self::component(name, component)?;
-    let (values, shape) = points(uv, "uv")?;
-    let rectangle = map.component(component);
-    check_inside(&values, &shape, rectangle.low, rectangle.high)?;
-    vectors(uv.py(), values.into_iter().map(|uv| map.direction(component, uv)).collect(), shape)
+    shown_at(map_named(name)?, component, uv, DVec2::ONE)
 }
 
 /// Steradians per unit of area (...) at coordinates (..., 2) of one component of a map; 0 where the map
@@ -177,10 +173,11 @@ pub(crate) fn direction_from_map<'py>(
 #[pyfunction]
 #[pyo3(signature = (name, uv, /, component=0))]
 pub(crate) fn map_density<'py>(name: &str, uv: &Bound<'py, PyAny>, component: u32) -> PyResult<Doubles<'py>> {
-    let map = self::component(name, component)?;
+    let map = map_named(name)?;
+    let rectangle = map.component(component).map_err(|error| wrong(error.to_string()))?;
     let (values, shape) = points(uv, "uv")?;
-    let rectangle = map.component(component);
     check_inside(&values, &shape, rectangle.low, rectangle.high)?;
-    let density = |uv: DVec2| if map.contains(component, uv) { map.density(component, uv) } else { 0.0 };
-    array(uv.py(), values.into_iter().map(density).collect(), shape)
+    let found =
+        values.into_iter().map(|uv| map.density(Place { component, uv })).collect::<octagloss::Result<_>>();
+    array(uv.py(), found.map_err(|error| wrong(error.to_string()))?, shape)
 }

@@ -1,21 +1,16 @@
-//! Single queries: lobes around directions, and the reference integrator.
+//! Single queries: lobes around directions.
 
 use crate::arrays::{Reals, array, common_shape, directions, element, repeated, shown, with_axis};
-use crate::choices;
-use crate::environment::Environment;
 use crate::errors::wrong;
 use crate::work::{Cancel, held, run};
 use glam::DVec3;
-use numpy::PyArrayDyn;
-use octagloss::internals::analysis::oracle::Oracle;
-use octagloss::internals::filter::Answer;
-use octagloss::internals::oem::OemSize;
-use octagloss::internals::reflector::{Workspace, check_answers, sharpest};
-use octagloss::{Environment as Light, Filter, Lobe, Reflector, ReflectorSettings};
+use octagloss::queries::{check_answers, sharpest};
+use octagloss::{
+    Answer, Environment as Light, Filter, Lobe, OemSize, Reflector, ReflectorSettings, Workspace,
+};
 use pyo3::prelude::*;
-use rayon::ThreadPool;
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// A prepared reflector, and what it was prepared for.
 pub(crate) struct Tables {
@@ -37,7 +32,7 @@ impl Roughness {
         }
     }
 
-    fn at(&self, index: usize) -> f64 {
+    pub(crate) fn at(&self, index: usize) -> f64 {
         match self {
             Self::One(roughness) => *roughness,
             Self::Each(all) => all[index],
@@ -92,7 +87,7 @@ fn queried(
         let found = queries.par_iter().map_init(start, |(workspace, found), (lobes, place)| {
             cancel.check()?;
             found.clear();
-            lobes.evaluate(&[directions[*place]], workspace, found);
+            lobes.evaluate(&[directions[*place]], workspace, found)?;
             Ok(found[0])
         });
         let found: Vec<Answer> = found.collect::<octagloss::Result<_>>()?;
@@ -176,73 +171,42 @@ pub(crate) fn sharpest_of(lobe: Lobe, roughness: &[f64], asked: Option<f64>) -> 
     }
 }
 
-impl Environment {
-    /// The answers for `directions` times `factor`: an array, or with `bounds` two.
-    pub(crate) fn answers<'py>(
-        &self,
-        py: Python<'py>,
-        Asked { directions, shape, roughness }: Asked,
-        (lobe, filter): (Lobe, Filter),
-        settings: ReflectorSettings,
-        (bounds, factor): (bool, f64),
-    ) -> PyResult<Bound<'py, PyAny>> {
-        if bounds && !matches!(filter, Filter::Adaptive(_)) {
-            return Err(wrong("`bounds` needs `filter` adaptive:E; other filters have no certified bounds"));
-        }
-        let (light, tables) = (Arc::clone(&self.light), Arc::clone(&self.tables));
-        let (radiance, certified) = run(py, move |cancel, pool| {
-            filter.check(lobe, settings.oem_size)?;
-            // Taken outside the pool, whose threads must not wait for one another.
-            let mut tables = held(&tables);
-            let tables = &mut *tables;
-            pool.install(|| {
-                let reflector = prepared(tables, &light, &settings)?;
-                let answers = queried(reflector, &directions, &roughness, (lobe, filter), cancel)?;
-                check_answers(&directions, &answers)?;
-                let scaled = |value: f32| (f64::from(value) * factor) as f32;
-                let radiance: Vec<f32> =
-                    answers.iter().flat_map(|answer| answer.radiance.map(scaled)).collect();
-                let bound = |answer: &Answer| {
-                    answer.bound.map_or([f32::INFINITY; 4], |bound| bound.values().map(scaled))
-                };
-                let certified: Vec<f32> =
-                    if bounds { answers.iter().flat_map(bound).collect() } else { Vec::new() };
-                Ok((radiance, certified))
-            })
-        })?;
-        let radiance = array(py, radiance, with_axis(shape.clone(), 3))?;
-        if !bounds {
-            return Ok(radiance.into_any());
-        }
-        Ok((radiance, array(py, certified, with_axis(shape, 4))?).into_pyobject(py)?.into_any())
-    }
-}
+/// Tables that are kept from one query to the next.
+pub(crate) type Kept = Arc<Mutex<Option<Tables>>>;
 
-/// Radiance of a lobe around each direction by exhaustive integration over the source in double precision:
-/// float64 of shape (..., 3). Slow, and independent of every filter: audit others with it.
-///
-/// roughness and lobe as in Environment.reflect.
-#[pyfunction]
-#[pyo3(signature = (environment, directions, roughness=None, *, lobe="ggx"))]
-pub(crate) fn reference<'py>(
+/// The answers of `light` for `directions` times `factor`: an array, or with `bounds` two.
+pub(crate) fn answers<'py>(
     py: Python<'py>,
-    environment: &Environment,
-    directions: &Bound<'py, PyAny>,
-    roughness: Option<&Bound<'py, PyAny>>,
-    lobe: &str,
-) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let lobe = choices::lobe(lobe)?;
-    let Asked { directions, shape, roughness } = Asked::of(lobe, directions, roughness)?;
-    let light = Arc::clone(&environment.light);
-    let radiance = run(py, move |cancel, pool: &ThreadPool| {
+    (light, tables): (Arc<Light>, Kept),
+    Asked { directions, shape, roughness }: Asked,
+    (lobe, filter): (Lobe, Filter),
+    settings: ReflectorSettings,
+    (bounds, factor): (bool, f64),
+) -> PyResult<Bound<'py, PyAny>> {
+    if bounds && !matches!(filter, Filter::Adaptive(_)) {
+        return Err(wrong("`bounds` needs `filter` adaptive:E; other filters have no certified bounds"));
+    }
+    let (radiance, certified) = run(py, move |cancel, pool| {
+        filter.check(lobe, settings.oem_size)?;
+        // Taken outside the pool, whose threads must not wait for one another.
+        let mut tables = held(&tables);
+        let tables = &mut *tables;
         pool.install(|| {
-            let oracle = Oracle::new(&light);
-            let at = |(index, direction): (usize, &DVec3)| {
-                cancel.check()?;
-                Ok(oracle.reflect(lobe, roughness.at(index), *direction))
-            };
-            directions.par_iter().enumerate().map(at).collect::<octagloss::Result<Vec<[f64; 3]>>>()
+            let reflector = prepared(tables, &light, &settings)?;
+            let answers = queried(reflector, &directions, &roughness, (lobe, filter), cancel)?;
+            check_answers(&directions, &answers)?;
+            let scaled = |value: f32| (f64::from(value) * factor) as f32;
+            let radiance: Vec<f32> = answers.iter().flat_map(|answer| answer.radiance.map(scaled)).collect();
+            let bound =
+                |answer: &Answer| answer.bound.map_or([f32::INFINITY; 4], |bound| bound.values().map(scaled));
+            let certified: Vec<f32> =
+                if bounds { answers.iter().flat_map(bound).collect() } else { Vec::new() };
+            Ok((radiance, certified))
         })
     })?;
-    array(py, radiance.into_flattened(), with_axis(shape, 3))
+    let radiance = array(py, radiance, with_axis(shape.clone(), 3))?;
+    if !bounds {
+        return Ok(radiance.into_any());
+    }
+    Ok((radiance, array(py, certified, with_axis(shape, 4))?).into_pyobject(py)?.into_any())
 }

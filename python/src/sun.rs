@@ -1,7 +1,7 @@
 //! The sun, or the brightest region.
 
-use octagloss::internals::analysis::sun::{Brightest, Sun as Found};
-use octagloss::internals::bake::report::SunReport;
+use octagloss::recipes::SunReport;
+use octagloss::suns::{Brightest, Sun as Found};
 use pyo3::prelude::*;
 
 /// The brightest region of an environment.
@@ -41,7 +41,7 @@ impl Sun {
         Self::of(&SunReport::new(sun, energy_share), is_sun)
     }
 
-    fn of(report: &SunReport, is_sun: bool) -> Self {
+    pub(crate) fn of(report: &SunReport, is_sun: bool) -> Self {
         Self {
             is_sun,
             direction: report.direction.into(),

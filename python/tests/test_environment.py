@@ -154,7 +154,7 @@ def test_wrong_files_are_named(tmp_path, sky_file):
         ({"layout": "sphere"}, "choose one of auto"),
         ({"layout": "octahedral"}, "sky.exr"),
         ({"scale": 0}, "above 0"),
-        ({"scale": np.nan}, "above 0"),
+        ({"scale": np.nan}, "finite"),
         ({"rotate_y": np.inf}, "finite"),
         ({"pad": "white"}, "choose one of black, edge"),
         ({"strict": True, "sanitize": True}, "contradict"),

@@ -2,27 +2,30 @@
 // most five bilinear reads.
 #include "common/pyramid_light.wgsl"
 
-const OCTAGLOSS_INTERVALS = 640u;
+const INTERVALS = 640u;
 
 // The table of src/pyramid/fit.rs, and the maps' size.
 struct OctaglossPyramid {
     // Texels along an edge of the finest maps, and of their border.
     inner: f32,
     border: f32,
-    // Levels of the chain.
-    octaves: u32,
-    pad: u32,
+    pad_a: u32,
+    pad_b: u32,
     // Weights at a node: mirror, sharp level, seven levels from fine to coarse, cosine, harmonics of order 0
     // to 4, 1 over the integral of GGX.
-    weights: array<array<vec4<f32>, 4>, OCTAGLOSS_INTERVALS + 1u>,
+    weights: array<array<vec4<f32>, 4>, INTERVALS + 1u>,
 }
 
-fn octagloss_source_from_world(probe: u32, direction: vec3<f32>) -> vec3<f32> {
-    return normalize(direction * octagloss_lights[probe].world_from_source);
+// `direction` in the environment `probe`, as a unit vector. As dot products, which begin with `direction`:
+// where a condition depends on an expression that begins with a constant place in a stage's fourth uniform
+// buffer, Mesa 22.3's llvmpipe crashes, and the second environment of a shader has its light there.
+fn source_from_world(probe: u32, direction: vec3<f32>) -> vec3<f32> {
+    let axes = octagloss_lights[probe].world_from_source;
+    return normalize(vec3<f32>(dot(direction, axes[0]), dot(direction, axes[1]), dot(direction, axes[2])));
 }
 
 // Texture coordinates of `direction`, the same in all maps with borders that halve with the texels.
-fn octagloss_place(direction: vec3<f32>) -> vec2<f32> {
+fn place_of(direction: vec3<f32>) -> vec2<f32> {
     let p = direction / (abs(direction.x) + abs(direction.y) + abs(direction.z));
     let folded = 1.0 - abs(p.zx);
     let turned = vec2<f32>(select(-folded.x, folded.x, p.x >= 0.0), select(-folded.y, folded.y, p.z >= 0.0));
@@ -32,7 +35,7 @@ fn octagloss_place(direction: vec3<f32>) -> vec2<f32> {
 }
 
 // Harmonics of radiance around the unit vector `d`, the sum of each order times its weight.
-fn octagloss_harmonics(probe: u32, d: vec3<f32>, weights: array<f32, 5>) -> vec3<f32> {
+fn harmonics_around(probe: u32, d: vec3<f32>, weights: array<f32, 5>) -> vec3<f32> {
     let x = d.x;
     let y = d.y;
     let z = d.z;
@@ -71,11 +74,11 @@ fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
 
 // The same in the environment `probe`.
 fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> vec3<f32> {
-    let d = octagloss_source_from_world(probe, direction);
-    let at = octagloss_place(d);
+    let d = source_from_world(probe, direction);
+    let at = place_of(d);
     // 640 / log2(51).
     let node = log2(1.0 + 50.0 * roughness) * 112.826518;
-    let k = min(u32(node), OCTAGLOSS_INTERVALS - 1u);
+    let k = min(u32(node), INTERVALS - 1u);
     let share = node - f32(k);
     let low = octagloss_pyramid.weights[k];
     let high = octagloss_pyramid.weights[k + 1u];
@@ -91,21 +94,22 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
         sum += a.y * textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe + 1u, 0.0).xyz;
     }
     var levels = array<f32, 7>(a.z, a.w, b.x, b.y, b.z, b.w, c.x);
-    for (var level = 0u; level < octagloss_pyramid.octaves; level++) {
+    // Levels that a smaller map does not have weigh nothing.
+    for (var level = 0u; level < 7u; level++) {
         if levels[level] != 0.0 {
             let read = textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, f32(level));
             sum += levels[level] * read.xyz;
         }
     }
     if c.y != 0.0 {
-        let place = octagloss_cosine_place(at);
+        let place = place_in_cosine(at);
         sum += c.y * textureSampleLevel(octagloss_cosine, octagloss_linear, place, probe, 0.0).xyz;
     }
-    sum += octagloss_harmonics(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
+    sum += harmonics_around(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
     // GGX around the suns: `glossy` of src/pyramid/suns.rs.
     let alpha = roughness * roughness;
-    for (var k = 0u; k < OCTAGLOSS_SUNS; k++) {
+    for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];
         let apart = sun.direction - d;
         let s = 0.25 * dot(apart, apart);
@@ -120,7 +124,7 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
 }
 
 // The same place in the cosine map, which has a border of one texel around 32.
-fn octagloss_cosine_place(at: vec2<f32>) -> vec2<f32> {
+fn place_in_cosine(at: vec2<f32>) -> vec2<f32> {
     let size = octagloss_pyramid.inner + 2.0 * octagloss_pyramid.border;
     return 0.5 + (at - 0.5) * (size / octagloss_pyramid.inner * (32.0 / 34.0));
 }
@@ -133,11 +137,11 @@ fn octagloss_irradiance(normal: vec3<f32>) -> vec3<f32> {
 
 // The same in the environment `probe`.
 fn octagloss_irradiance_of(probe: u32, normal: vec3<f32>) -> vec3<f32> {
-    let d = octagloss_source_from_world(probe, normal);
-    let at = octagloss_cosine_place(octagloss_place(d));
+    let d = source_from_world(probe, normal);
+    let at = place_in_cosine(place_of(d));
     var sum = textureSampleLevel(octagloss_cosine, octagloss_linear, at, probe, 0.0).xyz;
     sum *= octagloss_lights[probe].unscale;
-    for (var k = 0u; k < OCTAGLOSS_SUNS; k++) {
+    for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];
         sum += sun.energy * (0.31830987 * max(dot(d, sun.direction), 0.0));
     }

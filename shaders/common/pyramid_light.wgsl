@@ -1,6 +1,6 @@
-// Per-environment data of a pyramid: `Light` of src/gpu/pyramid.rs.
+// Per-environment data of a pyramid: `OctaglossLight` of src/gpu/pyramid.rs.
 
-const OCTAGLOSS_SUNS = 8u;
+const SUNS = 8u;
 
 // A sun: `Sun` of src/pyramid/suns.rs. Unused ones have no energy.
 struct OctaglossSun {
@@ -12,7 +12,7 @@ struct OctaglossSun {
     pad: f32,
 }
 
-struct OctaglossPyramidLight {
+struct OctaglossLight {
     // The rotation that takes a direction of the environment to one of the world.
     world_from_source: mat3x3<f32>,
     // The power of two that scales the maps, its inverse, and what the rest is clamped to, scaled.
@@ -23,5 +23,5 @@ struct OctaglossPyramidLight {
     // Harmonics of the rest to order 4, scaled.
     harmonics: array<vec4<f32>, 25>,
     // Fills a multiple of 256 bytes, at which bindings may begin.
-    @size(304) suns: array<OctaglossSun, OCTAGLOSS_SUNS>,
+    @size(304) suns: array<OctaglossSun, SUNS>,
 }

@@ -21,7 +21,7 @@ fn combine(a: Reduced, b: Reduced) -> Reduced {
 @group(0) @binding(2) var<storage, read> green: array<f32>;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
-@group(0) @binding(5) var<storage, read_write> light: OctaglossPyramidLight;
+@group(0) @binding(5) var<storage, read_write> light: OctaglossLight;
 @group(0) @binding(6) var<storage, read_write> cells: array<array<vec4<f32>, 3>>;
 
 fn side() -> u32 {

@@ -12,7 +12,7 @@ const CUT = 3.0f;
 @group(0) @binding(2) var<storage, read> green: array<f32>;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
-@group(0) @binding(5) var<storage, read> light: OctaglossPyramidLight;
+@group(0) @binding(5) var<storage, read> light: OctaglossLight;
 @group(0) @binding(6) var finer: texture_2d<f32>;
 @group(0) @binding(9) var linear: sampler;
 

@@ -15,7 +15,7 @@ const FINEST = 128u;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
 @group(0) @binding(5) var<storage, read_write> blocks: array<u32>;
-@group(0) @binding(6) var<storage, read_write> light: OctaglossPyramidLight;
+@group(0) @binding(6) var<storage, read_write> light: OctaglossLight;
 
 // The bits of a brightness, which sort like it, and the block that has it.
 alias Reduced = vec2<u32>;
@@ -62,10 +62,10 @@ fn brightest_of_blocks(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(GROUP_SIZE)
 fn suns(@builtin(local_invocation_index) lane: u32) {
-    var chosen: array<u32, OCTAGLOSS_SUNS>;
+    var chosen: array<u32, SUNS>;
     var last = Reduced(0xffffffffu, 0u);
     var greatest = 0u;
-    for (var k = 0u; k <= OCTAGLOSS_SUNS; k++) {
+    for (var k = 0u; k <= SUNS; k++) {
         var own = Reduced(0u, 0xffffffffu);
         for (var block = lane; block < side() * side(); block += GROUP_SIZE) {
             let candidate = Reduced(blocks[block], block);
@@ -77,12 +77,12 @@ fn suns(@builtin(local_invocation_index) lane: u32) {
         if k == 0u {
             greatest = last.x;
         }
-        if k < OCTAGLOSS_SUNS {
+        if k < SUNS {
             chosen[k] = last.y;
         }
     }
     let clamp = bitcast<f32>(last.x);
-    if lane < OCTAGLOSS_SUNS {
+    if lane < SUNS {
         light.suns[lane] = sun_of(chosen[lane], clamp);
     }
     if lane == 0u {

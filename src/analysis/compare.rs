@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::finite::finite;
 use crate::geometry::footprints::footprints_over;
 use crate::lobe::{Lobe, full_width_at_half_maximum};
+use crate::smoothstep::smoothstep;
 use crate::sphere::cube::{Face, cube_point};
 use crate::sphere::equirect::direction_from_equirect;
 use crate::sphere::octahedral;
@@ -247,7 +248,7 @@ pub(crate) fn errors_against_source(
         .map(|(index, level)| {
             let value = |at: usize| {
                 let answer = footprint_mean(level, lobe, at, &|direction| {
-                    oracle.reflect(lobe, level.roughness, direction)
+                    oracle.reflected(lobe, level.roughness, direction)
                 });
                 progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
                 answer
@@ -262,11 +263,11 @@ pub(crate) fn errors_against_source(
 fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3) -> [f64; 3]) -> [f64; 3] {
     let (image, i, j) = place(level.layout, at);
     let share = texel_edge(level.layout, i, j) / lobe_width(level, lobe);
-    let fade = ((share - 1.0 / 3.0) * 6.0).clamp(0.0, 1.0);
-    if fade == 0.0 {
+    let fade = (share - 1.0 / 3.0) * 6.0;
+    if fade <= 0.0 {
         return radiance(level.layout.direction_from_texel(image, i, j));
     }
-    let extent = fade * fade * (3.0 - 2.0 * fade);
+    let extent = smoothstep(fade);
     // Points at most a quarter of a lobe apart, weighted by solid angle.
     let count = (4.0 * share).ceil().clamp(4.0, 64.0) as u32;
     let coordinate = |texel: u32, k: u32| {

@@ -157,11 +157,3 @@ pub fn delivered_errors(
     };
     roughnesses.iter().map(error_at).collect()
 }
-
-/// Root mean square of `errors` over the roughnesses from `first` to 1.
-#[must_use]
-pub fn over_roughness(errors: &[DeliveredError], first: f64) -> f64 {
-    let squares: Vec<f64> =
-        errors.iter().filter(|error| error.roughness >= first).map(|error| error.rel_rmse.powi(2)).collect();
-    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
-}

@@ -4,7 +4,9 @@ use crate::analysis::delivered::even_directions;
 use crate::analysis::sun::{
     Brightest, LayoutTexels, Peak, SUN_CONTRAST, SUN_SOLID_ANGLE, Sun, disc_radius, largest,
 };
+use crate::direction::units;
 use crate::environment::{Environment, Rgb, exact_luminance};
+use crate::error::Result;
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{MAX_ORDER, basis, spherical_harmonics};
 use glam::DVec3;
@@ -53,7 +55,7 @@ pub enum Suns {
     Brightest,
     /// This many, from the greatest irradiance on.
     Strongest(usize),
-    /// One near each of these unit vectors of the world.
+    /// One near each of these directions of the world, of any length but zero.
     Towards(Vec<DVec3>),
 }
 
@@ -119,8 +121,10 @@ pub struct Extraction {
 ///
 /// A light of [`Brightest::Region`] stays, and so does one that a lamp cannot replace: in every channel all
 /// lamps together change the irradiance on no surface by more than a hundredth of the greatest irradiance.
-#[must_use]
-pub fn extract(environment: &Environment, suns: &Suns) -> Extraction {
+///
+/// # Errors
+/// [`crate::Error::Parameter`] for a direction that is zero or not finite.
+pub fn extract(environment: &Environment, suns: &Suns) -> Result<Extraction> {
     let mut parting = Parting::new(environment);
     let (mut dark, mut asked) = (Vec::new(), 1);
     match suns {
@@ -148,16 +152,16 @@ pub fn extract(environment: &Environment, suns: &Suns) -> Extraction {
         }
         Suns::Towards(directions) => {
             asked = directions.len();
-            for direction in directions {
-                match parting.towards(*direction) {
+            for direction in units(directions)? {
+                match parting.towards(direction) {
                     Some(light) => parting.take(&light),
-                    None => dark.push(*direction),
+                    None => dark.push(direction),
                 }
             }
         }
     }
     let Parting { lamps, kept, rest, .. } = parting;
-    Extraction { lamps, kept, dark, sunless: environment.with_texels(rest), asked }
+    Ok(Extraction { lamps, kept, dark, sunless: environment.with_texels(rest), asked })
 }
 
 /// A peak and its region.
@@ -189,7 +193,8 @@ impl<'a> Parting<'a> {
         let luminances: Vec<f64> =
             environment.texels().par_iter().map(|texel| exact_luminance(*texel)).collect();
         let energy = (0..luminances.len()).map(|at| grid.solid_angle(at) * luminances[at]).sum();
-        let irradiance = scaled(&spherical_harmonics(environment, MAX_ORDER), ShScale::Irradiance);
+        let irradiance =
+            scaled(&spherical_harmonics(environment, MAX_ORDER).expect("the highest"), ShScale::Irradiance);
         let mut greatest = [0.0; 3];
         for normal in even_directions(4 * NORMALS) {
             let basis = basis(normal);

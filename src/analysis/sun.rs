@@ -81,7 +81,7 @@ pub enum Brightest {
 named!(Brightest { Sun = "sun", Region = "brightest region" });
 
 impl Brightest {
-    fn of(layout: Layout, peak: &Peak, solid_angle: f64, radius: f64) -> Self {
+    fn classify(layout: Layout, peak: &Peak, solid_angle: f64, radius: f64) -> Self {
         let is_small = solid_angle <= largest(layout) && radius <= REACH * disc_radius(largest(layout));
         let is_sun = is_small && peak.luminance >= SUN_CONTRAST * peak.surroundings;
         if is_sun { Self::Sun } else { Self::Region }
@@ -176,7 +176,7 @@ impl Sun {
         let radius = |radius: f64, at: &usize| radius.max(grid.direction(*at).angle_between(direction));
         let radius = region.iter().fold(0.0, radius);
         Self {
-            kind: Brightest::of(environment.layout(), peak, solid_angle, radius),
+            kind: Brightest::classify(environment.layout(), peak, solid_angle, radius),
             direction: world_from_source * direction,
             peak: environment.texels()[peak.at],
             irradiance,
@@ -379,7 +379,9 @@ mod tests {
 
     #[test]
     fn a_turned_environment_has_its_sun_elsewhere() {
-        let environment = sky(Layout::Panorama { width: 128, height: 64 }, DVec3::Z, 4.0).rotated_y(90.0);
+        let environment = sky(Layout::Panorama { width: 128, height: 64 }, DVec3::Z, 4.0)
+            .rotated_y(90.0)
+            .expect("an angle");
         let sun = Sun::find(&environment).expect("a sun");
         assert!(sun.direction.dot(DVec3::X) > 0.999, "{}", sun.direction);
         assert!(sun.azimuth_degrees().abs() < 1.0 && sun.elevation_degrees().abs() < 1.0, "{sun:?}");

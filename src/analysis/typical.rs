@@ -51,7 +51,7 @@ pub(crate) fn probes(chain: &Chain, ladder: Ladder, lobe: Lobe, source: Layout) 
         let lod = ladder.lod(roughness, levels, size);
         let at = lod.round() as usize;
         let (level, lights) = (&chain.levels[at], &mut lights[at]);
-        let lights = lights.get_or_insert_with(|| Lights::of(level));
+        let lights = lights.get_or_insert_with(|| Lights::new(level));
         let (directions, weights) = lights.directions(level.layout);
         Probe { roughness, lod, directions, weights, means: lights.means }
     };
@@ -93,7 +93,7 @@ struct Lights {
 }
 
 impl Lights {
-    fn of(level: &Level) -> Self {
+    fn new(level: &Level) -> Self {
         let (width, height) = level.layout.sides();
         let area = width as usize * height as usize;
         // The same on every face.

@@ -157,7 +157,7 @@ impl<'a> Job<'a> {
             ));
         }
         let highest = self.settings.iter().map(|settings| settings.sh_order).max().unwrap_or(0);
-        let sh = sh::spherical_harmonics(self.environment, highest);
+        let sh = sh::spherical_harmonics(self.environment, highest)?;
         // L0 is the integral of the radiance times the constant 1/sqrt(4 pi).
         let source_energy = sh[0].map(|coefficient| coefficient * (4.0 * std::f64::consts::PI).sqrt());
         let sums = sh.as_flattened().iter().chain(&oem_energy);
@@ -211,7 +211,7 @@ impl<'a> Job<'a> {
                 sheen_stats,
                 irradiance: parts.irradiance.map(|index| taken(index, BoundsUse::Drop)),
                 skybox: parts.skybox.map(|index| taken(index, BoundsUse::Drop)),
-                sh: sh_window.apply(sh),
+                sh: sh_window.applied(sh),
                 sh_window,
                 oem,
                 source_energy,

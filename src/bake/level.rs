@@ -52,8 +52,8 @@ pub(crate) struct BakedLevel {
     pub(crate) leaves_per_texel: Option<f64>,
 }
 
-/// What a level took: leaves of all packets, packets and directions.
-pub(crate) struct Work {
+/// Counts of quadrature leaves, packets and directions of a level.
+pub(crate) struct LeafCounts {
     pub(crate) leaves: u64,
     pub(crate) packets: u64,
     pub(crate) directions: u64,
@@ -83,7 +83,7 @@ pub(crate) fn bake_level(
                 let mut workspace = Workspace::default();
                 tiling.for_each_tile(row, tile, |tile| {
                     answers.clear();
-                    lobes.evaluate(&tile.directions, &mut workspace, answers);
+                    lobes.evaluate(&tile.directions, &mut workspace, answers).expect("unit vectors");
                     tile.resolve(answers, &mut line);
                 });
                 advance(line.len() as u64)?;
@@ -91,7 +91,7 @@ pub(crate) fn bake_level(
             },
         )
         .collect::<Result<Vec<(Vec<Answer>, Workspace)>>>()?;
-    let work = Work {
+    let work = LeafCounts {
         leaves: rows.iter().map(|(_, workspace)| workspace.leaves).sum(),
         packets: rows.iter().map(|(_, workspace)| workspace.packets).sum(),
         directions: rows.iter().map(|(_, workspace)| workspace.directions).sum(),
@@ -141,7 +141,7 @@ impl BakedLevel {
     }
 
     /// Creates a level from `answers`, one a texel.
-    pub(crate) fn new(processor: Processor, answers: impl Iterator<Item = Answer>, work: Work) -> Self {
+    pub(crate) fn new(processor: Processor, answers: impl Iterator<Item = Answer>, work: LeafCounts) -> Self {
         let mut greatest: Option<Bound> = None;
         let (texels, bounds): (Vec<Rgb>, Vec<Option<f32>>) = answers
             .map(|Answer { radiance, bound }| {
@@ -150,7 +150,7 @@ impl BakedLevel {
             })
             .unzip();
         // Every direction of a packet sums all leaves of the packet.
-        let Work { leaves, packets, directions } = work;
+        let LeafCounts { leaves, packets, directions } = work;
         let per_texel = leaves as f64 / packets as f64 * directions as f64 / texels.len() as f64;
         Self {
             processor,

@@ -182,7 +182,7 @@ fn bake_bytes(environment: &Environment, settings: &[BakeSettings], encoded: u64
         filter: part.filter,
     };
     let served: Vec<_> = parts.iter().map(served).collect();
-    let tables = Tables::of(environment.layout(), size, block, reflector.scan, &served);
+    let tables = Tables::new(environment.layout(), size, block, reflector.scan, &served);
     let (mut levels, mut baking, mut largest) = (0, 0, 0);
     for part in parts {
         let texels = part.spec.layout.texel_count() as u64;

@@ -4,13 +4,10 @@ pub mod dfg;
 pub(crate) mod job;
 pub(crate) mod level;
 pub(crate) mod memory;
-pub mod overflow;
 pub mod query;
-pub mod report;
 pub(crate) mod result;
 pub(crate) mod settings;
 pub(crate) mod solve;
-pub mod turned;
 
 use crate::analysis::typical::{median, probes};
 use crate::chain::Chain;
@@ -103,11 +100,11 @@ impl Engine for Reflector<'_> {
         let lobes = self.lobes(lobe, roughness, filter)?;
         let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
             answers.clear();
-            lobes.evaluate(&[*direction], workspace, answers);
-            answers[0]
+            lobes.evaluate(&[*direction], workspace, answers)?;
+            Ok(answers[0])
         };
         let start = || (Workspace::default(), Vec::with_capacity(1));
-        let answers: Vec<Answer> = directions.par_iter().map_init(start, answer).collect();
+        let answers = directions.par_iter().map_init(start, answer).collect::<Result<Vec<Answer>>>()?;
         check_answers(directions, &answers)?;
         Ok(answers)
     }

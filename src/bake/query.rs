@@ -1,10 +1,11 @@
 //! Queries of many directions, each with its own roughness.
 
 use super::{Engine, ready};
+use crate::direction::units;
 use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
 use crate::lobe::Lobe;
-use crate::reflector::{Reflector, units};
+use crate::reflector::Reflector;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -19,6 +19,16 @@ pub enum Skybox {
     Source,
 }
 
+/// As [`Skybox::parsed`] reads it.
+impl std::fmt::Display for Skybox {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Edge(edge) => edge.fmt(f),
+            Self::Source => f.write_str("source"),
+        }
+    }
+}
+
 /// Greatest edge of any level: bytes of larger ones are beyond 64 bits.
 const MAX_EDGE: u32 = 65_536;
 

@@ -18,6 +18,7 @@ use crate::environment::{Layout, Rgb};
 use crate::ladder::Ladder;
 use crate::lobe::{Lobe, full_width_at_half_maximum};
 use crate::sphere::cube::{Face, cube_from_direction, cube_point};
+use crate::sphere::quadrature::{THREE_NODES, TWO_NODES};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
@@ -49,10 +50,7 @@ const TEXELS_PER_WIDTH: f64 = 3.5;
 const MIN_EDGE: u32 = 16;
 
 /// Nodes and weights of Gauss quadratures over [0, 1], indexed by number of nodes minus 2.
-const QUADRATURES: [&[(f64, f64)]; 2] = [
-    &[(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)],
-    &[(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)],
-];
+const QUADRATURES: [&[(f64, f64)]; 2] = [&TWO_NODES, &THREE_NODES];
 
 /// Whether cubic interpolation on a cube of `edge` texels resolves a lobe of `roughness`.
 fn resolves(edge: u32, roughness: f64) -> bool {
@@ -68,7 +66,7 @@ pub(crate) fn nodes(kind: ChainKind, size: u32, levels: u32, ladder: Ladder) -> 
     let mut nodes = Vec::new();
     let roughness = |level| ladder.roughness(level, levels, size);
     let Held { level: held, .. } =
-        Held::of(kind, size, (0..levels as usize).map(|level| roughness(level as u32)));
+        Held::new(kind, size, (0..levels as usize).map(|level| roughness(level as u32)));
     for low in held as u32..levels.saturating_sub(1) {
         let (from, to) = (roughness(low), roughness(low + 1));
         let quadrature = QUADRATURES[usize::from((to / from).powi(4) > STEEP)];
@@ -106,7 +104,7 @@ struct Held {
 
 impl Held {
     /// The held level of a chain from edge `size` whose levels have `roughness`.
-    fn of(kind: ChainKind, size: u32, mut roughness: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
+    fn new(kind: ChainKind, size: u32, mut roughness: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
         let first_solved = kind.first_solved(roughness.clone());
         if kind == ChainKind::Mixed {
             return Self { level: first_solved - 1, first_solved, weight: FIXED, least: MIN_SHARE };
@@ -121,7 +119,7 @@ impl Held {
 /// sharp levels of a mixed chain and levels that no look-up reads. Returns the indices of the solved levels.
 pub(crate) fn solve(kind: ChainKind, levels: &mut [Level], nodes: &[Node], lobes: &[&[Rgb]]) -> Range<usize> {
     let Some(last) = nodes.iter().map(|node| node.low + 1).max() else { return 0..0 };
-    let held = Held::of(kind, levels[0].size(), levels.iter().map(|level| level.roughness));
+    let held = Held::new(kind, levels[0].size(), levels.iter().map(|level| level.roughness));
     let of = |size: u32, texels: &[Rgb]| Smooth::new(size, &|texel| texels[texel].map(f64::from));
     let smooth = |level: &Level| of(level.size(), &level.texels);
     let sampled: Vec<Smooth> = levels[held.level..=last].iter().map(smooth).collect();

@@ -1,29 +1,13 @@
 //! Command-line options of every subcommand. Their doc comments are the help texts.
 
-use super::outcome::{Outcome, usage};
-use super::shared_args::{EngineArgs, InputArgs, MAX_THREADS};
-use super::values::{
-    Texels, file_name, filter, percentage, roughness, sh_window, target, target_help, texels, threshold,
-};
-use crate::bake::Skybox;
+use super::shared_args::{EngineArgs, MAX_THREADS};
+use super::values::{Texels, filter, percentage, roughness, texels, threshold};
 use crate::bake::dfg::DfgForm;
-use crate::bake::overflow::Overflow;
-use crate::chain::ChainKind;
 use crate::filter::Filter;
-use crate::format::container::Container;
-use crate::format::{OutputLayout, Pixel};
-use crate::image::exposure::Exposure;
-use crate::ladder::Ladder;
 use crate::lobe::Lobe;
-use crate::sat::Scan;
-use crate::sh::MAX_ORDER;
-use crate::sh::window::ShWindow;
-use crate::target::{Diffuse, Flip, Target};
+use crate::recipe::{InputOptions, Recipe, TableOptions};
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use std::path::PathBuf;
-
-/// Maximum edge of a cube or an octahedral map, in texels.
-const MAX_SIZE: i64 = 16_384;
 
 macro_rules! version {
     ($($feature:literal)*) => {
@@ -88,43 +72,6 @@ pub(super) enum Command {
     Licenses,
 }
 
-/// Options of the summed-area table.
-#[derive(Clone, Copy, Debug, ClapArgs)]
-#[command(next_help_heading = "Table")]
-pub(super) struct TableArgs {
-    /// Edge of the octahedral map, 1 to 16384 [default: lobes']
-    ///
-    /// By default as fine as the sharpest lobe requires, at most twice the source (the width of a panorama,
-    /// twice the face of a cube) and at least the source up to 512, rounded up to a multiple of 64, at most
-    /// 4096 with its border.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
-    pub(super) oem_size: Option<u32>,
-    /// Border in texels, 0 to 16384 [default: filter's]
-    ///
-    /// By default 0; in bake for box half the side of the widest box.
-    #[arg(long, value_name = "B", value_parser = clap::value_parser!(u32).range(0..=MAX_SIZE))]
-    pub(super) border: Option<u32>,
-    /// blocks, hensley:2, :4, :8 or :16 [default: blocks]
-    ///
-    /// Scan of the summed-area table that box and fitted:K read. All scans give the same bits. blocks is the
-    /// engine's own and the fastest. hensley:R is recursive doubling as in the papers, R samples per pass.
-    #[arg(long, value_name = "SCAN")]
-    pub(super) scan: Option<Scan>,
-}
-
-impl TableArgs {
-    /// Rejects `--scan` for a filter that reads no summed-area table.
-    pub(super) fn check_scan(&self, filter: Filter) -> Outcome {
-        match self.scan {
-            Some(scan) if !filter.reads_sat() => usage(format!(
-                "--scan {scan} is for the filters over a summed-area table; use --filter box or fitted:K, or \
-                 omit --scan"
-            )),
-            _ => Ok(()),
-        }
-    }
-}
-
 #[derive(Clone, Debug, ClapArgs)]
 pub(super) struct BakeArgs {
     /// Environments: .hdr, .exr, .png, .jpg; .ktx2 or bakes
@@ -149,126 +96,8 @@ pub(super) struct BakeArgs {
     /// exactly one file.
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
-    /// Presets for engines, comma-separated
-    ///
-    /// Explicit options override the preset. OUT is a folder with the target's files and report.json, one
-    /// subfolder per target for several. All targets share one octahedral map.
-    #[arg(long, value_name = "TARGET", value_delimiter = ',', value_parser = target)]
-    #[arg(long_help = target_help())]
-    pub(super) target: Vec<&'static Target>,
-    /// Edge of level 0, 1 to 16384 [default: ladder's]
-    ///
-    /// By default 640 for the linear ladder of ggx (panoramas 1280 rows, octahedral squares 1920); trilinear
-    /// look-ups then have errors of a few percent from roughness 0.6 up. Otherwise 256.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SIZE))]
-    pub(super) size: Option<u32>,
-    /// Levels, each half the last [default: ladder's]
-    ///
-    /// At least 1 (roughness 0), at most down to size 1. By default linear ends at 4 to 9 texels (8 levels
-    /// from 640, 7 from 256), filament at 16, unity after 7 levels, and babylon and --out-layout mips at 1.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=15))]
-    pub(super) levels: Option<u32>,
-    /// Roughness of the levels [default: linear]
-    ///
-    /// linear: level/(levels-1), as in glTF, Bevy and the Khronos sampler. filament: 1 - sqrt(1 -
-    /// level/(levels-1)), as in Filament and three.js. unity: seven levels of r (1.7 - 0.7 r) =
-    /// level/(levels-1). babylon: alpha = 2^(level/0.8)/size.
-    #[arg(long, value_name = "LADDER", hide_possible_values = true)]
-    pub(super) ladder: Option<Ladder>,
-    /// sampled, solved or mixed
-    ///
-    /// Content of the texels of ggx cubes. sampled: lobes along the texels' directions. solved: values whose
-    /// trilinear look-ups best fit the lobes between texels and levels; takes up to three times as long and
-    /// has no bounds. mixed: levels up to roughness 1/3 are sampled, rougher ones solved. By default mixed
-    /// for linear ggx cubes of adaptive:E without a target (or --target generic) and without --bounds, else
-    /// sampled.
-    #[arg(long, value_name = "KIND", hide_possible_values = true)]
-    pub(super) chain: Option<ChainKind>,
-    /// ggx, phong, cone, cosine or charlie
-    ///
-    /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band
-    /// towards the horizon; it has no mirror and clamps roughness to at least 0.125.
-    #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
-    pub(super) lobe: Lobe,
-    /// adaptive:E, fitted:K, box or reference
-    ///
-    /// adaptive:E is quadrature with a certified bound; E, from 1e-6 to 1, is the target relative RMS error.
-    /// adaptive means adaptive:0.005. fitted:K is the real-time tier: K soft boxes (1, 2, 4 or 8) and
-    /// spherical harmonics fitted to ggx. fitted means fitted:4. box is the single box of the octahedron
-    /// environment maps paper. reference integrates exhaustively in double precision: slow, for auditing.
-    #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]
-    pub(super) filter: Filter,
-    /// ktx2, ktx, dds, exr, hdr [default: OUT's or ktx2]
-    ///
-    /// By default from OUT's extension. ktx is KTX 1.
-    #[arg(long, value_name = "FORMAT", hide_possible_values = true)]
-    pub(super) format: Option<Container>,
-    /// Layout of levels in exr and hdr [default: faces]
-    ///
-    /// faces: m{level}_{face}, six images per level. cross, cross-vertical, strip, strip-vertical: m{level},
-    /// the faces in one image. equirect: m{level}, panoramas of 2N x N for --size N. octahedral: m{level},
-    /// squares of N x N. parts: one EXR file OUT, one part per face. mips: one EXR file OUT, a panorama with
-    /// MIP levels down to one texel. Every texel is filtered directly, not resampled.
-    #[arg(long, value_name = "LAYOUT", conflicts_with = "target", hide_possible_values = true)]
-    pub(super) out_layout: Option<OutputLayout>,
-    /// f16, f32, rgb9e5, r11g11b10f, bc6h [default: f16]
-    ///
-    /// f16 clamps at 65504 and counts clamped texels. exr supports f16 and f32; without --pixel it stores
-    /// levels too bright or too dim for f16 as floats. bc6h is for ktx2 and dds. hdr has a fixed pixel
-    /// format.
-    #[arg(long, value_name = "PIXEL", hide_possible_values = true)]
-    pub(super) pixel: Option<Pixel>,
-    /// Overbright texels: clamp, compress or error
-    ///
-    /// Handles radiance above the pixel format's maximum. clamp clamps each channel; compress scales the
-    /// brightest texels of such levels down smoothly and keeps their colour; error fails. The report counts
-    /// these texels.
-    #[arg(long, value_name = "HOW", default_value = "clamp", hide_possible_values = true)]
-    pub(super) overflow: Overflow,
-    /// Add an irradiance cube of edge N, 1 to 1024
-    ///
-    /// Values are irradiance over pi. exr and hdr: irradiance_{face} next to the levels. Other formats: a
-    /// second file, OUT's stem with .irradiance.ktx2 or similar.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    pub(super) irradiance: Option<u32>,
-    /// Add the unfiltered cube, edge N or source
-    ///
-    /// N is 1 to 16384; source gives texels about as large as the source's. exr and hdr: skybox_{face} next
-    /// to the levels. Other formats: OUT's stem with .skybox.ktx2 or similar. Targets: NAME_skybox or skybox.
-    /// unreal, godot and blender get a panorama of 4N x 2N; babylon and playcanvas a .dds and gltf-ext a
-    /// .ktx2 file of half floats. For filament it replaces level 0.
-    #[arg(long, value_name = "N|source", value_parser = Skybox::parsed)]
-    pub(super) skybox: Option<Skybox>,
-    /// Highest band of spherical harmonics, 2 to 4
-    ///
-    /// Written to the report and sh.json. Filament and EXT_lights_image_based use bands up to 2 only.
-    /// [default: 2]
-    #[arg(long, value_name = "L", default_value_t = 2, hide_default_value = true)]
-    #[arg(value_parser = clap::value_parser!(u32).range(2..=i64::from(MAX_ORDER)))]
-    pub(super) sh_order: u32,
-    /// SH window against ringing [default: none]
-    ///
-    /// none; hanning:W, lanczos:W and sinc4:W scale band l by (1 + cos x)/2, sin(x)/x and (sin(x)/x)^4, x =
-    /// pi l/W, and to 0 from l = W on; nonnegative is sinc4 with the widest W for which irradiance is nowhere
-    /// negative, as cmgen's --sh-window=auto.
-    #[arg(long, value_name = "WINDOW", default_value = "none", hide_default_value = true)]
-    #[arg(value_parser = sh_window)]
-    pub(super) sh_window: ShWindow,
-    /// Axis that the engine negates: none, x or z
-    ///
-    /// Pre-flips cubes for engines that negate an axis at look-up. With --target only; overrides the preset.
-    #[arg(long, value_name = "AXIS", requires = "target", hide_possible_values = true)]
-    pub(super) flip: Option<Flip>,
-    /// Diffuse light: none, cube, sh or both
-    ///
-    /// An irradiance cube, spherical harmonics, or both. With --target only; overrides the preset.
-    #[arg(long, value_name = "FORM", requires = "target", hide_possible_values = true)]
-    pub(super) diffuse: Option<Diffuse>,
-    /// Base name of the files [default: INPUT's]
-    ///
-    /// With --target only.
-    #[arg(long, value_name = "NAME", requires = "target", value_parser = file_name)]
-    pub(super) name: Option<String>,
+    #[command(flatten)]
+    pub(super) recipe: Recipe,
     /// List the outputs without writing them
     ///
     /// Prints one line per file, with --json one line per input, to standard output. Reads inputs and checks
@@ -281,24 +110,6 @@ pub(super) struct BakeArgs {
     /// camera's shoulder. Several targets stand one below the other.
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
-    /// Preview exposure: auto, or -40 to 40 EV
-    ///
-    /// auto makes the spheres' median a dark grey, and darker where much of them is very bright; highlights
-    /// are compressed. Does not affect the bake.
-    #[arg(long, value_name = "EV", default_value_t = Exposure::Auto, requires = "preview")]
-    pub(super) exposure: Exposure,
-    /// Write the environment without its sun
-    ///
-    /// Writes OUT.sunless.exr, or sunless.exr in OUT if that is a folder: floats, in the input's layout
-    /// (cubes as a cross), not rotated. With --extract-sun only.
-    #[arg(long, requires = "extract_sun")]
-    pub(super) sunless: bool,
-    /// Write every texel's certified error bound
-    ///
-    /// Writes m{level}_{face}_bound.exr, absolute luminance. exr and hdr: next to the levels; otherwise in
-    /// the folder OUT.bounds.
-    #[arg(long)]
-    pub(super) bounds: bool,
     /// Judge each output: fail above N% of error
     ///
     /// Measures every output against its input as compare --fail-above does, from --from on, after it is
@@ -326,10 +137,6 @@ pub(super) struct BakeArgs {
     /// all others are baked again; without it, existing ones are errors.
     #[arg(long, conflicts_with = "json")]
     pub(super) skip_unchanged: bool,
-    #[command(flatten)]
-    pub(super) table: TableArgs,
-    #[command(flatten)]
-    pub(super) input: InputArgs,
     #[command(flatten)]
     pub(super) engine: EngineArgs,
 }
@@ -378,9 +185,9 @@ pub(super) struct QueryArgs {
     #[arg(long, short)]
     pub(super) quiet: bool,
     #[command(flatten)]
-    pub(super) table: TableArgs,
+    pub(super) table: TableOptions,
     #[command(flatten)]
-    pub(super) input: InputArgs,
+    pub(super) input: InputOptions,
     #[command(flatten)]
     pub(super) engine: EngineArgs,
 }
@@ -399,7 +206,7 @@ pub(super) struct InfoArgs {
     #[arg(long)]
     pub(super) json: bool,
     #[command(flatten)]
-    pub(super) input: InputArgs,
+    pub(super) input: InputOptions,
 }
 
 #[derive(Debug, ClapArgs)]
@@ -480,7 +287,7 @@ pub(super) struct CompareArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS))]
     pub(super) threads: Option<u32>,
     #[command(flatten)]
-    pub(super) input: InputArgs,
+    pub(super) input: InputOptions,
 }
 
 #[derive(Debug, ClapArgs)]
@@ -505,7 +312,7 @@ pub(super) struct BenchArgs {
     #[arg(long, conflicts_with_all = ["size", "inputs"])]
     pub(super) direct: bool,
     #[command(flatten)]
-    pub(super) input: InputArgs,
+    pub(super) input: InputOptions,
     #[command(flatten)]
     pub(super) engine: EngineArgs,
 }

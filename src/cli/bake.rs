@@ -3,36 +3,28 @@
 use super::args::BakeArgs;
 use super::bake_plan;
 use super::console::{self, Console, Files};
-use super::engine::{Baker, Engine};
+use super::engine::Engine;
 use super::expand::{Expansion, Found, expand};
 use super::fingerprint;
-use super::input::{self, InputFiles, Opened};
+use super::input::{self, InputFiles};
 use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
-use super::output::{Common, Destination, Outputs, SunFile, names_folder};
-use super::shared_args::{EngineArgs, InputArgs};
+use super::output::{Common, Destination, Outputs, names_folder};
+use super::shared_args::EngineArgs;
 use super::summary::Written;
 use super::verify::Verify;
-use crate::analysis::extraction::Suns;
 use crate::analysis::oracle::Oracle;
-use crate::bake::memory;
-use crate::bake::overflow::Overflow;
-use crate::bake::report::{Circumstances, InputFileReport, Report};
-use crate::bake::{Bake, BakeSettings};
-use crate::export;
-use crate::export::plan::BakePlan;
-use crate::export::stored::{Stored, recorded};
+use crate::bake::BakeSettings;
+use crate::export::produce::{check_memory, products};
 use crate::filter::Filter;
-use crate::format::Pixel;
-use crate::image::exposure::Exposure;
-use crate::image::preview;
 use crate::io::InputLayout;
-use crate::io::ldr::write::png_bytes;
 use crate::io::output::{self, Existing};
 use crate::io::regular::CHANGED;
+use crate::recipe::InputOptions;
+use crate::recipe::plan::BakePlan;
+use crate::recipe::source::Source;
 use crate::sphere::cube::{Face, direction_from_texel};
 use crate::{Environment, Error};
 use anyhow::anyhow;
-use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::json;
 use std::cell::OnceCell;
@@ -52,10 +44,8 @@ struct Work {
     several: bool,
     /// Folders and patterns of inputs that could not be read, or have none.
     unread: Vec<Error>,
-    input: InputArgs,
-    overflow: Overflow,
+    input: InputOptions,
     engine: EngineArgs,
-    exposure: Exposure,
     skip_unchanged: bool,
     verify: Option<Verify>,
     /// Everything except the inputs that affects the outputs.
@@ -95,24 +85,25 @@ impl Work {
     fn new(mut args: BakeArgs) -> Outcome<Self> {
         let typed = std::mem::take(&mut args.inputs);
         let Expansion { found, is_open, failures } = expand(typed, args.recursive, args.output.as_deref());
-        if found.is_empty() && args.input.layout == InputLayout::Faces {
+        if found.is_empty() && args.recipe.input.layout == InputLayout::Faces {
             // Six files are counted below.
             failures.into_iter().next().map_or(Ok(()), |error| Err(Failure::from(error)))?;
             return usage("--layout faces takes the six files of one cube");
         }
-        let several =
-            !found.is_empty() && (is_open || found.len() > 1) && args.input.layout != InputLayout::Faces;
+        let several = !found.is_empty()
+            && (is_open || found.len() > 1)
+            && args.recipe.input.layout != InputLayout::Faces;
         let plans = bake_plan::plans(&args, several)?;
         if args.verify.is_some() {
             Verify::check_plans(&plans, args.dry_run)?;
         }
-        let options = fingerprint::options(&plans, &args)?;
-        if several && args.name.is_some() {
+        let options = fingerprint::options(&plans, &args.engine)?;
+        if several && args.recipe.name.is_some() {
             return usage("--name names one environment; several inputs were given");
         }
         let (paths, withins): (Vec<_>, Vec<_>) =
             found.into_iter().map(|Found { path, within }| (path, within)).unzip();
-        let sources = input::sources(paths, &args.input)?;
+        let sources = input::sources(paths, &args.recipe.input)?;
         let sources: Vec<(InputFiles, PathBuf)> = sources.into_iter().zip(withins).collect();
         if let Some(path) = &args.preview {
             if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
@@ -123,7 +114,7 @@ impl Work {
             }
         }
         let first = &plans[0].plan;
-        let is_file = !first.is_targeted() && first.is_single();
+        let is_file = plans[0].is_file();
         let suffix = if is_file { format!(".{}", first.container.name()) } else { String::new() };
         let mut by_stem = BTreeMap::new();
         for (source, within) in &sources {
@@ -155,7 +146,7 @@ impl Work {
                 Some(path) => path.clone(),
                 None => name,
             };
-            let environment = args.name.clone().unwrap_or_else(|| source.stem());
+            let environment = args.recipe.name.clone().unwrap_or_else(|| source.stem());
             let folder = main.parent().filter(|folder| within && !folder.as_os_str().is_empty());
             let folder = folder.map(Path::to_owned);
             let label = if several { format!("[{number}/{total}] ") } else { String::new() };
@@ -164,8 +155,6 @@ impl Work {
         };
         let jobs: Vec<InputJob> = (1..).zip(sources).map(job).collect();
         let common = Common {
-            sun: bake_plan::sun_files(&args),
-            several_suns: args.input.extract_sun.as_ref().is_some_and(|suns| *suns != Suns::Brightest),
             existing: if args.force { Existing::Replace } else { Existing::Keep },
             json: args.json,
             plans,
@@ -176,10 +165,8 @@ impl Work {
             folder,
             several,
             unread: failures,
-            input: args.input,
-            overflow: args.overflow,
+            input: args.recipe.input,
             engine: args.engine,
-            exposure: args.exposure,
             skip_unchanged: args.skip_unchanged,
             verify: args.verify.map(|limit| Verify::new(limit, args.from)),
             options,
@@ -194,8 +181,7 @@ impl Work {
         let inputs: BTreeSet<PathBuf> = inputs.filter_map(|input| input.canonicalize().ok()).collect();
         let mut all: BTreeSet<PathBuf> = BTreeSet::new();
         for job in &self.jobs {
-            for place in job.outputs.places(&self.common)? {
-                let place = place.path;
+            for place in job.outputs.paths(&self.common)? {
                 // A folder's contents follow it in path order.
                 if let Ok(real) = place.canonicalize()
                     && let Some(input) = inputs.range(real.clone()..).next()
@@ -234,9 +220,8 @@ impl Work {
             }
             let foretold = || -> Outcome<String> {
                 job.outputs.check(&self.common, job.folder.as_deref())?;
-                let opened = job.source.open(&self.input, &Console::new(true))?;
-                self.check_memory(&opened)?;
-                Ok(job.outputs.foretold(&self.common, &job.source, opened.environment.layout())?)
+                let layout = self.opened(job, &Console::new(true))?.0.environment.layout();
+                Ok(job.outputs.foretold(&self.common, &job.source, layout)?)
             };
             match foretold() {
                 Ok(lines) => {
@@ -346,17 +331,17 @@ impl Work {
     ) -> Outcome {
         let start = Instant::now();
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
-        let opened = job.source.open(&self.input, console)?;
+        let (source, plans) = self.opened(job, console)?;
         // The hashes in the report are those of the light.
-        if fingerprint::request(&job.source, &self.options)? != request {
+        if fingerprint::requested(&job.source, &self.options)?.0 != request {
             return Err(Error::input(job.source.path(), CHANGED).into());
         }
-        let plans = self.check_memory(&opened)?;
+        let source = Source { files: input_files, ..source };
         let measured = |plan: &BakePlan| BakeSettings { measure: true, ..plan.settings.clone() };
         let settings: Vec<BakeSettings> = plans.iter().map(measured).collect();
         let engine = self.engine.chosen(engine, console)?;
         if settings[0].filter == Filter::Reference {
-            let seconds = reference_seconds(&opened.environment, &settings[0])?;
+            let seconds = reference_seconds(&source.environment, &settings[0])?;
             console.note(&format!(
                 "{}: the reference filter will take about {}",
                 job.source.path().display(),
@@ -369,70 +354,31 @@ impl Work {
             bar.bake(progress);
             ControlFlow::Continue(())
         };
-        let (bakes, baker) = engine.bake_all(&opened.environment, &settings, &progress)?;
+        let baked = engine.bake_all(&source.environment, &settings, &progress)?;
         drop(bar);
-        if let Some(why) = &baker.fallback {
+        if let Some(why) = &baked.fallback {
             console.note(why);
         }
         let mut warned: Vec<&String> = Vec::new();
-        for warning in bakes.iter().flat_map(|bake| &bake.warnings) {
+        for warning in baked.bakes.iter().flat_map(|bake| &bake.warnings) {
             if !warned.contains(&warning) {
                 console.warn(&format!("{}: {warning}", job.source.path().display()));
                 warned.push(warning);
             }
         }
-        drop(warned);
-        let mut sheets = Vec::new();
-        let (mut all_made, mut reports) = (Vec::new(), Vec::new());
-        let circumstances = Baked { job, input_files, opened: &opened, baker: &baker, start };
-        for (plan, mut bake) in plans.iter().zip(bakes) {
-            let name = self.place_name(job, plan);
-            bake.warnings.dedup();
-            let compressed = self
-                .overflow
-                .apply_all(&mut bake, plan.plan.pixel)
-                .map_err(|error| anyhow::Error::from(error).context(name.clone()))?;
-            if job.outputs.preview.is_some() {
-                let name = job.source.path().file_name().unwrap_or_default().to_string_lossy();
-                let removed: Vec<DVec3> = opened.suns.iter().map(|sun| sun.direction.into()).collect();
-                let origin = preview::Origin {
-                    name: &name,
-                    target: plan.plan.target.name,
-                    source: Some(&opened.environment),
-                    removed: &removed,
-                };
-                sheets.push(preview::contact_sheet(&bake.chain, origin, self.exposure)?);
-            }
-            let made = export::files::files(
-                &plan.plan,
-                &job.outputs.name,
-                &bake,
-                &export::files::metadata(&plan.settings, &opened.turned),
-            )?;
-            let mut stored = Stored::new(&plan.plan, &bake, &made);
-            stored.warnings.iter_mut().for_each(|warning| *warning = console::with_options(warning));
-            for warning in &stored.warnings {
-                console.warn(&format!("{name}: {warning}"));
-            }
-            let report = self.report(&circumstances, plan, &bake, stored);
-            let report = recorded(report, &plan.plan, &job.outputs.name, &made);
-            reports.push(Report { compressed, ..report });
-            all_made.push(made);
+        let main = job.outputs.main.display();
+        let mut products = products(&plans, &source, baked, &job.outputs.name, start)
+            .map_err(|error| anyhow::Error::from(error).context(main.to_string()))?;
+        for product in &mut products.per_plan {
+            let target = product.plan.plan.target.name;
+            let place = if target.is_empty() { String::new() } else { format!(", target {target}") };
+            product.losses.iter().for_each(|loss| console.warn(&format!("{main}{place}: {loss}")));
+            product.report.warnings.iter_mut().for_each(|text| *text = console::with_options(text));
         }
-        let picture = match &sheets[..] {
-            [] => None,
-            sheets => Some(png_bytes(&preview::stacked(sheets))?),
-        };
         if let Some(folder) = &job.folder {
             fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
         }
-        let bytes = job.outputs.write(
-            &self.common,
-            (&all_made, &mut reports),
-            picture.as_deref(),
-            request,
-            &opened,
-        )?;
+        let (reports, bytes) = job.outputs.write(&self.common, &products, request)?;
         let written = Written {
             main: (job.outputs.place != Destination::Stdout).then_some(&job.outputs.main),
             input: job.source.path(),
@@ -462,64 +408,13 @@ impl Work {
         verify.check(&outputs, &job.source, &self.input, &job.label, console)
     }
 
-    /// The plans for the opened source; checks that the bakes fit into memory.
-    fn check_memory(&self, opened: &Opened) -> crate::Result<Vec<BakePlan>> {
-        let layout = opened.environment.layout();
+    /// The source of `job`, and the plans for it; checks that the bakes fit into memory.
+    fn opened(&self, job: &InputJob, console: &Console) -> crate::Result<(Source, Vec<BakePlan>)> {
+        let source = job.source.open(&self.input, console)?;
+        let layout = source.environment.layout();
         let plans: Vec<BakePlan> = self.common.plans.iter().map(|plan| plan.settled(layout)).collect();
-        let settings: Vec<BakeSettings> = plans.iter().map(|plan| plan.settings.clone()).collect();
-        let encoded = plans.iter().map(|plan| texel_bytes(plan.plan.pixel)).max();
-        memory::check_bake(&opened.environment, &settings, encoded.unwrap_or(0))?;
-        Ok(plans)
-    }
-
-    /// Prefix of messages about one plan's files.
-    fn place_name(&self, job: &InputJob, plan: &BakePlan) -> String {
-        let main = job.outputs.main.display();
-        if plan.plan.is_targeted() {
-            format!("{main}, target {}", plan.plan.target.name)
-        } else {
-            main.to_string()
-        }
-    }
-
-    /// The report of one plan's files, without values known only after writing.
-    fn report(
-        &self,
-        baked: &Baked<'_>,
-        BakePlan { plan, settings, warning, .. }: &BakePlan,
-        bake: &Bake,
-        stored: Stored,
-    ) -> Report {
-        let Baked { job, input_files, opened, baker, start } = baked;
-        let circumstances = Circumstances {
-            input: job.source.path().display().to_string(),
-            input_files: input_files.clone(),
-            engine: baker.engine.to_owned(),
-            adapter: baker.adapter.clone(),
-            repaired: opened.repaired.into(),
-            layout: opened.layout.to_owned(),
-            rotate_y: self.input.rotate_y.unwrap_or(0.0),
-            mirror: self.input.mirror,
-            scale: self.input.scale.unwrap_or(1.0),
-            crop: self.input.crop,
-            pad: self.input.pad,
-            sanitize: self.input.sanitize,
-            strict: self.input.strict,
-            extract_sun: self.input.extract_sun.clone(),
-            sunless: self.common.sun.contains(&SunFile::Sunless),
-            overflow: self.overflow,
-            preview: job.outputs.preview.is_some(),
-            suns: opened.suns.clone(),
-            format: plan.format_name().to_owned(),
-            pixel: plan.pixel.name().to_owned(),
-            level_pixels: stored.pixels,
-            clamped: stored.clamped,
-            clamped_energy_share: stored.clamped_share,
-            warnings: [&opened.warnings[..], warning.as_slice(), baker.fallback.as_slice(), &stored.warnings]
-                .concat(),
-            seconds: start.elapsed().as_secs_f64(),
-        };
-        Report::new(settings, bake, circumstances)
+        check_memory(&plans, &source.environment)?;
+        Ok((source, plans))
     }
 }
 
@@ -533,23 +428,6 @@ impl InputJob {
             }
             other => Err(other),
         }
-    }
-}
-
-/// A bake and its inputs.
-struct Baked<'a> {
-    job: &'a InputJob,
-    input_files: Vec<InputFileReport>,
-    opened: &'a Opened,
-    baker: &'a Baker,
-    start: Instant,
-}
-
-/// Estimated bytes per texel of `pixel`; four-byte formats need intermediate copies.
-const fn texel_bytes(pixel: Pixel) -> u64 {
-    match pixel {
-        Pixel::F32 | Pixel::Auto => 16,
-        _ => 8,
     }
 }
 
@@ -569,7 +447,7 @@ fn reference_seconds(environment: &Environment, settings: &BakeSettings) -> crat
         if last < 1.0 {
             let start = Instant::now();
             directions.par_iter().for_each(|direction| {
-                std::hint::black_box(oracle.reflect(settings.lobe, level.roughness, *direction));
+                std::hint::black_box(oracle.reflected(settings.lobe, level.roughness, *direction));
             });
             last = start.elapsed().as_secs_f64();
         }

@@ -5,7 +5,7 @@ use super::outcome::{Outcome, on_threads, print_pretty};
 use super::timing::{TimedLight, Timing, timing};
 use super::values::EngineArg;
 use crate::Environment;
-use crate::analysis::sat_f32::SatF32;
+use crate::analysis::sat_f32::sat_f32;
 use crate::bake::memory;
 use crate::bake::{BakeSettings, bake};
 use crate::cpu::reparameterise::oem_from_environment;
@@ -61,7 +61,7 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
     let sat = by_threads(|| scan(Scan::Blocks))?;
     let sat_serial = on_threads(Some(1), || Ok(scan(Scan::Serial)))?;
     let sat_hensley_radix_4 = on_threads(Some(1), || Ok(scan(Scan::Hensley { radix: 4 })))?;
-    let sat_f32 = on_threads(Some(1), || Ok(time(runs, || SatF32::new(&oem))))?;
+    let sat_f32 = on_threads(Some(1), || Ok(time(runs, || sat_f32(&oem))))?;
     let oem = by_threads(|| time_oem(environment, size, runs))?;
     let bake = on_threads(args.engine.threads, || time_bake(&light, size.min(512), runs))?;
 

@@ -13,8 +13,7 @@ use crate::gpu::device::readback;
 use crate::gpu::device::timer::Timer;
 use crate::gpu::direct::unwrap::{Remedy, Unwrap, UnwrapFrame};
 use crate::gpu::direct::{Direct, DirectFrame, DirectMesh, DirectTarget, Method, Overlap};
-use crate::gpu::reparameterise::Reparameterise;
-use crate::gpu::{Context, OemPlanes, Stage, block_on};
+use crate::gpu::{Context, OemPlanes, Stage, block_on, reparameterise};
 use crate::oem::OemSize;
 use crate::wgpu;
 use serde_json::{Value, json};
@@ -75,7 +74,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let (square, rectangle, cube, ball) = (&square?, &rectangle?, &cube?, &ball?);
     let planes = OemPlanes::new(context, OemSize { inner: QUADRATIC.size(), border: 0 })?;
     let layout = Layout::Cube { size: CUBE.size() };
-    let reparameterise = Reparameterise::new(context).stage(context, layout, cube.colour(), &planes)?;
+    let resample = reparameterise::stage(context, layout, &cube.colour, &planes)?;
 
     let way = |name, target: &DirectTarget, method, then, paper| -> Outcome<Way> {
         let frame = Frame::Direct(direct.frame(method, &mesh, target, NEAREST)?);
@@ -97,7 +96,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         way("edge strip", rectangle, Method::EdgeStrip, None, Some(("Planar RL, edge strip", 3.0)))?,
         way("cube", cube, Method::Cube, None, None)?,
         way("whole cube", cube, Method::WholeCube, None, Some(("Cube Map", PAPER_CUBE)))?,
-        way("cube, reparameterised", cube, Method::Cube, Some(reparameterise), None)?,
+        way("cube, reparameterised", cube, Method::Cube, Some(resample), None)?,
         unwrapped("unwrapped, dropped", Remedy::Drop)?,
         unwrapped("unwrapped, one side", Remedy::OneSide)?,
         unwrapped("unwrapped, alpha", Remedy::Alpha)?,
@@ -126,8 +125,8 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
             TENNIS_BALL => ball,
             _ => return Ok(None),
         };
-        context.submit(|encoder| way.frame.record_timed(encoder, None));
-        Ok(Some(block_on(Some(context), readback::read_texture(context, target.colour()))??))
+        context.submit(|encoder| way.frame.record(encoder, None));
+        Ok(Some(block_on(Some(context), readback::read_texture(context, &target.colour))??))
     };
     // The first method of each layout.
     let mut exact: Option<(DirectMap, Picture)> = None;
@@ -207,10 +206,10 @@ impl Frame {
         }
     }
 
-    fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
+    fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
         match self {
-            Self::Direct(frame) => frame.record_timed(encoder, timer),
-            Self::Unwrap(frame) => frame.record_timed(encoder, timer),
+            Self::Direct(frame) => frame.record(encoder, timer),
+            Self::Unwrap(frame) => frame.record(encoder, timer),
         }
     }
 
@@ -235,7 +234,7 @@ impl Clock {
         let start = Instant::now();
         let passes = way.frame.passes();
         context.submit(|encoder| {
-            way.frame.record_timed(encoder, timer);
+            way.frame.record(encoder, timer);
             if let Some(stage) = &way.then {
                 stage.record_timed(encoder, timer.map(|timer| timer.compute_writes(passes)));
             }

@@ -9,18 +9,14 @@ use crate::bake::BakeSettings;
 use crate::bake::memory;
 use crate::filter::Filter;
 use crate::geometry::tent::Reconstruction;
-use crate::gpu::cells::BuildCells;
-use crate::gpu::copy::Copy;
 use crate::gpu::device::timer::Timer;
 use crate::gpu::fitted::FittedTables;
-use crate::gpu::fixed_point::FixedPoint;
-use crate::gpu::reparameterise::{Reparameterise, upload};
-use crate::gpu::sat_f32::SatF32;
-use crate::gpu::sat_hensley::SatHensley;
-use crate::gpu::sat_scan::SatScan;
-use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on, box_filter};
+use crate::gpu::reparameterise::{self, upload};
+use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on};
+use crate::gpu::{box_filter, build_fitted, cells, copy, fixed_point, sat_f32, sat_hensley, sat_scan};
 use crate::ladder::Ladder;
 use crate::oem::OemSize;
+use crate::sat::Scan;
 use crate::sphere::equirect::direction_from_equirect;
 use crate::{Environment, Layout};
 use glam::DVec3;
@@ -70,37 +66,37 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let light = TimedLight::new(args)?;
     let source = cube(&light, size / 2)?;
     let texture = upload(context, &source)?;
-    let pass = Reparameterise::new(context);
-    let fixed_point = FixedPoint::new(context).stage(context, &planes, &sat);
-    let scan = SatScan::new(context);
-    let mut stages = vec![pass.stage(context, source.layout(), &texture, &planes)?, fixed_point];
-    stages.push(scan.stage(context, &planes, &sat));
+    let mut stages = vec![
+        reparameterise::stage(context, source.layout(), &texture, &planes)?,
+        fixed_point::stage(context, &planes, &sat),
+        sat_scan::stage(context, &planes, &sat),
+    ];
     let mut names = vec!["reparameterise".to_owned(), "fixed_point".to_owned(), "sat_scan".to_owned()];
     for radix in [2, 4, 8, 16] {
-        stages.push(SatHensley::new(context, radix).stage(context, &planes, &sat));
+        stages.push(sat_hensley::stage(context, radix, &planes, &sat));
         names.push(format!("sat_hensley_radix_{radix}"));
     }
     // Skip passes that exceed the adapter's limits.
-    if let Ok((stage, _)) = SatF32::new(context).stage(context, &planes) {
+    if let Ok((stage, ..)) = sat_f32::stage(context, &planes) {
         stages.push(stage);
         names.push("sat_f32".to_owned());
     }
     if let Ok(textures) = box_filter::SatTextures::new(context, &sat) {
-        stages.push(box_filter::BoxFilter::new(context).pack(context, &sat, &textures));
+        stages.push(box_filter::pack(context, &sat, &textures));
         names.push("pack".to_owned());
     }
-    if let Ok((stage, _)) = BuildCells::new(context).stage(context, &planes, 2, Reconstruction::Constant) {
+    if let Ok((stage, _)) = cells::stage(context, &planes, 2, Reconstruction::Constant) {
         stages.push(stage);
         names.push("cells_block_2".to_owned());
     }
     if let Ok(tables) = FittedTables::new(context, size, 4) {
-        let rebuild = engine.build_fitted.stages(context, &planes, &tables)?;
+        let rebuild = build_fitted::stages(context, Scan::Blocks, &planes, &tables)?;
         names.extend(rebuild.iter().map(|stage| stage.label().replace(' ', "_")));
         stages.extend(rebuild);
         stages.push(engine.fitted.stage(context, &tables, &frame()).0);
         names.push("fitted_4_1920x1080".to_owned());
     }
-    stages.push(Copy::new(context).stage(context, &sat));
+    stages.push(copy::stage(context, &sat));
     let (mut each, _) = clock.time(&stages.iter().collect::<Vec<_>>())?;
     let copy = each.pop().expect("the copy is the last");
     let stages: BTreeMap<String, Timing> = names.into_iter().zip(each).collect();
@@ -110,9 +106,9 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let planes = OemPlanes::new(context, OemSize { inner: 1024, border: 0 })?;
     let sat = SatPlanes::new(context, planes.size())?;
     let pipeline = [
-        pass.stage(context, source.layout(), &texture, &planes)?,
-        FixedPoint::new(context).stage(context, &planes, &sat),
-        scan.stage(context, &planes, &sat),
+        reparameterise::stage(context, source.layout(), &texture, &planes)?,
+        fixed_point::stage(context, &planes, &sat),
+        sat_scan::stage(context, &planes, &sat),
     ];
     let (_, cube_to_sat) = clock.time(&pipeline.iter().collect::<Vec<_>>())?;
 

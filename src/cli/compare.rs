@@ -4,7 +4,7 @@ use super::args::CompareArgs;
 use super::compare_sources::Sources;
 use super::comparison::{against_bake, against_source, bake_in};
 use super::console::Console;
-use super::input::{self, read_bake};
+use super::input::{self, file_name, read_bake};
 use super::look_ups;
 use super::measures::Measures;
 use super::outcome::{Outcome, check_not_input, on_threads, print, print_json, usage};
@@ -17,7 +17,6 @@ use crate::image::error_sheet;
 use crate::io::InputLayout;
 use crate::io::ldr::write::write_png;
 use crate::io::output::{self, Existing};
-use std::path::Path;
 
 pub(super) fn run(args: CompareArgs) -> Outcome {
     let console = Console::new(args.quiet);
@@ -109,6 +108,9 @@ fn picture(args: &CompareArgs, bake: &Chain, levels: &[LevelErrors]) -> crate::R
             reference,
         })
         .collect();
-    let name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    error_sheet::error_sheet(&format!("Errors of {}", name(&args.bake)), &name(&args.against[0]), &shown)
+    error_sheet::error_sheet(
+        &format!("Errors of {}", file_name(&args.bake)),
+        &file_name(&args.against[0]),
+        &shown,
+    )
 }

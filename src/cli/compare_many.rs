@@ -225,17 +225,8 @@ fn bakes_of(folder: &Path, Pair { source, name }: &Pair, one: bool) -> Outcome<V
 
 /// The folders of targets in `folder`, sorted.
 fn targets_in(folder: &Path) -> crate::Result<Vec<PathBuf>> {
-    let fail = |error| crate::Error::io(folder, error);
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(fail)? {
-        let path = entry.map_err(fail)?.path();
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if Target::named(&name).is_some() && path.is_dir() {
-            found.push(path);
-        }
-    }
-    found.sort();
-    Ok(found)
+    let names = io::names_in(folder)?.into_iter().filter(|name| Target::named(name).is_some());
+    Ok(names.map(|name| folder.join(name)).filter(|path| path.is_dir()).collect())
 }
 
 fn is_same(a: &Path, b: &Path) -> bool {

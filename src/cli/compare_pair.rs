@@ -4,11 +4,10 @@ use super::args::CompareArgs;
 use super::compare_sources::{PreparedSource, Sources};
 use super::comparison::bake_in;
 use super::console::Console;
-use super::input::single_source;
+use super::input::{file_name, single_source};
 use super::look_ups::{self, Delivered, Overlay};
 use super::measures::Measures;
 use super::outcome::{Outcome, print, print_json, usage};
-use super::shared_args::InputArgs;
 use crate::chain::Chain;
 use crate::chain_lookup::ChainLookup;
 use crate::image::side_by_side::{Column, directions, side_by_side};
@@ -16,6 +15,7 @@ use crate::io::LoadedChain;
 use crate::io::ldr::write::write_png;
 use crate::io::output::Existing;
 use crate::ladder::Ladder;
+use crate::recipe::InputOptions;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::json;
@@ -71,7 +71,7 @@ pub(super) fn run(args: &CompareArgs, existing: Existing, console: &Console) -> 
         Ok(Side { name: path.display().to_string(), chain, ladder, source, delivered })
     };
     let sides = [side(&args.bake, a)?, side(other, b)?];
-    let unturned = |side: &Side| InputArgs { rotate_y: None, mirror: false, ..side.source.input.clone() };
+    let unturned = |side: &Side| InputOptions { rotate_y: None, mirror: false, ..side.source.input.clone() };
     if unturned(&sides[0]) != unturned(&sides[1]) {
         return usage(format!(
             "{} and {} are bakes of different light (scale, crop, padding or a removed sun); bake both alike",
@@ -80,7 +80,7 @@ pub(super) fn run(args: &CompareArgs, existing: Existing, console: &Console) -> 
     }
     if let Some(path) = &args.picture {
         let names = [&sides[0].name[..], &sides[1].name];
-        let against = source.file_name().unwrap_or(source.as_os_str()).to_string_lossy();
+        let against = file_name(source);
         let drawn = drawn(&sides, &columns)?;
         write_png(path, existing, &side_by_side(names, &against, &drawn).picture())?;
     }

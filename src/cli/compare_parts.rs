@@ -2,6 +2,7 @@
 //! irradiance, the skybox, sheen and spherical harmonics.
 
 use super::console::Console;
+use super::input::file_name;
 use super::look_ups::channel;
 use super::outcome::Outcome;
 use crate::analysis::channels::{Relative, relative_to};
@@ -45,7 +46,7 @@ pub(super) enum PartErrors {
 }
 
 impl PartErrors {
-    fn of(errors: LevelErrors) -> Self {
+    fn of_texels(errors: LevelErrors) -> Self {
         Self::Texels(Box::new(errors))
     }
 }
@@ -58,7 +59,7 @@ pub(super) struct HarmonicsErrors {
     /// Root mean square error of luminance over the mean.
     #[serde(serialize_with = "finite")]
     rel_rmse: f64,
-    /// The same of red, green and blue.
+    /// That of red, green and blue.
     #[serde(serialize_with = "finite")]
     channel_rel_rmse: [f64; 3],
 }
@@ -128,7 +129,7 @@ pub(super) struct Parts {
 
 impl Parts {
     /// The parts of the bake in `path`, a file or a folder, with its chain.
-    pub(super) fn of(path: &Path, bake: &LoadedChain) -> Outcome<Self> {
+    pub(super) fn read(path: &Path, bake: &LoadedChain) -> Outcome<Self> {
         let mut parts = Self::default();
         if !path.is_dir() {
             parts.beside_file(path)?;
@@ -241,8 +242,8 @@ impl Parts {
         }
         if let Some(of) = of {
             let bytes = read_regular(of, DEFAULT_MEMORY_LIMIT)?;
-            if io::reported_pairs(of, blake3::hash(&bytes)).is_empty() {
-                self.unjudged.push(format!("{} (it describes another file)", name_of(path)));
+            if io::reported(of, blake3::hash(&bytes)).is_none() {
+                self.unjudged.push(format!("{} (it describes another file)", file_name(path)));
                 return Ok(());
             }
         }
@@ -250,7 +251,7 @@ impl Parts {
         match serde_json::from_slice::<ReportText>(&bytes) {
             Ok(report) => self.add_harmonics(path.to_owned(), report.sh),
             Err(error) => {
-                self.unjudged.push(format!("{} ({error})", name_of(path)));
+                self.unjudged.push(format!("{} ({error})", file_name(path)));
                 Ok(())
             }
         }
@@ -258,7 +259,7 @@ impl Parts {
 
     fn lamp(&mut self, path: &Path) {
         if path.is_file() {
-            self.unjudged.push(format!("{} (a lamp)", name_of(path)));
+            self.unjudged.push(format!("{} (a lamp)", file_name(path)));
         }
     }
 
@@ -314,19 +315,19 @@ impl Parts {
         for Found { part, path, content } in &self.found {
             let texels = |levels: &[Level], lobe| -> Vec<PartErrors> {
                 let errors = errors_against_source(levels, source, lobe, sampling, &progress);
-                errors.into_iter().map(PartErrors::of).collect()
+                errors.into_iter().map(PartErrors::of_texels).collect()
             };
             let errors = match content {
                 FoundContent::Map(level) if *part == "irradiance" => {
                     texels(std::slice::from_ref(level), Lobe::Cosine)
                 }
                 FoundContent::Map(level) => {
-                    vec![PartErrors::of(errors_against_footprints(0, level, source)?)]
+                    vec![PartErrors::of_texels(errors_against_footprints(0, level, source)?)]
                 }
                 FoundContent::Sheen(levels) => texels(levels, Lobe::Charlie),
-                FoundContent::Harmonics(harmonics) => vec![harmonics.errors_against(source)],
+                FoundContent::Harmonics(harmonics) => vec![harmonics.errors_against(source)?],
             };
-            let file = Some(name_of(path));
+            let file = Some(file_name(path));
             parts.extend(errors.into_iter().map(|errors| Part { part, file: file.clone(), errors }));
         }
         Ok(parts)
@@ -351,9 +352,9 @@ impl Parts {
                 };
                 let is_like = pairs.iter().all(|(a, b)| a.layout == b.layout);
                 let errors = pairs.iter().enumerate().map(|(k, (a, b))| errors_against_texels(k, a, b));
-                is_like.then(|| errors.map(PartErrors::of).collect())
+                is_like.then(|| errors.map(PartErrors::of_texels).collect())
             });
-            let file = name_of(path);
+            let file = file_name(path);
             match errors {
                 Some(errors) => parts.extend(errors.into_iter().map(|errors| Part {
                     part,
@@ -369,16 +370,16 @@ impl Parts {
 
 /// The mirror level of a chain, the first one, against the mean of `source` over each texel.
 pub(super) fn mirror(level: &Level, source: &Environment) -> crate::Result<Part> {
-    let errors = PartErrors::of(errors_against_footprints(0, level, source)?);
+    let errors = PartErrors::of_texels(errors_against_footprints(0, level, source)?);
     Ok(Part { part: "mirror", file: None, errors })
 }
 
 impl Harmonics {
-    fn errors_against(&self, source: &Environment) -> PartErrors {
+    fn errors_against(&self, source: &Environment) -> crate::Result<PartErrors> {
         let order = self.coefficients.len().isqrt() as u32 - 1;
-        let exact = spherical_harmonics(source, order);
-        let exact = self.window.settled(&exact).apply(&exact);
-        harmonics_errors(self, &scaled(&exact, self.scale))
+        let exact = spherical_harmonics(source, order)?;
+        let exact = self.window.apply(&exact)?;
+        Ok(harmonics_errors(self, &scaled(&exact, self.scale)))
     }
 }
 
@@ -411,30 +412,16 @@ fn harmonics_errors(got: &Harmonics, expected: &[[f64; 3]]) -> PartErrors {
 
 /// Files in `folder` and the folders in it, by relative path, sorted.
 fn files_in(folder: &Path) -> crate::Result<Vec<String>> {
-    let names = |folder: &Path| -> crate::Result<Vec<String>> {
-        let fail = |error| Error::io(folder, error);
-        let entries = std::fs::read_dir(folder).map_err(fail)?;
-        let name = |entry: std::io::Result<std::fs::DirEntry>| {
-            Ok(entry.map_err(fail)?.file_name().to_string_lossy().into_owned())
-        };
-        let mut names = entries.map(name).collect::<crate::Result<Vec<_>>>()?;
-        names.sort();
-        Ok(names)
-    };
     let mut all = Vec::new();
-    for name in names(folder)? {
+    for name in io::names_in(folder)? {
         let path = folder.join(&name);
         if path.is_dir() {
-            all.extend(names(&path)?.into_iter().map(|inner| format!("{name}/{inner}")));
+            all.extend(io::names_in(&path)?.into_iter().map(|inner| format!("{name}/{inner}")));
         } else {
             all.push(name);
         }
     }
     Ok(all)
-}
-
-fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// The figures of `parts` as lines of text.

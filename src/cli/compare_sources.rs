@@ -4,13 +4,13 @@
 use super::console::Console;
 use super::input::InputFiles;
 use super::outcome::Outcome;
-use super::shared_args::InputArgs;
 use crate::analysis::extraction::Suns;
 use crate::analysis::sun::Sun;
 use crate::environment::Rgb;
 use crate::filter::Filter;
 use crate::io::provenance::{Provenance, TakenSun};
 use crate::lobe::Lobe;
+use crate::recipe::InputOptions;
 use crate::reflector::{Reflector, ReflectorSettings};
 use crate::{Environment, Result};
 use glam::DVec3;
@@ -18,6 +18,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// Tolerance of the reference lobes.
 const TOLERANCE: f64 = 0.002;
@@ -25,7 +26,7 @@ const TOLERANCE: f64 = 0.002;
 /// The source of a comparison, as the compared bakes need it: they can differ in rotation, scale or sun.
 pub(super) struct Sources<'a> {
     files: InputFiles,
-    input: &'a InputArgs,
+    input: &'a InputOptions,
     /// The lobe of all bakes, whatever they record.
     lobe: Option<Lobe>,
     console: &'a Console,
@@ -36,8 +37,8 @@ pub(super) struct Sources<'a> {
 pub(super) struct PreparedSource {
     /// Its file, the first of six faces.
     pub(super) path: PathBuf,
-    pub(super) input: InputArgs,
-    pub(super) environment: Environment,
+    pub(super) input: InputOptions,
+    pub(super) environment: Arc<Environment>,
     /// Direction of its brightest region.
     pub(super) sun: Option<DVec3>,
     /// Lobes by the bits of the sharpest roughness of their reflector and of their own, and their number.
@@ -48,7 +49,7 @@ impl<'a> Sources<'a> {
     /// The environment in `files`, read by the options `input`.
     pub(super) fn new(
         files: InputFiles,
-        input: &'a InputArgs,
+        input: &'a InputOptions,
         lobe: Option<Lobe>,
         console: &'a Console,
     ) -> Self {
@@ -82,7 +83,7 @@ impl<'a> Sources<'a> {
                 path.display()
             ));
         }
-        let input = InputArgs {
+        let input = InputOptions {
             rotate_y: given.rotate_y.or(provenance.rotate_y),
             mirror: given.mirror || provenance.mirror.unwrap_or(false),
             extract_sun: given.extract_sun.clone().or_else(|| taken(provenance)),
@@ -95,7 +96,7 @@ impl<'a> Sources<'a> {
     }
 
     /// The source prepared by `input`.
-    fn prepared(&self, input: InputArgs) -> Outcome<Rc<PreparedSource>> {
+    fn prepared(&self, input: InputOptions) -> Outcome<Rc<PreparedSource>> {
         if let Some(known) = self.prepared.borrow().iter().find(|known| known.input == input) {
             return Ok(Rc::clone(known));
         }

@@ -5,7 +5,7 @@ use super::compare_parts::{self, Part, Parts};
 use super::compare_sources::Sources;
 use super::console::Console;
 use super::gate::{Verdict, levels};
-use super::input::{is_chain_file, read_bake};
+use super::input::read_bake;
 use super::look_ups::{self, Delivered, Overlay, channel};
 use super::measures::{Measures, is_from};
 use super::outcome::{Outcome, usage};
@@ -111,7 +111,7 @@ pub(super) fn bake_in(path: &Path, console: &Console) -> Outcome<LoadedChain> {
         return Ok(panorama);
     }
     // Report why a candidate file or folder is not a valid bake.
-    if path.is_dir() || is_chain_file(path) {
+    if path.is_dir() || io::may_hold_chain(path) {
         io::read_chain(path)?;
     }
     open_regular(path)?;
@@ -131,8 +131,8 @@ pub(super) fn against_bake(
     if args.delivered.is_some() {
         return usage("--delivered needs a source environment, but both inputs are bakes");
     }
-    let mut parts = Parts::of(&args.bake, bake)?;
-    let errors = parts.errors_against(&Parts::of(&args.against[0], reference)?);
+    let mut parts = Parts::read(&args.bake, bake)?;
+    let errors = parts.errors_against(&Parts::read(&args.against[0], reference)?);
     let mut comparison = Comparison {
         bake: args.bake.display().to_string(),
         against: args.against[0].display().to_string(),
@@ -197,7 +197,7 @@ pub(super) fn against_source(
     if is_mirror {
         parts.push(compare_parts::mirror(&chain.levels[0], &source.environment)?);
     }
-    let found = Parts::of(path, bake)?;
+    let found = Parts::read(path, bake)?;
     parts.extend(found.errors(&source.environment, measures.sampling(lobe), console)?);
     let narrow: Vec<usize> = (usize::from(is_mirror)..solved)
         .filter(|level| !is_measurable(&sampled[*level], lobe, source.environment.layout()))

@@ -1,6 +1,7 @@
 //! Messages and progress on standard error.
 
 use crate::bake::Progress;
+use crate::error::with_settings;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::collections::BTreeSet;
 use std::io::{IsTerminal as _, Write as _};
@@ -177,53 +178,20 @@ fn estimate(elapsed: Duration, done: u64, total: u64) -> Option<String> {
 pub(super) fn error(text: &str) {
     line("error: ", text);
 }
-
-/// Maps settings and remedies in the library's errors to this program's options.
-const OPTIONS: [(&str, &str); 35] = [
+/// Remedies in the library's errors, and those of this program.
+const REMEDIES: [(&str, &str); 3] = [
     (
         "is one of the program's own streams, not a file; name a file",
         "is one of the program's own streams, not a file; -o - writes to standard output",
     ),
     ("is not a regular file; name one", "is not a regular file; name one, or -o - for standard output"),
     ("convert it to equirect first", "run octagloss convert INPUT -o OUT --layout equirect"),
-    ("`border`", "--border"),
-    ("`bounds`", "--bounds"),
-    ("`chain`", "--chain"),
-    ("`container`", "--format"),
-    ("`crop`", "--crop"),
-    ("`diffuse`", "--diffuse"),
-    ("`filter`", "--filter"),
-    ("`flip`", "--flip"),
-    ("`from`", "--from"),
-    ("`irradiance`", "--irradiance"),
-    ("`ladder`", "--ladder"),
-    ("`layout`", "--layout"),
-    ("`levels`", "--levels"),
-    ("`lobe`", "--lobe"),
-    ("`mesh_root`", "--mesh-root"),
-    ("`oem_size`", "--oem-size"),
-    ("`out_layout`", "--out-layout"),
-    ("`overflow`", "--overflow"),
-    ("`pad`", "--pad"),
-    ("`pixel`", "--pixel"),
-    ("`sanitize`", "--sanitize"),
-    ("`scale`", "--scale"),
-    ("`scan`", "--scan"),
-    ("`screenshot`", "--screenshot"),
-    ("`sh_order`", "--sh-order"),
-    ("`size`", "--size"),
-    ("`skybox`", "--skybox"),
-    ("`strict`", "--strict"),
-    ("`target`", "--target"),
-    ("`Existing::Replace`", "--force"),
-    ("`gpu::adapters`", "octagloss info --adapters"),
-    ("the CPU engine", "--engine cpu"),
 ];
 
-/// Replaces the library's settings in `text` by this program's options.
+/// Writes the library's settings in `text` as this program's options.
 pub(super) fn with_options(text: &str) -> String {
-    let replace = |text: String, (setting, option): &(&str, &str)| text.replace(setting, option);
-    OPTIONS.iter().fold(text.to_owned(), replace)
+    let text = with_settings(text, &|setting| format!("--{}", setting.replace('_', "-")));
+    REMEDIES.iter().fold(text, |text, (remedy, own)| text.replace(remedy, own))
 }
 
 /// Prints a line that `--quiet` does not silence.

@@ -160,7 +160,7 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
 /// `light`, turned by `degrees` about +Y.
 fn turned(light: MapLight, degrees: f64) -> crate::Result<Source> {
     match light {
-        MapLight::Environment(environment) => Source::from_environment(environment.rotated_y(degrees)),
+        MapLight::Environment(environment) => Source::from_environment(environment.rotated_y(degrees)?),
         MapLight::Components(grid, texels) => Ok(Source::from_texels(grid, texels, rotation_y(degrees))),
     }
 }

@@ -1,10 +1,10 @@
 //! Reads directions, with or without a roughness each, from a file or standard input, within limits: as CSV
 //! with the header `x,y,z` or `x,y,z,roughness`, or as a NumPy array (.npy) of three or four columns.
 
+use crate::direction::unit;
 use crate::error::quoted;
 use crate::io::npy::{self, Precision};
 use crate::io::regular::open_regular;
-use crate::reflector::unit;
 use anyhow::{Context as _, anyhow, bail};
 use glam::DVec3;
 use std::io::{Cursor, Read};

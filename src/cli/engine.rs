@@ -11,7 +11,8 @@ use crate::Environment;
 use crate::Error;
 use crate::bake::memory;
 use crate::bake::query::Query;
-use crate::bake::{Bake, BakeSettings, OnProgress, bake_all};
+use crate::bake::{BakeSettings, OnProgress, bake_all};
+use crate::export::produce::Baked;
 use crate::filter::Answer;
 use crate::reflector::{Reflector, ReflectorSettings};
 #[cfg(feature = "gpu")]
@@ -27,20 +28,6 @@ pub(super) enum Engine {
         /// Whether to fall back to the CPU.
         may_fall_back: bool,
     },
-}
-
-/// The engine that baked, as in the report.
-pub(super) struct Baker {
-    pub(super) engine: &'static str,
-    pub(super) adapter: Option<String>,
-    /// Why the CPU baked instead of the chosen GPU.
-    pub(super) fallback: Option<String>,
-}
-
-impl Baker {
-    const fn cpu(fallback: Option<String>) -> Self {
-        Self { engine: "cpu", adapter: None, fallback }
-    }
 }
 
 /// The reason to fall back to the CPU after `error`: a feature or memory that the GPU lacks. `None` if not
@@ -162,8 +149,9 @@ impl Engine {
         environment: &Environment,
         settings: &[BakeSettings],
         progress: OnProgress<'_>,
-    ) -> crate::Result<(Vec<Bake>, Baker)> {
-        let on_cpu = |why| Ok((bake_all(environment, settings, progress)?, Baker::cpu(why)));
+    ) -> crate::Result<Baked> {
+        let on_cpu =
+            |fallback| Ok(Baked { fallback, ..Baked::on_cpu(bake_all(environment, settings, progress)?) });
         match self {
             Self::Cpu => on_cpu(None),
             #[cfg(feature = "gpu")]
@@ -173,7 +161,7 @@ impl Engine {
                 match crate::gpu::block_on(Some(context), baked)? {
                     Ok(bakes) => {
                         let adapter = Some(context.describe());
-                        Ok((bakes, Baker { engine: "gpu", adapter, fallback: None }))
+                        Ok(Baked { bakes, engine: "gpu", adapter, fallback: None })
                     }
                     Err(error) => match fallback(&error, *may_fall_back) {
                         Some(why) => on_cpu(Some(why)),

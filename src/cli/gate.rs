@@ -17,7 +17,7 @@ pub(super) struct Verdict {
     /// Roughness from which it judges.
     pub(super) from: f64,
     pub(super) judged: Vec<Judged>,
-    /// What was not judged, and why.
+    /// Parts without a verdict, and why.
     pub(super) not_judged: Vec<String>,
 }
 

@@ -4,41 +4,22 @@ use super::args::InfoArgs;
 use super::console::{self, Console};
 use super::engine::list_adapters;
 use super::info_other;
-use super::input::{self, InputFiles, Opened, layout_name, read_bake};
+use super::input::{self, InputFiles, layout_name, read_bake};
 use super::outcome::{Failure, Outcome, print};
-use super::shared_args::InputArgs;
 use crate::analysis::statistics::Statistics;
 use crate::analysis::sun::Brightest;
-use crate::bake::report::SunReport;
 use crate::chain::{Chain, Level};
 use crate::environment::exact_luminance;
-use crate::io::provenance::{Provenance, TakenSun};
-use crate::io::{InputLayout, Pad, Repairs};
-use crate::lobe::Lobe;
+use crate::io::provenance::Provenance;
+use crate::io::{InputLayout, Repairs};
 use crate::percent::percent;
-use serde::Serialize;
+use crate::recipe::InputOptions;
+use crate::recipe::source::{Source, SunReport};
+use serde::{Serialize, Serializer};
+use serde_json::json;
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-
-/// Origin recorded in a bake's file. Texel statistics are in the file's world, with flips undone.
-#[derive(Serialize)]
-struct Origin {
-    target: Option<String>,
-    content: Option<String>,
-    flip: &'static str,
-    quarter_turns: u32,
-    rotate_y: Option<f64>,
-    mirror: Option<bool>,
-    sun: Option<TakenSun>,
-    suns: Vec<TakenSun>,
-    scale: f64,
-    crop: bool,
-    pad: Option<&'static str>,
-    lobe: Option<&'static str>,
-    filter: Option<String>,
-    scan: Option<String>,
-    ladder: Option<String>,
-}
 
 /// `--json` output for an environment.
 #[derive(Serialize)]
@@ -49,7 +30,8 @@ struct EnvironmentInfo {
     /// Size of the file, or of all files in the folder.
     bytes: u64,
     /// Present if the file belongs to a bake.
-    origin: Option<Origin>,
+    #[serde(serialize_with = "origin")]
+    origin: Option<Provenance>,
     layout: &'static str,
     covers: &'static str,
     width: u32,
@@ -81,8 +63,8 @@ struct BakeInfo {
     format: String,
     /// Size of the file, or of all files in the folder.
     bytes: u64,
-    #[serde(flatten)]
-    origin: Origin,
+    #[serde(flatten, serialize_with = "origin")]
+    origin: Option<Provenance>,
     levels: Vec<LevelInfo>,
 }
 
@@ -123,7 +105,12 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
     if failed { Err(Failure::Reported) } else { Ok(()) }
 }
 
-fn describe(source: &InputFiles, args: &InputArgs, json: bool, console: &Console) -> crate::Result<String> {
+fn describe(
+    source: &InputFiles,
+    args: &InputOptions,
+    json: bool,
+    console: &Console,
+) -> crate::Result<String> {
     let input = source.path().display().to_string();
     let bytes = source.files().iter().map(|file| bytes_in(file)).sum();
     if let Some(bake) = read_bake(source.path())? {
@@ -138,7 +125,7 @@ fn describe(source: &InputFiles, args: &InputArgs, json: bool, console: &Console
             levels: levels_info(&bake.chain),
             format: bake.format,
             bytes,
-            origin: Origin::of(bake.provenance),
+            origin: Some(bake.provenance),
         };
         return Ok(if json { json_line(&info) } else { info.text() });
     }
@@ -200,7 +187,7 @@ fn levels_info(chain: &Chain) -> Vec<LevelInfo> {
     chain.levels.iter().enumerate().map(level).collect()
 }
 
-fn environment_info(input: String, bytes: u64, opened: Opened) -> EnvironmentInfo {
+fn environment_info(input: String, bytes: u64, opened: Source) -> EnvironmentInfo {
     let statistics = Statistics::new(&opened.environment);
     let energy_share = statistics.sun_share();
     let brightest = |kind: Brightest| {
@@ -212,7 +199,7 @@ fn environment_info(input: String, bytes: u64, opened: Opened) -> EnvironmentInf
         input,
         format: opened.format,
         bytes,
-        origin: (!opened.provenance.is_empty()).then(|| Origin::of(opened.provenance)),
+        origin: Some(opened.origin).filter(|origin| !origin.is_empty()),
         layout: opened.layout,
         covers: layout_name(opened.environment.layout()),
         width: opened.width,
@@ -231,72 +218,70 @@ fn environment_info(input: String, bytes: u64, opened: Opened) -> EnvironmentInf
     }
 }
 
-impl Origin {
-    fn of(provenance: Provenance) -> Self {
-        Self {
-            target: provenance.target,
-            content: provenance.content,
-            flip: provenance.flip.unwrap_or_default().name(),
-            quarter_turns: provenance.quarter_turns.unwrap_or(0),
-            rotate_y: provenance.rotate_y,
-            mirror: provenance.mirror,
-            sun: provenance.suns.first().copied(),
-            suns: provenance.suns,
-            scale: provenance.scale.unwrap_or(1.0),
-            crop: provenance.crop.unwrap_or(false),
-            pad: provenance.pad.map(Pad::name),
-            lobe: provenance.lobe.map(Lobe::name),
-            filter: provenance.filter,
-            scan: provenance.scan,
-            ladder: provenance.ladder,
-        }
-    }
+/// Writes what a bake's file records, with defaults. Texel statistics are in the file's world, with flips undone.
+fn origin<S: Serializer>(origin: &Option<Provenance>, serializer: S) -> Result<S::Ok, S::Error> {
+    let Some(origin) = origin else { return serializer.serialize_none() };
+    let Provenance { target, content, flip, quarter_turns, rotate_y, mirror, suns, .. } = origin;
+    let Provenance { scale, crop, pad, lobe, filter, scan, ladder, .. } = origin;
+    let json = json!({
+        "target": target,
+        "content": content,
+        "flip": flip.unwrap_or_default(),
+        "quarter_turns": quarter_turns.unwrap_or(0),
+        "rotate_y": rotate_y,
+        "mirror": mirror,
+        "sun": suns.first(),
+        "suns": suns,
+        "scale": scale.unwrap_or(1.0),
+        "crop": crop.unwrap_or(false),
+        "pad": pad,
+        "lobe": lobe,
+        "filter": filter,
+        "scan": scan,
+        "ladder": ladder,
+    });
+    json.serialize(serializer)
+}
 
-    /// Names and values as text.
-    fn rows(&self) -> Vec<(&'static str, String)> {
-        let unknown = || "not recorded".to_owned();
-        let mut rows = Vec::new();
-        rows.push(("target", self.target.clone().unwrap_or_else(|| "none".to_owned())));
-        rows.extend(self.content.clone().map(|content| ("content", content)));
-        rows.push(("flip", self.flip.to_owned()));
-        if self.quarter_turns > 0 {
-            rows.push(("columns", format!("moved by {} quarters of the width", self.quarter_turns)));
-        }
-        rows.push((
-            "rotation",
-            self.rotate_y.map_or_else(unknown, |degrees| format!("{degrees} degrees about +Y")),
-        ));
-        rows.push((
-            "mirrored",
-            self.mirror.map_or_else(unknown, |m| if m { "yes" } else { "no" }.to_owned()),
-        ));
-        rows.extend(self.suns.iter().map(|sun| {
-            let [x, y, z] = sun.direction;
-            ("sun", format!("removed, direction {x:.4} {y:.4} {z:.4}, irradiance {}", triple(sun.irradiance)))
-        }));
-        if self.scale != 1.0 {
-            rows.push(("scale", format!("radiance times {}", self.scale)));
-        }
-        rows.extend(self.crop.then(|| ("cropped", "black bars".to_owned())));
-        rows.extend(self.pad.map(|pad| ("padded", pad.to_owned())));
-        rows.push(("lobe", self.lobe.map_or_else(unknown, str::to_owned)));
-        rows.push(("filter", self.filter.clone().unwrap_or_else(unknown)));
-        rows.extend(self.scan.clone().map(|scan| ("scan", scan)));
-        rows.extend(self.ladder.clone().map(|ladder| ("ladder", ladder)));
-        rows
-    }
+/// Names and values of `origin` as text.
+fn rows(origin: &Provenance) -> Vec<(&'static str, String)> {
+    let unknown = || "not recorded".to_owned();
+    let mut rows = Vec::new();
+    rows.push(("target", origin.target.clone().unwrap_or_else(|| "none".to_owned())));
+    rows.extend(origin.content.clone().map(|content| ("content", content)));
+    rows.push(("flip", origin.flip.unwrap_or_default().name().to_owned()));
+    let moved = origin.quarter_turns.filter(|turns| *turns > 0);
+    rows.extend(moved.map(|turns| ("columns", format!("moved by {turns} quarters of the width"))));
+    rows.push((
+        "rotation",
+        origin.rotate_y.map_or_else(unknown, |degrees| format!("{degrees} degrees about +Y")),
+    ));
+    rows.push(("mirrored", origin.mirror.map_or_else(unknown, |m| if m { "yes" } else { "no" }.to_owned())));
+    rows.extend(origin.suns.iter().map(|sun| {
+        let [x, y, z] = sun.direction;
+        ("sun", format!("removed, direction {x:.4} {y:.4} {z:.4}, irradiance {}", triple(sun.irradiance)))
+    }));
+    let scale = origin.scale.filter(|scale| *scale != 1.0);
+    rows.extend(scale.map(|scale| ("scale", format!("radiance times {scale}"))));
+    rows.extend((origin.crop == Some(true)).then(|| ("cropped", "black bars".to_owned())));
+    rows.extend(origin.pad.map(|pad| ("padded", pad.name().to_owned())));
+    rows.push(("lobe", origin.lobe.map_or_else(unknown, |lobe| lobe.name().to_owned())));
+    rows.push(("filter", origin.filter.clone().unwrap_or_else(unknown)));
+    rows.extend(origin.scan.clone().map(|scan| ("scan", scan)));
+    rows.extend(origin.ladder.clone().map(|ladder| ("ladder", ladder)));
+    rows
 }
 
 impl BakeInfo {
     fn text(&self) -> String {
         let mut text = format!("{}: bake, {} levels\n", self.input, self.levels.len());
-        let mut rows = Vec::new();
-        rows.extend(self.file.clone().map(|file| ("file", file)));
-        rows.push(("format", self.format.clone()));
-        rows.push(("size", console::bytes(self.bytes)));
-        rows.extend(self.origin.rows());
-        for (name, value) in rows {
-            text += &format!("  {name:<11} {value}\n");
+        let mut all = Vec::new();
+        all.extend(self.file.clone().map(|file| ("file", file)));
+        all.push(("format", self.format.clone()));
+        all.push(("size", console::bytes(self.bytes)));
+        all.extend(self.origin.iter().flat_map(rows));
+        for (name, value) in all {
+            writeln!(text, "  {name:<11} {value}").expect("writing to a string cannot fail");
         }
         text.push_str("  level   size  roughness      least   greatest       mean  (luminance)\n");
         for level in &self.levels {
@@ -324,7 +309,7 @@ impl EnvironmentInfo {
             text += &format!("  {name:<11} {value}\n");
         };
         row("size", console::bytes(self.bytes));
-        self.origin.iter().flat_map(Origin::rows).for_each(|(name, value)| row(name, value));
+        self.origin.iter().flat_map(rows).for_each(|(name, value)| row(name, value));
         let [r, g, b] = [0, 1, 2]
             .map(|c| format!("{} to {}", figure(f64::from(self.min[c])), figure(f64::from(self.max[c]))));
         row("range", format!("R {r}, G {g}, B {b}"));

@@ -3,9 +3,10 @@
 
 use super::console;
 use crate::environment::Rgb;
+use crate::format::container::ENV_MAGIC;
 use crate::io::regular::read_regular;
 use crate::io::{
-    DEFAULT_MEMORY_LIMIT, LoadedMap, MapLight, ReadOptions, levels_path, npy, read_map, read_plain,
+    DEFAULT_MEMORY_LIMIT, Format, LoadedMap, MapLight, ReadOptions, levels_path, npy, read_map, read_plain,
 };
 use serde::Serialize;
 use serde_json::Value;
@@ -20,7 +21,7 @@ pub(super) struct OtherInfo {
     format: String,
     /// Size of the file.
     bytes: u64,
-    /// What the content is.
+    /// Kind of content.
     content: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     width: Option<u32>,
@@ -87,7 +88,7 @@ pub(super) fn described(path: &Path, bytes: u64, error: &crate::Error) -> Option
 fn known_texture(path: &Path) -> Option<(&'static str, String, [u32; 2])> {
     let bytes = read_regular(path, DEFAULT_MEMORY_LIMIT).ok()?;
     let at = |place: usize| Some(u32::from_be_bytes(bytes.get(place..place + 4)?.try_into().ok()?));
-    if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
+    if Format::sniff(&bytes) == Some(Format::Png) {
         return Some(("PNG", "a picture".to_owned(), [at(16)?, at(20)?]));
     }
     let header = ktx2::Reader::new(&bytes[..]).ok()?.header();
@@ -99,7 +100,7 @@ fn known_texture(path: &Path) -> Option<(&'static str, String, [u32; 2])> {
 /// Format and content of a file of data.
 fn known_data(path: &Path) -> Option<(&'static str, String)> {
     let bytes = read_regular(path, DEFAULT_MEMORY_LIMIT).ok()?;
-    if bytes.starts_with(&[0x86, 0x16, 0x87, 0x96, 0xf6, 0xd6, 0x96, 0x36]) {
+    if bytes.starts_with(&ENV_MAGIC) {
         let end = bytes.iter().position(|byte| *byte == 0)?;
         let manifest: Value = serde_json::from_slice(bytes.get(8..end)?).ok()?;
         let levels = manifest["specular"]["mipmaps"].as_array()?.len() / 6;

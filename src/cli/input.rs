@@ -2,44 +2,20 @@
 
 use super::console::Console;
 use super::outcome::{Outcome, usage};
-use super::shared_args::InputArgs;
-use crate::bake::report::SunReport;
-use crate::bake::turned::Turn;
-use crate::io::provenance::Provenance;
-use crate::io::regular::open_regular;
-use crate::io::{self, InputLayout, LoadedChain, ReadOptions, Repairs};
-use crate::{Environment, Layout};
+use crate::Layout;
+use crate::io::{self, InputLayout, LoadedChain};
+use crate::recipe::InputOptions;
+use crate::recipe::source::Source;
 use std::fs;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Files of one environment: one file, or the six faces of a cube.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct InputFiles(Vec<PathBuf>);
 
-/// An opened environment with its provenance.
-pub(super) struct Opened {
-    pub(super) environment: Environment,
-    /// Origin recorded in the input.
-    pub(super) provenance: Provenance,
-    /// Rotation, mirroring and sun removal applied on opening, for the outputs.
-    pub(super) turned: Provenance,
-    /// The removed suns.
-    pub(super) suns: Vec<SunReport>,
-    pub(super) repaired: Repairs,
-    pub(super) warnings: Vec<String>,
-    pub(super) format: String,
-    pub(super) layout: &'static str,
-    pub(super) width: u32,
-    pub(super) height: u32,
-}
-
 /// Converts `paths` to environments: one each, or six files as one with `--layout faces`.
-pub(super) fn sources(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Vec<InputFiles>> {
-    let fits = args.crop || args.pad.is_some();
-    if fits && !matches!(args.layout, InputLayout::Auto | InputLayout::Equirect) {
-        return usage("--pad and --crop are for panoramas; omit --layout");
-    }
+pub(super) fn sources(paths: Vec<PathBuf>, args: &InputOptions) -> Outcome<Vec<InputFiles>> {
+    args.check().or_else(|error| usage(error.to_string()))?;
     match (args.layout, paths.len()) {
         // A single KTX2 cube or level folder already holds its faces.
         (InputLayout::Faces, 6 | 1) => Ok(vec![InputFiles(paths)]),
@@ -52,7 +28,7 @@ pub(super) fn sources(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<Vec<Inpu
 }
 
 /// [`sources`] for subcommands that take one environment.
-pub(super) fn single_source(paths: Vec<PathBuf>, args: &InputArgs) -> Outcome<InputFiles> {
+pub(super) fn single_source(paths: Vec<PathBuf>, args: &InputOptions) -> Outcome<InputFiles> {
     let mut sources = sources(paths, args)?;
     match (sources.pop(), sources.len()) {
         (Some(source), 0) => Ok(source),
@@ -108,47 +84,21 @@ impl InputFiles {
     }
 
     /// Reads, rotates, mirrors and removes the sun; prints warnings.
-    pub(super) fn open(&self, args: &InputArgs, console: &Console) -> crate::Result<Opened> {
-        let options = ReadOptions {
-            layout: args.layout,
-            sanitize: args.sanitize,
-            strict: args.strict,
-            scale: args.scale.unwrap_or(1.0),
-            crop: args.crop,
-            pad: args.pad,
-            ..ReadOptions::default()
-        };
-        let loaded = match &self.0[..] {
-            [path] => io::read(path, &options)?,
-            faces => io::read_faces(faces, &options)?,
-        };
-        let turn = Turn {
-            mirror: args.mirror,
-            rotate_y: args.rotate_y.unwrap_or(0.0),
-            extract_sun: args.extract_sun.clone(),
-        };
-        let turned = turn.applied(loaded.environment, &options);
-        let mut warnings = loaded.warnings;
-        warnings.extend(turned.warnings);
-        for note in &turned.notes {
+    pub(super) fn open(&self, options: &InputOptions, console: &Console) -> crate::Result<Source> {
+        let source = options.open(&self.0)?;
+        for note in &source.notes {
             console.note(&format!("{}: {note}", self.path().display()));
         }
-        for warning in &warnings {
+        for warning in &source.warnings {
             console.warn(&format!("{}: {warning}", self.path().display()));
         }
-        Ok(Opened {
-            environment: turned.environment,
-            provenance: loaded.provenance,
-            turned: turned.provenance,
-            suns: turned.suns,
-            repaired: loaded.repaired,
-            warnings,
-            format: loaded.format,
-            layout: loaded.layout,
-            width: loaded.width,
-            height: loaded.height,
-        })
+        Ok(source)
     }
+}
+
+/// The last part of `path`, or all of it.
+pub(super) fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// Formats a layout as in `--layout`, with its size.
@@ -171,16 +121,5 @@ pub(super) fn read_bake(path: &Path) -> crate::Result<Option<LoadedChain>> {
         return if faces { chain.map(Some) } else { Ok(chain.ok()) };
     }
     // Reading level 0 as an environment reports other errors of such a file.
-    Ok(if is_chain_file(path) { io::load_chain(path).ok() } else { None })
-}
-
-/// Whether the file `path` has the signature of a format that can hold a chain: KTX, KTX2, DDS or multi-part
-/// OpenEXR.
-pub(super) fn is_chain_file(path: &Path) -> bool {
-    let mut start = Vec::new();
-    let read = open_regular(path).is_ok_and(|file| file.take(12).read_to_end(&mut start).is_ok());
-    let parts =
-        start.starts_with(&[0x76, 0x2f, 0x31, 0x01]) && start.get(5).is_some_and(|flags| flags & 0x10 != 0);
-    let textures: [&[u8]; 3] = [b"\xabKTX 11", b"\xabKTX 20", b"DDS "];
-    read && (textures.iter().any(|magic| start.starts_with(magic)) || parts)
+    Ok(if io::may_hold_chain(path) { io::load_chain(path).ok() } else { None })
 }

@@ -172,6 +172,7 @@ pub(super) fn draw_chart(
     curves: &[(&str, &Delivered)],
     against: &Path,
 ) -> Outcome {
+    use super::input::file_name;
     use crate::plot::chart::{Axis, Chart, Marks, Scale, Series};
 
     // File names, or paths where two are alike.
@@ -207,10 +208,4 @@ pub(super) fn draw_chart(
 #[cfg(not(feature = "plot"))]
 pub(super) fn draw_chart(path: &Path, existing: Existing, _: &[(&str, &Delivered)], _: &Path) -> Outcome {
     check_chart(path, existing)
-}
-
-/// The last part of `path`, or all of it.
-#[cfg(feature = "plot")]
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

@@ -1,4 +1,4 @@
-//! What `octagloss compare` and `bake --verify` measure.
+//! Measurements of `octagloss compare` and `bake --verify`.
 
 use super::args::CompareArgs;
 use super::values::Texels;
@@ -11,7 +11,7 @@ const TEXELS: usize = 400;
 /// and of cones, whose edge takes an integration as long as ten of another lobe.
 const CONE_TEXELS: usize = 40;
 
-/// What to measure.
+/// Requested measurements.
 #[derive(Clone, Default)]
 pub(super) struct Measures {
     pub(super) texels: Option<Texels>,

@@ -2,23 +2,20 @@
 
 use super::console::{Console, escaped};
 use super::fingerprint::{self, fingerprint};
-use super::input::{InputFiles, Opened};
+use super::input::InputFiles;
 use super::outcome::{Outcome, print_bytes, usage};
-use crate::bake::report::{OutputFileReport, Report};
 use crate::export::files::Made;
-use crate::export::lights;
-use crate::export::plan::BakePlan;
+use crate::export::produce::{Products, SunFile, beside, json_bytes, report_path, within};
+use crate::export::report::{OutputFileReport, Report};
+use crate::export::write::outputs;
 use crate::format::container::Container;
 use crate::format::{LevelName, Pixel, Shown};
-use crate::io::environment_write::exact_exr_bytes;
 use crate::io::output::{self, Existing, Output};
-use crate::io::regular::read_regular;
-use crate::io::side_report::{MAX_REPORT_BYTES, REPORT};
+use crate::recipe::plan::BakePlan;
 use crate::target::{Content, Naming};
 use crate::{Error, Layout, Result};
 use anyhow::anyhow;
 use blake3::Hash;
-use serde::Serialize;
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::fs;
@@ -27,9 +24,6 @@ use std::path::{Path, PathBuf};
 /// Settings shared by the outputs of all inputs.
 pub(super) struct Common {
     pub(super) plans: Vec<BakePlan>,
-    pub(super) sun: Vec<SunFile>,
-    /// Whether sun.json is a list.
-    pub(super) several_suns: bool,
     pub(super) existing: Existing,
     /// Whether reports are printed instead of written.
     pub(super) json: bool,
@@ -54,62 +48,6 @@ pub(super) enum Destination {
     Stdout,
 }
 
-/// A file or folder that is replaced as a whole.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct OutputPlace {
-    pub(super) path: PathBuf,
-    is_folder: bool,
-}
-
-/// A planned file.
-struct Planned {
-    /// Relative to [`Outputs::base`]; for a picture, the given path.
-    path: PathBuf,
-    /// Its content, in a few words.
-    content: String,
-    is_report: bool,
-}
-
-/// A file about the removed sun.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SunFile {
-    /// Directions and irradiances of the suns.
-    Sun,
-    /// The suns as lights of glTF.
-    Gltf,
-    /// The environment without the sun.
-    Sunless,
-}
-
-impl SunFile {
-    /// Its name in a folder, or its name's suffix next to a file.
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Sun => "sun.json",
-            Self::Gltf => "sun.gltf",
-            Self::Sunless => "sunless.exr",
-        }
-    }
-
-    /// Its content, in a few words.
-    pub(super) const fn content(self) -> &'static str {
-        match self {
-            Self::Sun => "the sun",
-            Self::Gltf => "the sun as a light of glTF",
-            Self::Sunless => "f32 environment without the sun",
-        }
-    }
-
-    fn bytes(self, opened: &Opened, several: bool) -> Result<Vec<u8>> {
-        match self {
-            Self::Sun if several => Ok(json_text(&opened.suns)?.into_bytes()),
-            Self::Sun => Ok(json_text(&opened.suns.first())?.into_bytes()),
-            Self::Gltf => Ok(json_text(&lights::gltf(&opened.suns))?.into_bytes()),
-            Self::Sunless => exact_exr_bytes(&opened.environment, "an environment without its sun"),
-        }
-    }
-}
-
 impl Outputs {
     pub(super) fn new(
         main: PathBuf,
@@ -122,33 +60,29 @@ impl Outputs {
         Self { main, place, name, preview }
     }
 
-    /// Base folder of the files' paths.
-    fn base(&self) -> &Path {
+    /// The place of the file `path` of the output.
+    fn at(&self, path: &str) -> PathBuf {
         match self.place {
-            Destination::Folder => &self.main,
-            Destination::File | Destination::Stdout => self.main.parent().unwrap_or(Path::new("")),
+            Destination::Folder => self.main.join(path),
+            _ if path == self.name => self.main.clone(),
+            _ => self.main.with_file_name(path),
         }
     }
 
-    /// The path of a file next to the levels.
-    fn sibling(&self, file: &str) -> String {
-        if self.place == Destination::Folder { file.to_owned() } else { format!("{}.{file}", self.name) }
+    /// The files and folders that hold `files` and the `preview`, which comes first: a report is last.
+    fn holding<'a>(
+        &self,
+        files: impl IntoIterator<Item = (String, &'a [u8])>,
+        preview: Option<&'a [u8]>,
+    ) -> Vec<(PathBuf, Output<'a>)> {
+        let preview = self.preview.iter().cloned().zip(preview.map(Output::File));
+        preview.chain(outputs(&self.main, self.place != Destination::Folder, files)).collect()
     }
 
-    /// The path of the file `path` of `plan`; within the target's folder for several targets.
-    fn within(common: &Common, plan: &BakePlan, path: &str) -> String {
-        if common.plans.len() > 1 { format!("{}/{path}", plan.plan.target.name) } else { path.to_owned() }
-    }
-
-    fn report_path(&self, common: &Common, plan: &BakePlan) -> String {
-        Self::within(common, plan, &self.sibling(REPORT))
-    }
-
-    /// All files to write, for a source of `layout` if known.
-    fn planned(&self, common: &Common, layout: Option<Layout>) -> Result<Vec<Planned>> {
-        let file = |path: String, content: String| Planned { path: path.into(), content, is_report: false };
+    /// All files to write, but the preview and reports, with their contents in a few words, for a source of
+    /// `layout` if known.
+    fn planned(&self, common: &Common, layout: Option<Layout>) -> Result<Vec<(String, String)>> {
         let mut planned = Vec::new();
-        let mut reports = Vec::new();
         for plan in &common.plans {
             let settled = layout.map(|layout| plan.settled(layout));
             let plan = settled.as_ref().unwrap_or(plan);
@@ -164,62 +98,50 @@ impl Outputs {
                 .collect();
             let shape = Naming { name: &self.name, levels: specs.len() as u32, bounded: &bounded };
             for (path, content) in files.files(&shape) {
-                planned.push(file(Self::within(common, plan, &path), description(plan, content)?));
-            }
-            if !common.json && self.place != Destination::Stdout {
-                let path = self.report_path(common, plan).into();
-                reports.push(Planned { path, content: "report".to_owned(), is_report: true });
+                planned.push((within(common.plans.len() > 1, plan, &path), description(plan, content)?));
             }
         }
-        let sun = common.sun.iter();
-        planned.extend(sun.map(|sun| file(self.sibling(sun.name()), sun.content().to_owned())));
-        let preview = self.preview.iter().cloned();
-        planned.extend(preview.map(|path| Planned { path, content: "picture".to_owned(), is_report: false }));
-        planned.extend(reports);
+        let first = &common.plans[0];
+        let suns = SunFile::requested(&first.recipe).into_iter();
+        planned.extend(suns.map(|file| {
+            let content = match file {
+                SunFile::Sun => "the sun",
+                SunFile::Gltf => "the sun as a light of glTF",
+                SunFile::Sunless => "f32 environment without the sun",
+            };
+            (beside(first, &self.name, file.name()), content.to_owned())
+        }));
         Ok(planned)
     }
 
-    /// The unit that contains the file `path`: the file, or the folder that is replaced as a whole.
-    fn place_of(&self, path: &Path) -> OutputPlace {
-        if self.preview.as_deref() == Some(path) {
-            return OutputPlace { path: path.to_owned(), is_folder: false };
+    /// Paths of the reports to write.
+    fn reports(&self, common: &Common) -> Vec<String> {
+        let path = |plan: &BakePlan| report_path(common.plans.len() > 1, plan, &self.name);
+        let is_written = !common.json && self.place != Destination::Stdout;
+        common.plans.iter().filter(|_| is_written).map(path).collect()
+    }
+
+    /// Files and folders to write, with or without those of `reports`.
+    fn places(&self, common: &Common, reports: bool) -> Result<Vec<(PathBuf, Output<'static>)>> {
+        if self.place == Destination::Stdout {
+            return Ok(Vec::new());
         }
-        if self.place == Destination::Folder {
-            return OutputPlace { path: self.main.clone(), is_folder: true };
-        }
-        let mut components = path.components();
-        let first = components.next().map_or(path, |first| Path::new(first.as_os_str()));
-        let own =
-            if first.as_os_str() == self.name.as_str() { self.main.clone() } else { self.base().join(first) };
-        OutputPlace { path: own, is_folder: components.next().is_some() }
+        let files = self.planned(common, None)?.into_iter().map(|(path, _)| path);
+        let reports = self.reports(common).into_iter().filter(|_| reports);
+        Ok(self.holding(files.chain(reports).map(|path| (path, &[][..])), Some(&[])))
     }
 
     /// Sibling files and folders.
-    pub(super) fn places(&self, common: &Common) -> Result<Vec<OutputPlace>> {
-        self.places_where(common, |_| true)
-    }
-
-    /// The units of the files for which `counts` is true.
-    fn places_where(&self, common: &Common, counts: impl Fn(&Planned) -> bool) -> Result<Vec<OutputPlace>> {
-        let mut places = Vec::new();
-        if self.place == Destination::Stdout {
-            return Ok(places);
-        }
-        for file in self.planned(common, None)?.iter().filter(|file| counts(file)) {
-            let place = self.place_of(&file.path);
-            if !places.contains(&place) || !place.is_folder {
-                places.push(place);
-            }
-        }
-        Ok(places)
+    pub(super) fn paths(&self, common: &Common) -> Result<Vec<PathBuf>> {
+        Ok(self.places(common, true)?.into_iter().map(|(path, _)| path).collect())
     }
 
     /// Whether all outputs exist as written for `request`.
     pub(super) fn holds(&self, common: &Common, request: Hash) -> bool {
-        let Ok(places) = self.places_where(common, |file| !file.is_report) else { return false };
-        common.plans.iter().all(|plan| {
-            let report = self.base().join(self.report_path(common, plan));
-            fingerprint::holds(&report, request, places.iter().map(|place| place.path.clone()))
+        let Ok(places) = self.places(common, false) else { return false };
+        let reports = self.reports(common);
+        reports.iter().all(|report| {
+            fingerprint::holds(&self.at(report), request, places.iter().map(|(path, _)| path.clone()))
         })
     }
 
@@ -230,9 +152,9 @@ impl Outputs {
         folders: &mut BTreeSet<Option<PathBuf>>,
         console: &Console,
     ) -> Outcome {
-        for place in self.places(common)? {
-            if folders.insert(place.path.parent().map(Path::to_owned)) {
-                for restored in output::recover(&place.path) {
+        for path in self.paths(common)? {
+            if folders.insert(path.parent().map(Path::to_owned)) {
+                for restored in output::recover(&path) {
                     console.note(&format!("{}: restored after an interrupted run", restored.display()));
                 }
             }
@@ -244,7 +166,7 @@ impl Outputs {
     /// replace nothing.
     pub(super) fn check(&self, common: &Common, folder: Option<&Path>) -> Outcome {
         let is_made = |path: &Path| folder.is_some() && path.parent() == folder;
-        for OutputPlace { path, is_folder } in self.places(common)? {
+        for (path, output) in self.places(common, true)? {
             if is_made(&path) {
                 let mut above = path.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
                 let there = above.find(|folder| folder.symlink_metadata().is_ok());
@@ -255,10 +177,9 @@ impl Outputs {
                     continue;
                 }
             }
-            if is_folder {
-                output::check_folder(&path, common.existing)?;
-            } else {
-                output::check_file(&path, common.existing)?;
+            match output {
+                Output::Folder(_) => output::check_folder(&path, common.existing)?,
+                Output::File(_) => output::check_file(&path, common.existing)?,
             }
         }
         Ok(())
@@ -266,80 +187,56 @@ impl Outputs {
 
     /// Lists the outputs for `source`: one line per file, or with `--json` one line of JSON.
     pub(super) fn foretold(&self, common: &Common, source: &InputFiles, layout: Layout) -> Result<String> {
-        let full = |file: &Planned| {
-            if self.preview.as_deref() == Some(&file.path) {
-                return file.path.display().to_string();
-            }
-            if file.path.as_os_str() == self.name.as_str() && self.place != Destination::Folder {
-                return self.main.display().to_string();
-            }
-            self.base().join(&file.path).display().to_string()
-        };
-        let planned = self.planned(common, Some(layout))?;
+        let planned = self.planned(common, Some(layout))?.into_iter();
+        let planned = planned.map(|(path, content)| (self.at(&path), content));
+        let preview = self.preview.iter().map(|path| (path.clone(), "picture".to_owned()));
+        let reports = self.reports(common).into_iter().map(|path| (self.at(&path), "report".to_owned()));
+        let files = planned.chain(preview).chain(reports);
+        let files = files.map(|(path, content)| (path.display().to_string(), content));
         if common.json {
             let files: Vec<_> =
-                planned.iter().map(|file| json!({"path": full(file), "content": file.content})).collect();
+                files.map(|(path, content)| json!({"path": path, "content": content})).collect();
             let input = source.path().display().to_string();
             return Ok(json!({"input": input, "files": files}).to_string() + "\n");
         }
-        Ok(planned.iter().map(|file| format!("{}\t{}\n", escaped(&full(file)), file.content)).collect())
+        Ok(files.map(|(path, content)| format!("{}\t{content}\n", escaped(&path))).collect())
     }
 
-    /// Writes the files `made` of each plan and the completed `reports`, and moves everything into place in
-    /// one step. Returns the bytes written, without the picture.
+    /// Writes `products` and their completed reports, and moves everything into place in one step. Returns the
+    /// reports, and the bytes written without the preview.
     pub(super) fn write(
         &self,
         common: &Common,
-        (made, reports): (&[Vec<Made>], &mut [Report]),
-        picture: Option<&[u8]>,
+        products: &Products,
         request: Hash,
-        opened: &Opened,
-    ) -> Outcome<u64> {
+    ) -> Outcome<(Vec<Report>, u64)> {
+        let (files, preview) = (products.files().collect::<Vec<_>>(), products.preview.as_deref());
         if self.place == Destination::Stdout {
-            let main = &made[0][0];
-            print_bytes(&main.bytes)?;
-            return Ok(main.bytes.len() as u64);
+            print_bytes(files[0].1)?;
+            return Ok((products.reports().cloned().collect(), files[0].1.len() as u64));
         }
-        let mut sibling: Vec<(PathBuf, Vec<u8>)> = Vec::new();
-        for sun in &common.sun {
-            sibling.push((self.sibling(sun.name()).into(), sun.bytes(opened, common.several_suns)?));
-        }
-        sibling.extend(self.preview.iter().cloned().zip(picture.map(<[u8]>::to_vec)));
-        let mut report_files: Vec<(PathBuf, Vec<u8>)> = Vec::new();
-        let mut files: Files<'_> = Vec::new();
-        for (plan, made) in common.plans.iter().zip(made) {
-            files.extend(made.iter().map(|m| (Self::within(common, plan, &m.path).into(), &m.bytes[..])));
-        }
-        files.extend(sibling.iter().map(|(path, bytes)| (path.clone(), &bytes[..])));
-        let places = self.in_places(files);
-        let hash = |(place, files): &(OutputPlace, Files<'_>)| match files[..] {
-            [(_, bytes)] if !place.is_folder => blake3::hash(bytes),
-            _ => fingerprint::hash_of_files(&self.inside(files)),
+        let places = self.holding(files.iter().cloned(), preview);
+        let hash = |(_, output): &(PathBuf, Output<'_>)| match output {
+            Output::File(bytes) => blake3::hash(bytes),
+            Output::Folder(files) => fingerprint::hash_of_files(files),
         };
         let hashes: Vec<Hash> = places.iter().map(hash).collect();
         let joined = fingerprint::joined(hashes.iter().copied().map(Ok))?;
         // Readers find a file by its name next to the report.
-        let by_name =
-            |place: &OutputPlace| place.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let own_files: Vec<OutputFileReport> = places
-            .iter()
-            .flat_map(|(_, files)| files.iter().map(|(path, bytes)| (path, bytes.len() as u64)))
-            .map(|(path, bytes)| OutputFileReport { path: slashed(path), bytes })
-            .collect();
-        let own_hashes: Vec<(String, Hash)> = match self.place {
-            Destination::Folder => Vec::new(),
-            _ => places.iter().zip(&hashes).map(|((place, _), hash)| (by_name(place), *hash)).collect(),
-        };
-        let mut bytes: u64 = own_files.iter().map(|file| file.bytes).sum();
-        for ((plan, made), report) in common.plans.iter().zip(made).zip(reports) {
-            if plan.plan.is_targeted() {
+        let by_name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let own_hashes = places.iter().zip(&hashes).map(|((path, _), hash)| (by_name(path), *hash));
+        let is_folder = self.place == Destination::Folder;
+        let own_hashes: Vec<(String, Hash)> = own_hashes.filter(|_| !is_folder).collect();
+        let report = |path: String, bytes: &[u8]| OutputFileReport { path, bytes: bytes.len() as u64 };
+        let picture = self.preview.iter().map(|path| path.display().to_string()).zip(preview);
+        let own_files: Vec<OutputFileReport> =
+            files.iter().cloned().chain(picture).map(|(path, bytes)| report(path, bytes)).collect();
+        let (mut reports, mut texts) = (Vec::new(), Vec::new());
+        for product in &products.per_plan {
+            let mut report = product.report.clone();
+            if product.plan.plan.is_targeted() {
                 let of = |file: &Made| (file.path.clone(), blake3::hash(&file.bytes));
-                report.fingerprint = Some(fingerprint(request, joined, made.iter().map(of)));
-                let of = |file: &Made| OutputFileReport {
-                    path: file.path.clone(),
-                    bytes: file.bytes.len() as u64,
-                };
-                report.outputs = made.iter().map(of).collect();
+                report.fingerprint = Some(fingerprint(request, joined, product.made.iter().map(of)));
             } else {
                 report.fingerprint = Some(fingerprint(request, joined, own_hashes.iter().cloned()));
                 report.outputs.clone_from(&own_files);
@@ -347,46 +244,18 @@ impl Outputs {
             if common.json {
                 report.fingerprint.iter_mut().for_each(|fingerprint| fingerprint.report = None);
             } else {
-                let text = fingerprint::signed(&json_text(report)?);
-                report_files.push((self.report_path(common, plan).into(), text.into_bytes()));
+                let text = String::from_utf8(json_bytes(&report)?).expect("JSON is UTF-8");
+                texts.push(fingerprint::signed(&text));
             }
+            reports.push(report);
         }
-        bytes -= picture.map_or(0, |picture| picture.len() as u64);
-        bytes += report_files.iter().map(|(_, bytes)| bytes.len() as u64).sum::<u64>();
-        let files = places.into_iter().flat_map(|(_, files)| files);
-        let all = files.chain(report_files.iter().map(|(path, bytes)| (path.clone(), &bytes[..]))).collect();
-        let all = self.in_places(all);
-        let inside: Vec<Vec<(String, &[u8])>> = all.iter().map(|(_, files)| self.inside(files)).collect();
-        let mut outputs = Vec::with_capacity(all.len());
-        for ((place, files), inside) in all.iter().zip(inside) {
-            let output = if place.is_folder { Output::Folder(inside) } else { Output::File(files[0].1) };
-            outputs.push((place.path.clone(), output));
-        }
-        let staged = output::stage_all(&outputs, common.existing)?;
+        let texts = self.reports(common).into_iter().zip(texts.iter().map(String::as_bytes));
+        let all: Vec<_> = files.into_iter().chain(texts).collect();
+        let bytes = all.iter().map(|(_, bytes)| bytes.len() as u64).sum();
+        let staged = output::stage_all(&self.holding(all, preview), common.existing)?;
         self.remove_report_without_hashes(common)?;
         output::commit(staged)?;
-        Ok(bytes)
-    }
-
-    /// Groups `files` by unit, sorted within each.
-    fn in_places<'a>(&self, files: Vec<(PathBuf, &'a [u8])>) -> Vec<(OutputPlace, Files<'a>)> {
-        let mut places: Vec<(OutputPlace, Files<'a>)> = Vec::new();
-        for (path, bytes) in files {
-            let place = self.place_of(&path);
-            match places.iter_mut().find(|(other, _)| *other == place) {
-                Some((_, files)) => files.push((path, bytes)),
-                None => places.push((place, vec![(path, bytes)])),
-            }
-        }
-        places.iter_mut().for_each(|(_, files)| files.sort());
-        places
-    }
-
-    /// `files` of a folder that is replaced as a whole, by relative path.
-    fn inside<'a>(&self, files: &Files<'a>) -> Vec<(String, &'a [u8])> {
-        let outer = usize::from(self.place != Destination::Folder);
-        let within = |path: &Path| path.components().skip(outer).collect::<PathBuf>();
-        files.iter().map(|(path, bytes)| (slashed(&within(path)), *bytes)).collect()
+        Ok((reports, bytes))
     }
 
     /// Removes an old report without a hash of its file, as in version 0.1; it could be mistaken for the new
@@ -395,21 +264,12 @@ impl Outputs {
         if self.place != Destination::File || common.existing != Existing::Replace {
             return Ok(());
         }
-        let path = self.base().join(self.sibling(REPORT));
-        let text = read_regular(&path, MAX_REPORT_BYTES).unwrap_or_default();
-        let old = serde_json::from_slice::<Report>(&text).ok();
-        let believed = old.is_some_and(|old| old.fingerprint.is_none_or(|hashes| hashes.files.is_empty()));
+        let path = self.at(&report_path(false, &common.plans[0], &self.name));
+        let old = fingerprint::recorded(&path);
+        let believed = old.is_some_and(|(_, hashes)| hashes.is_none_or(|hashes| hashes.files.is_empty()));
         if believed { fs::remove_file(&path).map_err(|e| Error::io(&path, e)) } else { Ok(()) }
     }
 }
-
-/// `path` with `/` separators.
-fn slashed(path: &Path) -> String {
-    path.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/")
-}
-
-/// Files by their paths.
-type Files<'a> = Vec<(PathBuf, &'a [u8])>;
 
 /// Describes a file of `plan`.
 fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> Result<String> {
@@ -466,24 +326,9 @@ fn cube_words(kind: &str, size: u32, levels: usize) -> String {
     }
 }
 
-/// Serializes `value` as a JSON file.
-///
-/// # Errors
-/// [`Error::NonFiniteResult`] if one of its numbers is NaN or infinite.
-fn json_text(value: &impl Serialize) -> Result<String> {
-    let text = serde_json::to_string_pretty(value)
-        .map_err(|error| Error::NonFiniteResult { place: format!("JSON, {error}"), value: f64::NAN })?;
-    Ok(text + "\n")
-}
-
 /// Extensions of formats that are not written; such a name would not match the content.
 pub(super) const FOREIGN: [&str; 11] =
     ["basis", "bmp", "gif", "jpeg", "jpg", "pfm", "png", "tga", "tif", "tiff", "webp"];
-
-/// The format of the extension of `path`.
-pub(super) fn named_format(path: &Path) -> Option<Container> {
-    Container::named(&extension(path)?)
-}
 
 /// Whether `path` ends in a slash and therefore names a folder.
 pub(super) fn names_folder(path: &Path) -> bool {
@@ -492,7 +337,7 @@ pub(super) fn names_folder(path: &Path) -> bool {
 
 /// Rejects a file extension for the folder `path`, such as `bake.hdr`, and names the remedy.
 pub(super) fn check_folder_name(path: &Path, remedy: &str) -> Outcome {
-    let names_file = named_format(path).is_some() && !names_folder(path);
+    let names_file = Container::of_path(path).is_some() && !names_folder(path);
     if names_file || extension(path).is_some_and(|name| FOREIGN.contains(&name.as_str())) {
         let folder = path.with_extension("");
         return usage(format!(

@@ -27,7 +27,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     if let Err(error) = args.filter.check(lobe, args.table.oem_size) {
         return usage(error.to_string());
     }
-    args.table.check_scan(args.filter)?;
+    args.table.check(args.filter).or_else(|error| usage(error.to_string()))?;
     let source = input::single_source(args.inputs, &args.input)?;
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     let output = match &args.output {

@@ -2,14 +2,14 @@
 
 use super::console;
 use super::shell::listed;
-use crate::bake::report::Report;
 use crate::environment::Map;
-use crate::export::plan::BakePlan;
+use crate::export::report::Report;
 use crate::format::container::Container;
 use crate::percent::percent;
+use crate::recipe::plan::BakePlan;
 use std::path::Path;
 
-/// What a bake wrote.
+/// Outputs of a bake.
 pub(super) struct Written<'a> {
     /// The output file or folder; `None` for standard output.
     pub(super) main: Option<&'a Path>,
@@ -22,7 +22,7 @@ pub(super) struct Written<'a> {
 }
 
 impl Written<'_> {
-    /// What was written, its size, the time, and the typical error of reflections.
+    /// Outputs, their size, the time, and the typical error of reflections.
     pub(super) fn text(&self) -> String {
         let Self { main, plans, reports, bytes, seconds, .. } = self;
         let main = main.map_or_else(|| "standard output".to_owned(), |path| path.display().to_string());
@@ -43,7 +43,7 @@ impl Written<'_> {
         format!("{main}: {what}, {}, in {seconds:.2} s on {engine}{error}", console::bytes(*bytes))
     }
 
-    /// What to do next.
+    /// Suggested next command.
     pub(super) fn next(&self) -> String {
         let Self { main, input, plans, .. } = self;
         let mut steps = Vec::new();
@@ -65,7 +65,7 @@ impl Written<'_> {
 
 /// The levels of a plan's bake in a few words.
 fn levels(plan: &BakePlan, report: &Report) -> String {
-    let (size, count) = (report.options.size, report.levels.len());
+    let (size, count) = (plan.settings.size, report.levels.len());
     let map = match plan.settings.map {
         Map::Cube => format!("cube {size}"),
         Map::Panorama => format!("panorama {}x{size}", 2 * u64::from(size)),

@@ -8,6 +8,7 @@ use crate::sphere::equirect::direction_from_equirect;
 use crate::{Environment, Layout, Rgb};
 use serde::Serialize;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 #[derive(Clone, Copy, Serialize)]
 pub(super) struct Timing {
@@ -36,7 +37,9 @@ impl TimedLight {
         }
         let source = input::single_source(args.inputs.clone(), &args.input)?;
         let opened = source.open(&args.input, &Console::new(false))?;
-        Ok(Self { given: Some((source.path().display().to_string(), opened.environment)) })
+        Ok(Self {
+            given: Some((source.path().display().to_string(), Arc::unwrap_or_clone(opened.environment))),
+        })
     }
 
     /// Path of the input.

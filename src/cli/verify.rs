@@ -6,15 +6,15 @@ use super::console::Console;
 use super::input::InputFiles;
 use super::measures::Measures;
 use super::outcome::{Failure, Outcome, usage};
-use super::shared_args::InputArgs;
-use crate::export::plan::BakePlan;
 use crate::format::OutputLayout;
 use crate::percent::percent;
+use crate::recipe::InputOptions;
+use crate::recipe::plan::BakePlan;
 use crate::target::Content;
 use anyhow::anyhow;
 use std::path::PathBuf;
 
-/// What outputs must hold.
+/// Required content of the outputs.
 pub(super) struct Verify {
     /// Greatest relative error.
     limit: f64,
@@ -55,7 +55,7 @@ impl Verify {
         &self,
         outputs: &[PathBuf],
         source: &InputFiles,
-        input: &InputArgs,
+        input: &InputOptions,
         label: &str,
         console: &Console,
     ) -> Outcome {

@@ -15,6 +15,7 @@ use crate::view::{
     Levels, Mesh, Renderer, Screenshot, Start, Technique, Truth, run as run_window, screenshot,
 };
 use crate::{Environment, Layout};
+use std::sync::Arc;
 
 pub(super) fn run(args: ViewArgs) -> Outcome {
     let mut look = args.look.look();
@@ -65,7 +66,7 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     if let Some(mesh) = &mesh {
         renderer.set_mesh(mesh)?;
     }
-    let mut light = renderer.light_with(&environment, &table)?;
+    let mut light = renderer.light(&environment, &table)?;
     if let Some(levels) = &levels {
         light.set_levels(&context, levels)?;
     }
@@ -82,7 +83,8 @@ fn environment(args: &ViewArgs, console: &Console) -> Outcome<(Environment, Stri
         return Ok((synth("sky")?, "sky".to_owned()));
     }
     let source = input::single_source(args.inputs.clone(), &args.input)?;
-    Ok((source.open(&args.input, console)?.environment, source.stem()))
+    let environment = source.open(&args.input, console)?.environment;
+    Ok((Arc::unwrap_or_clone(environment), source.stem()))
 }
 
 /// The levels of the input, if it is a bake with several. `None` with `--extract-sun`: the levels still
@@ -102,7 +104,7 @@ fn levels(args: &ViewArgs, environment: &Environment, console: &Console) -> Outc
         turned = turned.mirrored();
     }
     if let Some(degrees) = args.input.rotate_y {
-        turned = turned.rotated_y(degrees);
+        turned = turned.rotated_y(degrees)?;
     }
     Ok(Levels::new(chain, turned.source_from_world()).unwrap_or_else(|error| {
         console.warn(&format!("{}: {error}; filtering its level 0 instead", path.display()));

@@ -1,10 +1,10 @@
 //! Arguments of `octagloss view`.
 
-use super::shared_args::InputArgs;
 use super::values::{roughness, turn, within};
 use crate::Rgb;
 use crate::gpu::direct::Method;
 use crate::image::exposure::Exposure;
+use crate::recipe::InputOptions;
 use crate::sat::Scan;
 use crate::view::scene::{MAX_BUDGET, MAX_PROBES, Proxy};
 use crate::view::{Camera, FRONT, Ground, Look, Object, Paint, Show, Technique, Tone};
@@ -44,7 +44,7 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "SCAN")]
     pub(super) scan: Option<Scan>,
     #[command(flatten)]
-    pub(super) input: InputArgs,
+    pub(super) input: InputOptions,
     /// GPU, by a part of its name
     ///
     /// octagloss info --adapters lists them.

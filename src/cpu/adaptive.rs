@@ -139,7 +139,7 @@ struct Series {
     spread: [f32; LANES],
 }
 
-/// What the tints of red and blue add, by lanes, and bounds of its error.
+/// Contributions of the tints of red and blue, by lanes, with bounds of their error.
 #[derive(Default)]
 struct TintSums {
     light: [[f32; LANES]; 2],
@@ -234,14 +234,14 @@ impl<'a> Adaptive<'a> {
         }
     }
 
-    /// The same over [`Cells::of_source`]: subdivides cells down to texels of `light`, and further.
+    /// Lobes over [`Cells::of_source`]: subdivides cells down to texels of `light`, and further.
     #[must_use]
     pub(crate) fn lit_by(mut self, light: SourceLight<'a>) -> Self {
         self.light = Some(light);
         self
     }
 
-    /// The same, as a part of `share` in a mixture: scales answers and bounds by `share`.
+    /// Scales answers and bounds by `share`, for mixtures.
     #[must_use]
     pub fn scaled(mut self, share: f64) -> Self {
         self.scale = share;

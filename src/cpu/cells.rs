@@ -43,32 +43,13 @@ pub(super) struct Quad {
     pub(super) blue: [f32; 4],
     /// The tint of red, in the order of [`Tint::to_fields`].
     pub(super) red_tint: [[f32; 4]; TINT_FIELDS],
-    /// The same of blue.
+    /// That of blue.
     pub(super) blue_tint: [[f32; 4]; TINT_FIELDS],
 }
 
 /// Fields of [`Quad`], each of four floats.
 #[cfg(feature = "gpu")]
 pub(crate) const QUAD_FIELDS: usize = size_of::<Quad>() / 16;
-
-/// Positions of the fields of [`Quad`] in `shaders/common/quad.wgsl`, in vectors of four floats.
-#[cfg(feature = "gpu")]
-pub(crate) const FIELDS: [(&str, usize); 11] = {
-    use std::mem::offset_of;
-    [
-        ("FIELD_X", offset_of!(Quad, x) / 16),
-        ("FIELD_Y", offset_of!(Quad, y) / 16),
-        ("FIELD_Z", offset_of!(Quad, z) / 16),
-        ("FIELD_COVARIANCE", offset_of!(Quad, covariance) / 16),
-        ("FIELD_RADIUS", offset_of!(Quad, radius) / 16),
-        ("FIELD_LUMINANCE", offset_of!(Quad, luminance) / 16),
-        ("FIELD_RED", offset_of!(Quad, red) / 16),
-        ("FIELD_GREEN", offset_of!(Quad, green) / 16),
-        ("FIELD_BLUE", offset_of!(Quad, blue) / 16),
-        ("FIELD_RED_TINT", offset_of!(Quad, red_tint) / 16),
-        ("FIELD_BLUE_TINT", offset_of!(Quad, blue_tint) / 16),
-    ]
-};
 
 /// A smaller share of a texel's energy above the least radiance is rounding error. Without the cut, black
 /// texels would enlarge the radius of their cells.
@@ -105,7 +86,7 @@ struct Cell {
 
 impl Cell {
     /// Light of one colour.
-    fn of(patch: Patch, energy: Vec3) -> Self {
+    fn one_colour(patch: Patch, energy: Vec3) -> Self {
         Self { patch, energy, luminance: energy.dot(Vec3::from(LUMINANCE)), tints: [Tint::default(); 2] }
     }
 
@@ -128,7 +109,7 @@ pub(super) struct CellLevel {
     pub(super) width: u32,
 }
 
-/// What the finest cells hold, for their subdivision.
+/// Texels of the finest cells, for their subdivision.
 #[derive(Debug)]
 pub(super) enum Finest {
     /// Blocks, which are not subdivided.
@@ -197,7 +178,7 @@ impl Members {
     }
 
     /// The runs of texels in the cell in column `i` of row `j`.
-    pub(super) fn of(&self, i: u32, j: u32) -> &[Run] {
+    pub(super) fn in_cell(&self, i: u32, j: u32) -> &[Run] {
         let cell = (j * self.width + i) as usize;
         &self.runs[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
@@ -296,14 +277,14 @@ impl Lit<'_> {
                 if from <= to {
                     let patch = row.patch(&sums, first, [from, to]);
                     let tints = row.tints(&sums, first, sum);
-                    cells.push(Cell { tints, ..Cell::of(patch, sum) });
+                    cells.push(Cell { tints, ..Cell::one_colour(patch, sum) });
                 }
             }
             None => {
                 for x in first..first + count {
                     let Texel { patch, solid_angle } = self.texels.at(x, y);
                     let energy = energy(x, solid_angle);
-                    cells.push(Cell::of(patch, energy));
+                    cells.push(Cell::one_colour(patch, energy));
                 }
             }
         }
@@ -347,7 +328,7 @@ impl Cells {
             let above = all - Vec3::from(least) * w;
             let energy =
                 Vec3::select(above.cmpgt((all * RESIDUE).max(Vec3::splat(FAINT))), above, Vec3::ZERO);
-            Cell::of(tents.at(x, y), energy)
+            Cell::one_colour(tents.at(x, y), energy)
         };
 
         let width = n.div_ceil(block);
@@ -386,7 +367,7 @@ impl Cells {
                 let mut total = DVec3::ZERO;
                 for (cell, i) in row.iter_mut().zip(0..width) {
                     gathered.clear();
-                    members.of(i, j).iter().for_each(|run| lit.gather(run, &mut gathered, &mut faint));
+                    members.in_cell(i, j).iter().for_each(|run| lit.gather(run, &mut gathered, &mut faint));
                     *cell = if gathered.len() > 1 { merge_many(&gathered) } else { merge(&gathered) };
                     total += cell.energy.as_dvec3();
                 }
@@ -499,7 +480,7 @@ fn pyramid(mut cells: Vec<Cell>, mut width: u32) -> (Vec<Quad>, Vec<CellLevel>) 
                     let inside = i < width && j < width;
                     if inside { cells[(j * width + i) as usize] } else { Cell::default() }
                 });
-                *quad = Quad::of(&siblings);
+                *quad = Quad::new(&siblings);
                 *parent = merge(&siblings);
             }
         });
@@ -577,7 +558,7 @@ fn merge(members: &[Cell]) -> Cell {
 }
 
 impl Quad {
-    fn of(siblings: &[Cell; 4]) -> Self {
+    fn new(siblings: &[Cell; 4]) -> Self {
         let field = |get: fn(&Cell) -> f32| siblings.each_ref().map(get);
         let tints = |channel: usize| {
             let siblings = siblings.each_ref().map(|cell| cell.tints[channel].to_fields());

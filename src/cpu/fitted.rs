@@ -10,6 +10,7 @@ use crate::realtime::tables::triangle::triangle_from_oct;
 use crate::realtime::tables::{HARMONICS, KNOTS, OCTAVES, Table};
 use crate::sat::Sat;
 use crate::sh::basis;
+use crate::smoothstep::smoothstep;
 use crate::sphere::octahedral::{oct_from_direction, solid_angle_density};
 use glam::{DVec2, DVec3};
 
@@ -42,15 +43,10 @@ impl Octaves {
         let [first, .., last] = KNOTS;
         let own = (first - alpha.log2()).ceil().clamp(f64::from(*OCTAVES.start()), f64::from(finest)) as u32;
         let position = alpha.log2() + f64::from(own);
-        let finer = if own < finest { 1.0 - smooth((position - first) / (last - first - 1.0)) } else { 0.0 };
+        let finer =
+            if own < finest { 1.0 - smoothstep((position - first) / (last - first - 1.0)) } else { 0.0 };
         Self { own, finer }
     }
-}
-
-/// 0 below 0, 1 above 1, smooth between.
-fn smooth(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// Squared sines of the angle from a cone point between which the table around cone points fades out: those
@@ -63,8 +59,8 @@ pub(crate) const CONE_ALPHA: [f64; 2] = [0.01, 0.0125];
 /// The share of the parameters around cone points in a lobe of `alpha` around the unit vector `direction`.
 fn cone_share(direction: DVec3, alpha: f64) -> f64 {
     let square = direction * direction;
-    let far = smooth((square.y + square.x.min(square.z) - CONE[0]) / (CONE[1] - CONE[0]));
-    (1.0 - far) * smooth((alpha - CONE_ALPHA[0]) / (CONE_ALPHA[1] - CONE_ALPHA[0]))
+    let far = smoothstep((square.y + square.x.min(square.z) - CONE[0]) / (CONE[1] - CONE[0]));
+    (1.0 - far) * smoothstep((alpha - CONE_ALPHA[0]) / (CONE_ALPHA[1] - CONE_ALPHA[0]))
 }
 
 /// GGX lobes of one alpha by one table of parameters.
@@ -111,7 +107,7 @@ impl<'a> Fitted<'a> {
         let square = (alpha / sharpest).min(1.0).powi(2);
         let share = square * (2.0 - square);
         let alpha = alpha.max(sharpest);
-        let alone = smooth((alpha.sqrt() - HARMONICS_FROM) / (HARMONICS_ALONE - HARMONICS_FROM));
+        let alone = smoothstep((alpha.sqrt() - HARMONICS_FROM) / (HARMONICS_ALONE - HARMONICS_FROM));
         let mut parts = Vec::new();
         let mut read = vec![None; finest as usize + 1];
         if alone < 1.0 && share > 0.0 {

@@ -117,7 +117,7 @@ pub struct Scratch {
     pub(super) stack: Vec<(u8, u32, u32)>,
 }
 
-#[cfg(feature = "gpu")]
+#[cfg(all(feature = "gpu", feature = "internals"))]
 impl Scratch {
     /// The leaves of the last evaluation, of `packet` over `cells`, as fields of `shaders/common/quad.wgsl`,
     /// to replay the cut.

@@ -154,7 +154,7 @@ pub(super) fn refine_members<R: Radial>(
 ) {
     let texels = &source.members.texels;
     let mut stack = Vec::new();
-    let runs = source.members.of(i, j).iter();
+    let runs = source.members.in_cell(i, j).iter();
     for (x, y) in runs.flat_map(|run| (run.column..run.column + run.count).map(|x| (x, run.row))) {
         let above = source.light.radiance(texels.source_row(y) + texels.source_column(x)) - source.least;
         let weight = f64::from(weighted(above.to_array(), weights));

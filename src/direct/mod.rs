@@ -102,15 +102,6 @@ impl Triangles {
     pub fn count(&self) -> usize {
         self.indices.len() / 3
     }
-
-    /// The corners of triangle `index`.
-    ///
-    /// # Panics
-    /// If there are fewer triangles.
-    #[must_use]
-    pub fn triangle(&self, index: usize) -> [Corner; 3] {
-        std::array::from_fn(|k| self.corners[self.indices[3 * index + k] as usize])
-    }
 }
 
 /// Checks the distance of the near surface.

@@ -1,8 +1,7 @@
 //! Encodes the files of a plan from a bake.
 
 use super::{babylon, gltf, playcanvas};
-use crate::bake::report::filter_name;
-use crate::bake::{Bake, BakeSettings};
+use crate::bake::Bake;
 use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
@@ -11,17 +10,20 @@ use crate::format::{LevelName, Pixel, Shown};
 use crate::io::cube_file::CubeFile;
 use crate::io::cube_write::cube_bytes;
 use crate::io::exr::write::{Attribute, Samples, exr_bytes};
-use crate::io::hdr::write::hdr_bytes_with;
+use crate::io::hdr::write::hdr_bytes;
 use crate::io::layout::image_from_faces;
 use crate::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::io::oem_write::oem_bytes;
-use crate::io::provenance::{CHAIN_KEY, Provenance, QUARTER_TURNS_KEY, irradiance_pairs};
-use crate::lobe::{LOBE_KEY, Lobe};
+use crate::io::provenance::{IRRADIANCE, RECIPE_KEY, TakenSun};
+use crate::lobe::Lobe;
+use crate::recipe::source::SunReport;
+use crate::recipe::{Recipe, fields};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{name, order_text};
 use crate::sphere::cube::Face;
-use crate::target::{Content, Naming, READERS, TargetPlan};
+use crate::target::{Content, Naming, READERS, TargetPlan, flipped, flipped_chain};
 use rayon::prelude::*;
+use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
 /// A file in memory.
@@ -29,8 +31,6 @@ use std::borrow::Cow;
 pub struct Made {
     /// Path in the output's folder.
     pub path: String,
-    /// Its content.
-    pub content: Content,
     /// Its bytes.
     pub bytes: Vec<u8>,
     /// Number of texels with a clamped channel, per level; empty if it holds no cube.
@@ -42,15 +42,21 @@ pub struct Made {
 ///
 /// # Errors
 /// [`Error::Parameter`] if the container cannot hold the pixel format or the levels, and if the plan requires
-/// an irradiance or a sheen cube that was not baked.
+/// an irradiance or a sheen cube, or spherical harmonics, that were not baked.
 pub fn files(plan: &TargetPlan, name: &str, bake: &Bake, metadata: &[(String, String)]) -> Result<Vec<Made>> {
     plan.check()?;
+    if plan.is_targeted() && bake.sh.len() < 9 {
+        let count = bake.sh.len();
+        return Err(Error::Parameter(format!(
+            "a bake of {count} spherical harmonics; targets need 9 or more"
+        )));
+    }
     let levels = &bake.chain.levels;
     let bounded: Vec<u32> = (0..).zip(levels).filter(|(_, l)| l.bounds.is_some()).map(|(k, _)| k).collect();
     let shape = Naming { name, levels: levels.len() as u32, bounded: &bounded };
     let make = |(path, content): (String, Content)| {
         let file = file_of(plan, name, bake, metadata, (&path, content))?;
-        Ok(Made { path, content, bytes: file.bytes, clamped: file.clamped })
+        Ok(Made { path, bytes: file.bytes, clamped: file.clamped })
     };
     plan.files(&shape).into_par_iter().map(make).collect()
 }
@@ -64,30 +70,19 @@ fn file_of(
     (path, content): (&str, Content),
 ) -> Result<CubeFile> {
     // Targets with containers of their own have a skybox in another one.
-    let own = || path.rsplit_once('.').and_then(|(_, extension)| Container::named(extension));
+    let own = || Container::of_path(path.as_ref());
     let container =
         if plan.target.has_container() { plan.container } else { own().unwrap_or(plan.container) };
     let pixel = if container.holds(plan.pixel) { plan.pixel } else { Pixel::F16 };
     let cube = |levels: &[Level], sh: bool| {
-        let chain = Chain { levels: levels.iter().map(|level| plan.flip.level(level)).collect() };
-        let mut pairs = cube_metadata(plan, bake, metadata, sh);
-        let mut set = |key: &str, value: &str| {
-            let own = pairs.iter_mut().filter(|(found, _)| found == key);
-            own.for_each(|(_, old)| value.clone_into(old));
+        let chain = Chain { levels: levels.iter().map(|level| flipped(level, plan.flip)).collect() };
+        let own = match content {
+            Content::Sheen => vec![("lobe", json!(Lobe::Charlie)), ("chain", json!(ChainKind::Sampled))],
+            Content::Skybox if bake.skybox.is_some() => mirror(),
+            Content::Irradiance => irradiated(),
+            _ => Vec::new(),
         };
-        match content {
-            Content::Sheen => {
-                set(LOBE_KEY, Lobe::Charlie.name());
-                set(CHAIN_KEY, ChainKind::Sampled.name());
-            }
-            // A mirror whatever the lobe of the levels.
-            Content::Skybox if bake.skybox.is_some() => {
-                set(LOBE_KEY, Lobe::Ggx.name());
-                set(CHAIN_KEY, ChainKind::Sampled.name());
-            }
-            Content::Irradiance => pairs = irradiance_pairs(&pairs),
-            _ => {}
-        }
+        let pairs = cube_metadata(plan, bake, &recorded(metadata, &own), sh);
         cube_bytes(container, &chain, pixel, &pairs)
     };
     let levels = &bake.chain.levels[..];
@@ -115,11 +110,12 @@ fn file_of(
             let level = levels.first().ok_or_else(|| missing("a panorama"))?;
             CubeFile { bytes: panorama(plan, level, path, metadata)?, clamped: Vec::new() }
         }
-        Content::Env => babylon::env_bytes(&plan.flip.chain(&bake.chain), &bake.sh, plan.flip)?,
-        Content::Glb => gltf::glb_bytes(&plan.flip.chain(&bake.chain), &bake.sh, name)?,
-        Content::Atlas => {
-            playcanvas::atlas_bytes(&plan.flip.chain(&bake.chain), &plan.flip.level(irradiance(bake)?))?
-        }
+        Content::Env => babylon::env_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, plan.flip)?,
+        Content::Glb => gltf::glb_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, name)?,
+        Content::Atlas => playcanvas::atlas_bytes(
+            &flipped_chain(&bake.chain, plan.flip),
+            &flipped(irradiance(bake)?, plan.flip),
+        )?,
         Content::Mips => CubeFile {
             bytes: mips_bytes(levels, plan.pixel, metadata)?,
             clamped: levels.iter().map(|level| plan.pixel.clamped(&level.texels)).collect(),
@@ -152,6 +148,11 @@ fn image_file(
         Shown::Level(level) => bake.chain.levels.get(level as usize).ok_or_else(|| missing("a level"))?,
         Shown::Irradiance => irradiance(bake)?,
         Shown::Skybox => skybox(bake)?,
+    };
+    let metadata = &match name.shown {
+        Shown::Level(_) => metadata.to_vec(),
+        Shown::Irradiance => recorded(metadata, &irradiated()),
+        Shown::Skybox => recorded(metadata, &mirror()),
     };
     let (size, area) = (level.size(), level.size() as usize * level.size() as usize);
     let roughness = matches!(name.shown, Shown::Level(_)).then_some(level.roughness);
@@ -199,10 +200,10 @@ fn panorama(plan: &TargetPlan, level: &Level, path: &str, metadata: &[(String, S
         .collect();
     let mut pairs = of_target(plan, metadata);
     if shift != 0 {
-        pairs.push((QUARTER_TURNS_KEY.to_owned(), plan.target.quarter_turns.to_string()));
+        pairs = recorded(&pairs, &[("quarter_turns", json!(plan.target.quarter_turns))]);
     }
     if path.ends_with(".hdr") {
-        return hdr_bytes_with(width, height, &texels, &pairs);
+        return hdr_bytes(width, height, &texels, &pairs);
     }
     let attributes: Vec<_> = pairs.into_iter().map(|(key, text)| (key, Attribute::Text(text))).collect();
     let pixel = if Pixel::F16.clamped(&texels) == 0 { Pixel::F16 } else { Pixel::F32 };
@@ -228,20 +229,55 @@ fn cube_metadata(
     pairs
 }
 
-/// Key/value pairs of every file of a bake with `settings`, of a source turned as `turned` records.
+/// Key/value pairs of every file of a bake by `recipe`, of a source without `suns`.
 #[must_use]
-pub fn metadata(settings: &BakeSettings, turned: &Provenance) -> Vec<(String, String)> {
+pub fn metadata(recipe: &Recipe, suns: &[SunReport]) -> Vec<(String, String)> {
     let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; \
                        linear RGB, Rec. 709; perceptual roughness, alpha = roughness^2";
-    let provenance = Provenance {
-        lobe: Some(settings.lobe),
-        filter: Some(filter_name(settings.filter)),
-        ladder: Some(settings.ladder.name().to_owned()),
-        chain: Some(settings.chain()),
-        ..turned.clone()
-    };
-    let conventions = ("octaglossConventions".to_owned(), conventions.to_owned());
-    std::iter::once(conventions).chain(provenance.pairs()).collect()
+    let mut record = fields(recipe);
+    // The files are the same whatever these are.
+    for name in ["scan", "preview", "exposure", "sunless"] {
+        record.remove(name);
+    }
+    record.retain(|_, value| !value.is_null());
+    if !suns.is_empty() {
+        let taken: Vec<TakenSun> = suns.iter().map(TakenSun::from).collect();
+        record.insert("removed_suns".to_owned(), json!(taken));
+    }
+    vec![
+        ("octaglossConventions".to_owned(), conventions.to_owned()),
+        (RECIPE_KEY.to_owned(), Value::Object(record).to_string()),
+    ]
+}
+
+/// Metadata of irradiance cubes: no ladder and no kind of chain.
+fn irradiated() -> Vec<(&'static str, Value)> {
+    let content = ("content", json!(IRRADIANCE));
+    vec![content, ("lobe", json!(Lobe::Cosine)), ("ladder", Value::Null), ("chain", Value::Null)]
+}
+
+/// Metadata of skyboxes, whatever the lobe of the levels.
+fn mirror() -> Vec<(&'static str, Value)> {
+    vec![("lobe", json!(Lobe::Ggx)), ("chain", json!(ChainKind::Sampled))]
+}
+
+/// `metadata` with `own` fields of one file in its record of the bake; null removes a field.
+fn recorded(metadata: &[(String, String)], own: &[(&str, Value)]) -> Vec<(String, String)> {
+    let mut pairs = metadata.to_vec();
+    if own.is_empty() {
+        return pairs;
+    }
+    let place = pairs.iter().position(|(key, _)| key == RECIPE_KEY).unwrap_or_else(|| {
+        pairs.push((RECIPE_KEY.to_owned(), "{}".to_owned()));
+        pairs.len() - 1
+    });
+    let mut record: Map<String, Value> = serde_json::from_str(&pairs[place].1).unwrap_or_default();
+    for (name, value) in own {
+        record.insert((*name).to_owned(), value.clone());
+    }
+    record.retain(|_, value| !value.is_null());
+    pairs[place].1 = Value::Object(record).to_string();
+    pairs
 }
 
 /// `metadata` with the target's name and flip, if there is a target.
@@ -249,12 +285,7 @@ fn of_target(plan: &TargetPlan, metadata: &[(String, String)]) -> Vec<(String, S
     if !plan.is_targeted() {
         return metadata.to_vec();
     }
-    let own = Provenance {
-        target: Some(plan.target.name.to_owned()),
-        flip: Some(plan.flip),
-        ..Provenance::default()
-    };
-    metadata.iter().cloned().chain(own.pairs()).collect()
+    recorded(metadata, &[("target", json!(plan.target.name)), ("flip", json!(plan.flip))])
 }
 
 /// The coefficients in the plan's scaling, with their order.

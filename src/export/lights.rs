@@ -1,7 +1,7 @@
 //! Suns as directional lights of glTF, by KHR_lights_punctual.
 
-use crate::bake::report::SunReport;
 use crate::io::exr::write::SOFTWARE;
+use crate::recipe::source::SunReport;
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 

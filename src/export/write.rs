@@ -7,7 +7,7 @@ use crate::format::container::Container;
 use crate::format::{OutputLayout, Pixel};
 use crate::io::output::{self, Existing, Output};
 use crate::target::{Diffuse, TargetPlan, UNTARGETED};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Options of [`Bake::write`].
 #[derive(Clone, Debug, Default)]
@@ -37,21 +37,12 @@ impl Bake {
     pub fn write(&self, path: impl AsRef<Path>, options: &WriteOptions) -> Result<()> {
         self.check()?;
         let path = path.as_ref();
-        let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-        let named = extension.as_deref().and_then(Container::named);
-        let container = options.container.or(named).ok_or_else(|| {
+        let container = options.container.or_else(|| Container::of_path(path)).ok_or_else(|| {
             let path = path.display();
-            Error::Parameter(format!(
-                "{path}: the name ends in none of .ktx2 .ktx .dds .exr; set `container`"
-            ))
+            Error::Parameter(format!("{path}: the name ends in none of .ktx2 .ktx .dds .exr; set `format`"))
         })?;
         let layout = options.layout;
-        let is_images = !container.is_single() && !matches!(layout, OutputLayout::Parts | OutputLayout::Mips);
-        let pixel = options.pixel.unwrap_or(match container {
-            Container::Hdr => Pixel::Rgbe,
-            Container::Exr if is_images => Pixel::Auto,
-            _ => Pixel::F16,
-        });
+        let pixel = options.pixel.unwrap_or(container.default_pixel(layout));
         let diffuse = if self.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
         let plan = TargetPlan {
             container,
@@ -63,21 +54,49 @@ impl Bake {
         };
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let made = files(&plan, &name, self, &options.metadata)?;
-        let outputs = if plan.is_single() {
-            let (inside, outside): (Vec<_>, Vec<_>) = made.iter().partition(|file| file.path.contains('/'));
-            let file = |path: &str| path.split_once('/').map_or(path, |(_, file)| file).to_owned();
-            let bounds: Vec<_> = inside.iter().map(|made| (file(&made.path), &made.bytes[..])).collect();
-            let folder = (!bounds.is_empty())
-                .then(|| (path.with_file_name(format!("{name}.bounds")), Output::Folder(bounds)));
-            let outside = outside.into_iter().map(|made| {
-                let place = if made.path == name { path.to_owned() } else { path.with_file_name(&made.path) };
-                (place, Output::File(&made.bytes))
-            });
-            outside.chain(folder).collect()
-        } else {
-            let files = made.iter().map(|made| (made.path.clone(), &made.bytes[..])).collect();
-            vec![(path.to_owned(), Output::Folder(files))]
-        };
-        output::commit(output::stage_all(&outputs, options.existing)?)
+        let files = made.iter().map(|made| (made.path.clone(), &made.bytes[..]));
+        write_files(path, plan.is_single(), files, options.existing)
     }
+}
+
+/// Writes `files` as [`outputs`] places them; all or none.
+///
+/// # Errors
+/// [`Error::Io`] if one of them cannot be written.
+pub fn write_files<'a>(
+    path: &Path,
+    is_file: bool,
+    files: impl IntoIterator<Item = (String, &'a [u8])>,
+    existing: Existing,
+) -> Result<()> {
+    output::commit(output::stage_all(&outputs(path, is_file, files), existing)?)
+}
+
+/// The files and folders that hold `files`: the folder `path`; or if it `is_file` the file, which has its name
+/// among `files`, and what is next to it.
+pub fn outputs<'a>(
+    path: &Path,
+    is_file: bool,
+    files: impl IntoIterator<Item = (String, &'a [u8])>,
+) -> Vec<(PathBuf, Output<'a>)> {
+    if !is_file {
+        let mut files: Vec<_> = files.into_iter().collect();
+        files.sort();
+        return vec![(path.to_owned(), Output::Folder(files))];
+    }
+    let main = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut outputs: Vec<(PathBuf, Output<'a>)> = Vec::new();
+    for (name, bytes) in files {
+        let Some((folder, name)) = name.split_once('/') else {
+            let place = if name == main { path.to_owned() } else { path.with_file_name(name) };
+            outputs.push((place, Output::File(bytes)));
+            continue;
+        };
+        let (folder, name) = (path.with_file_name(folder), name.to_owned());
+        match outputs.iter_mut().find(|(place, _)| *place == folder) {
+            Some((_, Output::Folder(files))) => files.push((name, bytes)),
+            _ => outputs.push((folder, Output::Folder(vec![(name, bytes)]))),
+        }
+    }
+    outputs
 }

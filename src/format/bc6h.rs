@@ -9,12 +9,6 @@ use rayon::prelude::*;
 /// Texels along an edge of a block.
 const BLOCK: usize = 4;
 
-/// Encoded bytes of a square of `size` x `size` texels.
-#[must_use]
-pub fn bc6h_length(size: u32) -> usize {
-    image_length(size, size)
-}
-
 /// Bytes of an image of `width` x `height` texels.
 pub(crate) fn image_length(width: u32, height: u32) -> usize {
     (width as usize).div_ceil(BLOCK) * (height as usize).div_ceil(BLOCK) * 16

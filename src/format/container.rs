@@ -1,8 +1,9 @@
 //! File formats of bakes.
 
 use crate::error::{Error, Result};
-use crate::format::Pixel;
+use crate::format::{OutputLayout, Pixel};
 use crate::names::named;
+use std::path::Path;
 
 /// A file format of bakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -24,6 +25,12 @@ pub enum Container {
 named!(Container { Ktx2 = "ktx2", Ktx1 = "ktx", Dds = "dds", Exr = "exr", Hdr = "hdr" });
 
 impl Container {
+    /// The container that the extension of `path` names.
+    #[must_use]
+    pub fn of_path(path: &Path) -> Option<Self> {
+        Self::named(&path.extension()?.to_str()?.to_ascii_lowercase())
+    }
+
     /// Whether one file can hold a whole cube chain.
     #[must_use]
     pub const fn is_single(self) -> bool {
@@ -39,6 +46,18 @@ impl Container {
             Self::Ktx1 => pixel.gl().is_some(),
             Self::Exr => matches!(pixel, Pixel::F16 | Pixel::F32),
             Self::Hdr => pixel == Pixel::Rgbe,
+        }
+    }
+
+    /// The pixel format of the levels in `layout` by default: in folders of EXR images floats where half floats
+    /// are insufficient.
+    #[must_use]
+    pub const fn default_pixel(self, layout: OutputLayout) -> Pixel {
+        match (self, layout) {
+            (Self::Hdr, _) => Pixel::Rgbe,
+            (Self::Exr, OutputLayout::Parts | OutputLayout::Mips)
+            | (Self::Ktx2 | Self::Ktx1 | Self::Dds, _) => Pixel::F16,
+            (Self::Exr, _) => Pixel::Auto,
         }
     }
 

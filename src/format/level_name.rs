@@ -3,7 +3,7 @@
 use crate::sphere::cube::Face;
 use std::fmt;
 
-/// What an image of a bake shows.
+/// Content of an image of a bake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
     /// The level of that number, from 0.
@@ -17,7 +17,7 @@ pub enum Shown {
 /// Identifies an image of a bake in a file or a part. Displays as its name without extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LevelName {
-    /// What it shows.
+    /// Its content.
     pub shown: Shown,
     /// The face; `None` if one image holds the whole level.
     pub face: Option<Face>,

@@ -5,6 +5,7 @@ mod codes;
 pub mod container;
 mod level_name;
 mod output_layout;
+pub mod overflow;
 mod pixel;
 pub mod r11g11b10;
 pub mod rgbd;

@@ -24,13 +24,6 @@ pub fn rgbd_from_rgb(rgb: Rgb) -> [u8; 4] {
     [r, g, b, divisor as u8]
 }
 
-/// Decodes RGBD. A divisor of 0 is read as 1, the minimum.
-#[must_use]
-pub fn rgb_from_rgbd([r, g, b, divisor]: [u8; 4]) -> Rgb {
-    let divisor = f64::from(divisor.max(1)) / 255.0;
-    [r, g, b].map(|code| ((f64::from(code) / 255.0).powf(GAMMA) / divisor) as f32)
-}
-
 /// Encodes row-major `texels` of `width` columns as a PNG in RGBD.
 ///
 /// # Errors

@@ -18,10 +18,3 @@ pub fn rgbp_from_rgb(rgb: Rgb) -> [u8; 4] {
     let [r, g, b] = roots.map(|root| (root / (8.0 - 7.0 * scale / 255.0) * 255.0).round() as u8);
     [r, g, b, scale as u8]
 }
-
-/// Decodes RGBP.
-#[must_use]
-pub fn rgb_from_rgbp([r, g, b, scale]: [u8; 4]) -> Rgb {
-    let scale = 8.0 - 7.0 * f64::from(scale) / 255.0;
-    [r, g, b].map(|code| (f64::from(code) / 255.0 * scale).powi(2) as f32)
-}

@@ -15,7 +15,7 @@ use crate::sphere::grid::Grid;
 use crate::sphere::registry::NamedMap;
 use glam::DMat3;
 
-/// What is converted.
+/// Light to be converted.
 #[derive(Clone, Debug)]
 pub struct Source {
     grid: Grid,
@@ -27,7 +27,7 @@ pub struct Source {
 enum Texels {
     /// An environment, whose overlaps are exact.
     Environment(Environment),
-    /// Those of another map, in its order.
+    /// Texels of another map, in its order.
     Map(Vec<Rgb>),
 }
 

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 enum Weights {
     /// A panorama's, by row.
     Rows(Vec<f64>),
-    /// Those of the quadrant s, t >= 0 of a cube's face with this edge.
+    /// Solid angles of the quadrant s, t >= 0 of a cube's face with this edge.
     Face(u32, Vec<f64>),
     Square(SolidAngles),
 }

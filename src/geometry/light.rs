@@ -38,7 +38,7 @@ impl<'a> Light<'a> {
         Ok(Self { grid, texels: environment.texels(), world_from_source })
     }
 
-    /// The same, turned by `turn` as well.
+    /// This light, also rotated by `turn`.
     #[must_use]
     pub fn turned(&self, turn: DMat3) -> Self {
         Self { world_from_source: turn * self.world_from_source, ..*self }

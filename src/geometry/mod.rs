@@ -3,6 +3,7 @@
 pub mod bordered;
 pub mod conversion;
 pub(crate) mod energy;
+pub mod exact;
 pub mod footprints;
 pub mod light;
 pub mod overlap;

@@ -302,3 +302,21 @@ fn sort_by_row(
     });
     (starts, entries)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overlaps_are_no_more_than_stated() {
+        let turn = DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(0.4);
+        // Texels so small that none is cut into pieces.
+        for (source, size) in [(Layout::Cube { size: 256 }, 256), (Layout::Octahedral { size: 320 }, 288)] {
+            for target in [Target::Cube(size), Target::Octahedral(size)] {
+                let count = Overlaps::new(source, turn, target).expect("a moderate matrix").entries.len();
+                let most = most_overlaps(source.texel_count(), target.texel_count());
+                assert!(count <= most, "{source:?} to {target:?}: {count}, above {most}");
+            }
+        }
+    }
+}

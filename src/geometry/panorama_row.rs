@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// A row of a panorama.
 pub(crate) struct PanoramaRow<'a> {
-    /// Of the texel at longitude 0: distance from the axis, and height.
+    /// Distance from the axis and height of the texel at longitude 0.
     pub(super) centroid: DVec2,
     pub(super) texel: Texel,
     /// Cosine and sine of the columns' longitudes, in double and single precision.
@@ -24,7 +24,7 @@ pub(crate) struct RunSums {
     cos_squared: f32,
     sin_squared: f32,
     product: f32,
-    /// Of red and blue.
+    /// Tints of red and blue.
     colours: [ColourSums; 2],
 }
 

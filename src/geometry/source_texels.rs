@@ -8,12 +8,9 @@ use crate::environment::Layout;
 use crate::geometry::panorama_row::PanoramaRow;
 use crate::geometry::tent::{Moments, Patch, Texel, mirrored_in_diagonal};
 use crate::sphere::cube::{Face, cube_point};
+use crate::sphere::quadrature::THREE_NODES;
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
 use std::f64::consts::{PI, TAU};
-
-/// Gauss and Legendre's nodes on [0, 1] and their weights.
-const NODES: [(f64, f64); 3] =
-    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
 /// The whole of a texel, as a piece of it.
 const WHOLE: [DVec2; 2] = [DVec2::ZERO, DVec2::ONE];
@@ -294,8 +291,8 @@ impl Nodes {
     /// Nodes of the parallelogram, or of half of it, that `point` and `density` map to the sphere from the
     /// unit square.
     fn add(&mut self, density: impl Fn(DVec2) -> (DVec3, f64)) {
-        for (u, weight_u) in NODES {
-            for (v, weight_v) in NODES {
+        for (u, weight_u) in THREE_NODES {
+            for (v, weight_v) in THREE_NODES {
                 let (direction, density) = density(DVec2::new(u, v));
                 self.weighted[self.count] = (direction, density * weight_u * weight_v);
                 self.count += 1;

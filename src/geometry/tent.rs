@@ -3,6 +3,7 @@
 //! interpolation.
 
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
+use crate::sphere::quadrature::THREE_NODES;
 use glam::{DVec2, DVec3, Mat3, Vec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
@@ -256,8 +257,6 @@ fn spread(n: u32, centre: DVec2, reconstruction: Reconstruction) -> Moments {
 }
 
 /// Gauss and Legendre's nodes and weights on [0, 1].
-const THREE_NODES: [(f64, f64); 3] =
-    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 const SIX_NODES: [(f64, f64); 6] = [
     (0.033_765_242_898_423_99, 0.085_662_246_189_585_17),
     (0.169_395_306_766_867_74, 0.180_380_786_524_069_3),

@@ -5,6 +5,7 @@ use crate::environment::Layout;
 use crate::filter::{Answer, Bound};
 use crate::light_scale::rounded_up;
 use crate::lobe::{self, Lobe};
+use crate::smoothstep::smoothstep;
 use crate::sphere::cube::{self, Face, direction_from_cube};
 use crate::sphere::equirect::direction_from_equirect;
 use crate::sphere::octahedral::{self, direction_from_oct, solid_angle_density};
@@ -26,8 +27,7 @@ const NEGLIGIBLE_EXTENT: f64 = 0.1;
 
 /// Share of a texel's edge over which its lobe is averaged; `share` is the texel's width over the lobe's.
 fn extent(share: f64) -> f64 {
-    let fade = ((share - FOOTPRINT_FROM) / (FOOTPRINT_WHOLE - FOOTPRINT_FROM)).clamp(0.0, 1.0);
-    fade * fade * (3.0 - 2.0 * fade)
+    smoothstep((share - FOOTPRINT_FROM) / (FOOTPRINT_WHOLE - FOOTPRINT_FROM))
 }
 
 /// Grouping of a level's texels into tiles of neighbours, whose directions fill packets.

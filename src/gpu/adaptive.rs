@@ -1,8 +1,8 @@
 //! Adaptive quadrature of lobes over the cells: one workgroup for each packet of directions.
 
 use super::cells::CellTree;
+use super::device::readback;
 use super::device::stage::{Dispatch, in_rows};
-use super::device::{readback, shader};
 use super::{Context, Stage};
 use crate::cpu::leaves::LANES;
 use crate::error::{Error, Result};
@@ -10,9 +10,6 @@ use crate::filter::{Answer, Bound};
 use crate::geometry::source_texels::SourceGrid;
 use crate::lobe::kernel::{Kernel, shape};
 use glam::DVec3;
-
-/// Invocations of a workgroup.
-pub const GROUP_SIZE: u32 = 64;
 
 /// Packets in one batch of buffers: 27 MB of directions.
 const BATCH: usize = 1 << 17;
@@ -67,35 +64,6 @@ pub struct Packet {
     y: [f32; LANES],
     z: [f32; LANES],
 }
-
-shader::members!(Lobe {
-    shape,
-    first,
-    second,
-    third,
-    fourth,
-    tolerance_per_mean,
-    share,
-    per_integral,
-    rounding,
-    rounding_per_leaf,
-    inner,
-    to_texels,
-    reach,
-    root,
-    add,
-    count,
-    omitted,
-    underflow,
-    source,
-    columns,
-    rows,
-    shift_x,
-    shift_y,
-    cells,
-    levels,
-});
-shader::members!(Packet { axis, radius, x, y, z });
 
 impl Packet {
     /// A packet of 1 to [`LANES`] unit `directions`; padding lanes repeat the first.
@@ -179,21 +147,13 @@ impl LobePart<'_> {
     }
 }
 
-/// The pipelines of the stage.
-#[derive(Clone, Debug)]
-pub struct Adaptive {
-    /// For every lobe but Charlie.
-    pipeline: wgpu::ComputePipeline,
-    /// For Charlie.
-    sheen: wgpu::ComputePipeline,
-}
-
 /// Packets on the GPU and the buffers for their answers.
 #[derive(Clone, Debug)]
 pub struct Packets {
     count: u32,
     packets: wgpu::Buffer,
-    /// Radiance and bounds of each lane.
+    /// Of each lane of each packet: radiance (three floats), the certified bound of its luminance, those of
+    /// the channels (three floats), and 0.
     results: wgpu::Buffer,
     /// Leaves of each packet, one buffer per part.
     leaves: [wgpu::Buffer; 2],
@@ -215,13 +175,6 @@ impl Packets {
             leaves: [(); 2].map(|()| context.storage("leaf counts", 4 * count)),
         })
     }
-
-    /// Of each lane of each packet: radiance (three floats), the certified bound of its luminance, those of
-    /// the channels (three floats), and 0.
-    #[must_use]
-    pub const fn results(&self) -> &wgpu::Buffer {
-        &self.results
-    }
 }
 
 /// Answers to packets.
@@ -233,78 +186,64 @@ pub struct Answers {
     pub leaves: u64,
 }
 
-impl Adaptive {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "adaptive.wgsl");
-        let pipeline = |sheen| shader::pipeline(context, &module, "adaptive", &[("SHEEN", sheen)]);
-        Self { pipeline: pipeline(0.0), sheen: pipeline(1.0) }
-    }
+/// Stage that evaluates the lobe made of `parts` (one or two) around the directions of `packets`.
+///
+/// # Panics
+/// If there are no parts or more than two.
+#[must_use]
+pub fn stage(context: &Context, parts: &[LobePart<'_>], packets: &Packets) -> Stage {
+    assert!((1..=2).contains(&parts.len()), "one or two parts");
+    let Packets { count, packets, results, leaves } = packets;
+    let dispatches = parts.iter().zip(leaves).enumerate().map(|(index, (part, leaves))| {
+        let lobe = part.uniform(*count, index > 0);
+        let uniform = context.uniform("lobe", &lobe);
+        let sheen = u32::from(lobe.shape == shape::CHARLIE);
+        Dispatch::of(
+            context,
+            &context.pipeline("adaptive.wgsl", "adaptive", Some(("SHEEN", sheen))),
+            &[
+                (0, uniform.as_entire_binding()),
+                (1, part.cells.least.as_entire_binding()),
+                (2, part.cells.quads.as_entire_binding()),
+                (3, packets.as_entire_binding()),
+                (4, results.as_entire_binding()),
+                (5, leaves.as_entire_binding()),
+                (6, part.cells.source.members.as_entire_binding()),
+                (7, part.cells.source.angles.as_entire_binding()),
+                (8, wgpu::BindingResource::TextureView(&part.cells.source.light)),
+            ],
+            in_rows(*count),
+        )
+    });
+    Stage::new("adaptive", dispatches.collect())
+}
 
-    /// Stage that evaluates the lobe made of `parts` (one or two) around the directions of `packets`.
-    ///
-    /// # Panics
-    /// If there are no parts or more than two.
-    #[must_use]
-    pub fn stage(&self, context: &Context, parts: &[LobePart<'_>], packets: &Packets) -> Stage {
-        assert!((1..=2).contains(&parts.len()), "one or two parts");
-        let Packets { count, packets, results, leaves } = packets;
-        let dispatches = parts.iter().zip(leaves).enumerate().map(|(index, (part, leaves))| {
-            let lobe = part.uniform(*count, index > 0);
-            let uniform = context.uniform("lobe", &lobe);
-            Dispatch::new(
-                context,
-                if lobe.shape == shape::CHARLIE { &self.sheen } else { &self.pipeline },
-                &[
-                    (0, uniform.as_entire_binding()),
-                    (1, part.cells.least.as_entire_binding()),
-                    (2, part.cells.quads.as_entire_binding()),
-                    (3, packets.as_entire_binding()),
-                    (4, results.as_entire_binding()),
-                    (5, leaves.as_entire_binding()),
-                    (6, part.cells.source.members.as_entire_binding()),
-                    (7, part.cells.source.angles.as_entire_binding()),
-                    (8, wgpu::BindingResource::TextureView(&part.cells.source.light)),
-                ],
-                in_rows(*count),
-            )
-        });
-        Stage::new("adaptive", dispatches.collect())
-    }
-
-    /// Uploads `packets`, evaluates `parts` around their directions and reads the answers back, in batches.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] if the device fails, or ends the traversal loop early.
-    pub async fn evaluate(
-        &self,
-        context: &Context,
-        parts: &[LobePart<'_>],
-        packets: &[Packet],
-    ) -> Result<Answers> {
-        let mut answers = Answers::default();
-        for batch in packets.chunks(BATCH) {
-            let packets = Packets::new(context, batch)?;
-            let stage = self.stage(context, parts, &packets);
-            context.submit(|encoder| stage.record(encoder));
-            let results: Vec<[f32; 8]> = readback::read(context, &packets.results).await?;
-            answers.lanes.extend(results.iter().map(|[r, g, b, luminance, of_r, of_g, of_b, _]| {
-                let bound = Bound { channels: [*of_r, *of_g, *of_b], luminance: *luminance };
-                Answer { radiance: [*r, *g, *b], bound: Some(bound) }
-            }));
-            for leaves in &packets.leaves[..parts.len()] {
-                for count in readback::read::<u32>(context, leaves).await? {
-                    if count == INCOMPLETE {
-                        return Err(Error::Gpu(format!(
-                            "{}: the driver ended a shader loop early; use the CPU engine or a larger error",
-                            context.describe()
-                        )));
-                    }
-                    answers.leaves += u64::from(count);
+/// Uploads `packets`, evaluates `parts` around their directions and reads the answers back, in batches.
+///
+/// # Errors
+/// [`Error::Gpu`] if the device fails, or ends the traversal loop early.
+pub async fn evaluate(context: &Context, parts: &[LobePart<'_>], packets: &[Packet]) -> Result<Answers> {
+    let mut answers = Answers::default();
+    for batch in packets.chunks(BATCH) {
+        let packets = Packets::new(context, batch)?;
+        let stage = stage(context, parts, &packets);
+        context.submit(|encoder| stage.record(encoder));
+        let results: Vec<[f32; 8]> = readback::read(context, &packets.results).await?;
+        answers.lanes.extend(results.iter().map(|[r, g, b, luminance, of_r, of_g, of_b, _]| {
+            let bound = Bound { channels: [*of_r, *of_g, *of_b], luminance: *luminance };
+            Answer { radiance: [*r, *g, *b], bound: Some(bound) }
+        }));
+        for leaves in &packets.leaves[..parts.len()] {
+            for count in readback::read::<u32>(context, leaves).await? {
+                if count == INCOMPLETE {
+                    return Err(Error::Gpu(format!(
+                        "{}: the driver ended a shader loop early; use `engine` cpu or a larger error",
+                        context.describe()
+                    )));
                 }
+                answers.leaves += u64::from(count);
             }
         }
-        Ok(answers)
     }
+    Ok(answers)
 }

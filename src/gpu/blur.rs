@@ -1,91 +1,41 @@
 //! Blurred tables for soft boxes: SATs of an OEM blurred by a tent, one for each octave of alpha.
 
-use super::device::shader;
 use super::device::stage::Dispatch;
 use super::fitted::FittedTables;
-use super::octaves::{BORDER, Octave, OctaveLayout};
+use super::octaves::OctaveLayout;
 use super::{Context, SatPlanes, Stage, oem};
-use crate::error::Result;
 
-/// Invocations of a workgroup that blurs.
-pub const GROUP_SIZE: u32 = 256;
+const FILE: &str = "blur.wgsl";
 
-/// Invocations that sum one row or column of a table.
-pub const LINE_SIZE: u32 = 64;
-
-/// Corners along an edge that a tile reaches.
-pub(crate) const REACH: u32 = 31;
-
-/// Pipelines of the stage.
-#[derive(Clone, Debug)]
-pub struct Blur {
-    blur: wgpu::ComputePipeline,
-    rows: wgpu::ComputePipeline,
-    columns: wgpu::ComputePipeline,
+/// The blurred texels of all octaves of a map of `inner` texels along an edge, before they are summed.
+pub(super) fn texels(context: &Context, inner: u32) -> wgpu::Buffer {
+    context.storage("blurred texels", 32 * u64::from(OctaveLayout::new(inner).texels))
 }
 
-impl Blur {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "blur.wgsl");
-        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        Self { blur: pipeline("blur"), rows: pipeline("rows"), columns: pipeline("columns") }
-    }
-
-    /// The blurred texels of all octaves of a map of `inner` texels along an edge, before they are summed.
-    pub(super) fn texels(context: &Context, inner: u32) -> wgpu::Buffer {
-        context.storage("blurred texels", 32 * u64::from(OctaveLayout::new(inner).texels))
-    }
-
-    /// Stage that writes the blurred tables of `sat` to `tables`, by way of [`Self::texels`].
-    ///
-    /// # Panics
-    /// If `tables` was made for another size.
-    pub(super) fn stage(
-        &self,
-        context: &Context,
-        sat: &SatPlanes,
-        texels: &wgpu::Buffer,
-        tables: &FittedTables,
-    ) -> Stage {
-        assert_eq!(sat.size().inner, tables.inner(), "tables for this size");
-        let layout = OctaveLayout::new(tables.inner());
-        let table = context.uniform("table", &oem::Table::new(sat.size()));
-        let octaves = (5, tables.octaves().as_entire_binding());
-        let entries = (8, wgpu::BindingResource::Buffer(tables.entries()));
-        let mut blur = vec![(0, table.as_entire_binding()), octaves.clone(), (6, texels.as_entire_binding())];
-        blur.extend((1..).zip(sat.planes().iter().map(wgpu::Buffer::as_entire_binding)));
-        let rows = [octaves.clone(), (7, texels.as_entire_binding()), entries.clone()];
-        Stage::new(
-            "blur",
-            vec![
-                Dispatch::new(context, &self.blur, &blur, [layout.tiles, oem::CHANNELS as u32, 1]),
-                Dispatch::new(context, &self.rows, &rows, [layout.rows, 1, 1]),
-                Dispatch::new(context, &self.columns, &[octaves, entries], [layout.rows, 1, 1]),
-            ],
-        )
-    }
-}
-
-impl FittedTables {
-    /// Reads the blurred table of `octave` back: entries of the bordered square with a first row and column
-    /// of zeros, and the texels along an edge of the square and of its border.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] if the device fails.
-    ///
-    /// # Panics
-    /// If the octave does not exist.
-    pub async fn read_blurred(&self, context: &Context, octave: u32) -> Result<(Vec<[u64; 4]>, [u32; 2])> {
-        let layout = OctaveLayout::new(self.inner());
-        assert!((1..=layout.finest).contains(&octave), "octaves 1 to {}", layout.finest);
-        let Octave { coarse, side, first_entry, .. } = layout.octaves[octave as usize - 1];
-        let words = self.read_entries(context).await?;
-        let own = &words[first_entry as usize..][..(side * side) as usize];
-        let join = |[low, high]: &[[u32; 4]; 2]| {
-            std::array::from_fn(|c| u64::from(high[c]) << 32 | u64::from(low[c]))
-        };
-        Ok((own.iter().map(join).collect(), [coarse, BORDER]))
-    }
+/// Stage that writes the blurred tables of `sat` to `tables`, by way of [`texels`].
+///
+/// # Panics
+/// If `tables` was made for another size.
+pub(super) fn stage(
+    context: &Context,
+    sat: &SatPlanes,
+    texels: &wgpu::Buffer,
+    tables: &FittedTables,
+) -> Stage {
+    assert_eq!(sat.size().inner, tables.inner(), "tables for this size");
+    let layout = OctaveLayout::new(tables.inner());
+    let table = context.uniform("table", &oem::Table::new(sat.size()));
+    let octaves = (5, tables.octaves().as_entire_binding());
+    let entries = (8, wgpu::BindingResource::Buffer(tables.entries()));
+    let mut blur = vec![(0, table.as_entire_binding()), octaves.clone(), (6, texels.as_entire_binding())];
+    blur.extend((1..).zip(sat.planes.iter().map(wgpu::Buffer::as_entire_binding)));
+    let rows = [octaves.clone(), (7, texels.as_entire_binding()), entries.clone()];
+    Stage::new(
+        "blur",
+        vec![
+            Dispatch::new(context, (FILE, "blur"), &blur, [layout.tiles, oem::CHANNELS as u32, 1]),
+            Dispatch::new(context, (FILE, "rows"), &rows, [layout.rows, 1, 1]),
+            Dispatch::new(context, (FILE, "columns"), &[octaves, entries], [layout.rows, 1, 1]),
+        ],
+    )
 }

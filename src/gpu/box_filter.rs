@@ -1,7 +1,8 @@
 //! Box queries over the exact SAT in textures: for lists of directions, and as WGSL for the caller's shaders.
 
+use super::device::readback;
+use super::device::resources::{UNIFORM, group, group_at, group_layout, texture_binding};
 use super::device::stage::{Dispatch, in_rows};
-use super::device::{readback, shader};
 use super::oem::Table;
 use super::{Context, SatPlanes, Stage};
 use crate::cpu::box_filter::StackedBox;
@@ -16,24 +17,19 @@ pub const GROUP_SIZE: u32 = 64;
 
 /// An exact table as shaders query it: two textures of words, and a header with exponents and sizes.
 ///
-/// [`SatTextures::bind_group_layout`] and [`wgsl`] make it available in any shader, through
-/// `octagloss_ggx(direction, roughness)` and `octagloss_box(direction, solid_angle)`.
+/// `common/sat.wgsl` reads it.
 #[derive(Clone, Debug)]
 pub struct SatTextures {
-    header: wgpu::Buffer,
-    low: wgpu::TextureView,
-    high: wgpu::TextureView,
-}
-
-/// Source of the query functions, with their resources at bindings 0, 1 and 2 of group `group`. To combine
-/// them with other queries in one shader, see [`shader::queries`].
-#[must_use]
-pub fn wgsl(group: u32) -> String {
-    shader::queries(&[shader::Queries::Boxes(group)])
+    /// Exponents and sizes: `OctaglossTable`.
+    pub header: wgpu::Buffer,
+    /// Low words.
+    pub low: wgpu::TextureView,
+    /// High words.
+    pub high: wgpu::TextureView,
 }
 
 impl SatTextures {
-    /// Creates textures for `sat`; [`BoxFilter::pack`] fills them.
+    /// Creates textures for `sat`; [`pack`] fills them.
     ///
     /// # Errors
     /// [`Error::Limit`] if the table exceeds the device's texture size.
@@ -49,187 +45,89 @@ impl SatTextures {
             });
         }
         let [low, high] = ["SAT low words", "SAT high words"].map(|label| {
-            let texture = context.device().create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::Rgba32Uint,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING,
-                view_formats: &[],
-            });
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING;
+            let format = wgpu::TextureFormat::Rgba32Uint;
+            let texture = context.texture(label, format, [side, side, 1], 1, usage);
             texture.create_view(&wgpu::TextureViewDescriptor::default())
         });
-        let header = context.device().create_buffer(&wgpu::BufferDescriptor {
-            label: Some("SAT header"),
-            size: 32,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
-            mapped_at_creation: false,
-        });
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE;
+        let header = context.buffer("SAT header", 32, usage);
         Ok(Self { header, low, high })
     }
 
-    /// Layout of a bind group with the resources of [`wgsl`], for the shader stages `visibility`.
+    /// Layout of a bind group with the resources of `common/sat.wgsl`, for the shader stages `visibility`.
     #[must_use]
-    pub fn bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let texture = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Uint,
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
-        let header = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("octagloss table"),
-            entries: &[entry(0, header), entry(1, texture), entry(2, texture)],
-        })
+    pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
+        let texture = texture_binding(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
+        group_layout(context, "octagloss table", visibility, &[UNIFORM, texture, texture])
     }
 
     /// Bind group of the table's resources, with `layout`.
     #[must_use]
-    pub fn bind_group(&self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        let texture = wgpu::BindingResource::TextureView;
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("octagloss table"),
-            layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: self.header.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: texture(&self.low) },
-                wgpu::BindGroupEntry { binding: 2, resource: texture(&self.high) },
-            ],
-        })
+    pub fn bind_group(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        let [low, high] = [&self.low, &self.high].map(wgpu::BindingResource::TextureView);
+        group(context, "octagloss table", layout, [self.header.as_entire_binding(), low, high])
     }
 }
 
-/// Pipelines that pack tables into textures and query them.
-#[derive(Clone, Debug)]
-pub struct BoxFilter {
-    pack: wgpu::ComputePipeline,
-    radiance: wgpu::ComputePipeline,
-    box_sums: wgpu::ComputePipeline,
+/// The stage that copies the words of `sat` into `textures`.
+#[must_use]
+pub fn pack(context: &Context, sat: &SatPlanes, textures: &SatTextures) -> Stage {
+    let table = Table::new(sat.size());
+    let uniform = context.uniform("table", &table);
+    let mut resources = vec![(0, uniform.as_entire_binding())];
+    resources.extend((1..).zip(sat.planes.iter().map(wgpu::Buffer::as_entire_binding)));
+    resources.extend([
+        (5, wgpu::BindingResource::TextureView(&textures.low)),
+        (6, wgpu::BindingResource::TextureView(&textures.high)),
+        (7, sat.exponents.as_entire_binding()),
+        (8, textures.header.as_entire_binding()),
+    ]);
+    let groups = table.side.div_ceil(EDGE);
+    Stage::new("pack", vec![Dispatch::new(context, ("pack.wgsl", "pack"), &resources, [groups, groups, 1])])
 }
 
-impl BoxFilter {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let pack = shader::module(context, "pack.wgsl");
-        let queries = shader::module(context, "box_filter.wgsl");
-        let query = |entry| shader::pipeline(context, &queries, entry, &[]);
-        Self {
-            pack: shader::pipeline(context, &pack, "pack", &[]),
-            radiance: query("radiance"),
-            box_sums: query("box_sums"),
-        }
-    }
-
-    /// The stage that copies the words of `sat` into `textures`.
-    #[must_use]
-    pub fn pack(&self, context: &Context, sat: &SatPlanes, textures: &SatTextures) -> Stage {
-        let table = Table::new(sat.size());
-        let uniform = context.uniform("table", &table);
-        let mut resources = vec![(0, uniform.as_entire_binding())];
-        resources.extend((1..).zip(sat.planes().iter().map(wgpu::Buffer::as_entire_binding)));
-        resources.extend([
-            (5, wgpu::BindingResource::TextureView(&textures.low)),
-            (6, wgpu::BindingResource::TextureView(&textures.high)),
-            (7, sat.exponents().as_entire_binding()),
-            (8, textures.header.as_entire_binding()),
-        ]);
-        let groups = table.side.div_ceil(EDGE);
-        Stage::new("pack", vec![Dispatch::new(context, &self.pack, &resources, [groups, groups, 1])])
-    }
-
-    /// Radiance of the boxes of `stack` around each of `directions`, read back; see
-    /// [`crate::cpu::box_filter::BoxFilter`].
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] if the device fails.
-    pub async fn radiance(
-        &self,
-        context: &Context,
-        textures: &SatTextures,
-        directions: &[DVec3],
-        stack: &[StackedBox],
-    ) -> Result<Vec<[f32; 3]>> {
-        let queries: Vec<[f32; 4]> =
-            directions.iter().map(|direction| direction.as_vec3().extend(0.0).to_array()).collect();
-        let stack: Vec<[f32; 2]> =
-            stack.iter().map(|one| [one.solid_angle as f32, one.weight as f32]).collect();
-        let stack = context.storage_of("stack", &stack);
-        let mut answers = Vec::with_capacity(queries.len());
-        for batch in queries.chunks(1 << 22) {
-            let queries = context.storage_of("directions", batch);
-            let lists = [(0, &queries), (4, &stack)];
-            let found: Vec<[f32; 4]> = ask(context, &self.radiance, textures, &lists, 1, batch.len()).await?;
-            answers.extend(found.iter().map(|[r, g, b, _]| [*r, *g, *b]));
-        }
-        Ok(answers)
-    }
-
-    /// The integer sums of `boxes` of the unfolded plane (low x, low y, high x, high y), read back; see
-    /// [`crate::sat::Sat::plane_box`].
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] if the device fails.
-    pub async fn sums(
-        &self,
-        context: &Context,
-        textures: &SatTextures,
-        boxes: &[[i32; 4]],
-    ) -> Result<Vec<[u64; 4]>> {
-        let queries = context.storage_of("boxes", boxes);
-        let found: Vec<[[u32; 4]; 2]> =
-            ask(context, &self.box_sums, textures, &[(2, &queries)], 3, boxes.len()).await?;
-        let join = |[low, high]: &[[u32; 4]; 2]| {
-            std::array::from_fn(|c| u64::from(high[c]) << 32 | u64::from(low[c]))
-        };
-        Ok(found.iter().map(join).collect())
-    }
-}
-
-/// Runs `pipeline` over `count` queries with `lists` at their bindings of group 1, and reads binding
-/// `answers` back.
-async fn ask<A: bytemuck::Pod>(
+/// Radiance of the boxes of `stack` around each of `directions`, read back; see
+/// [`crate::cpu::box_filter::BoxFilter`].
+///
+/// # Errors
+/// [`Error::Gpu`] if the device fails.
+pub async fn radiance(
     context: &Context,
-    pipeline: &wgpu::ComputePipeline,
+    textures: &SatTextures,
+    directions: &[DVec3],
+    stack: &[StackedBox],
+) -> Result<Vec<[f32; 3]>> {
+    let queries: Vec<[f32; 4]> =
+        directions.iter().map(|direction| direction.as_vec3().extend(0.0).to_array()).collect();
+    let stack: Vec<[f32; 2]> = stack.iter().map(|one| [one.solid_angle as f32, one.weight as f32]).collect();
+    let stack = context.storage_of("stack", &stack);
+    let mut answers = Vec::with_capacity(queries.len());
+    for batch in queries.chunks(1 << 22) {
+        let queries = context.storage_of("directions", batch);
+        let lists = [(0, &queries), (4, &stack)];
+        let found: Vec<[f32; 4]> = ask(context, textures, &lists, batch.len()).await?;
+        answers.extend(found.iter().map(|[r, g, b, _]| [*r, *g, *b]));
+    }
+    Ok(answers)
+}
+
+/// Answers `count` queries with `lists` at their bindings of group 1.
+async fn ask(
+    context: &Context,
     textures: &SatTextures,
     lists: &[(u32, &wgpu::Buffer)],
-    answers: u32,
     count: usize,
-) -> Result<Vec<A>> {
-    if count == 0 {
-        return Ok(Vec::new());
-    }
-    let answered = context.storage("answers", (size_of::<A>() * count) as u64);
-    let device = context.device();
-    let table = textures.bind_group(device, &pipeline.get_bind_group_layout(0));
-    let entries: Vec<_> = lists
-        .iter()
-        .chain([&(answers, &answered)])
-        .map(|(binding, buffer)| wgpu::BindGroupEntry {
-            binding: *binding,
-            resource: buffer.as_entire_binding(),
-        })
-        .collect();
-    let lists = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("queries"),
-        layout: &pipeline.get_bind_group_layout(1),
-        entries: &entries,
-    });
+) -> Result<Vec<[f32; 4]>> {
+    let pipeline = context.pipeline("box_filter.wgsl", "radiance", None);
+    let answered = context.storage("answers", 16 * count as u64);
+    let table = textures.bind_group(context, &pipeline.get_bind_group_layout(0));
+    let lists = lists.iter().copied().chain([(1, &answered)]);
+    let lists = lists.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+    let lists = group_at(context, "queries", &pipeline.get_bind_group_layout(1), lists);
     let groups = u32::try_from(count).expect("what a buffer holds").div_ceil(GROUP_SIZE);
-    context.submit(|encoder| {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &table, &[]);
-        pass.set_bind_group(1, &lists, &[]);
-        let [x, y, z] = in_rows(groups);
-        pass.dispatch_workgroups(x, y, z);
-    });
+    let dispatch = Dispatch::with_groups(&pipeline, vec![table, lists], in_rows(groups));
+    let stage = Stage::new("box_filter", vec![dispatch]);
+    context.submit(|encoder| stage.record(encoder));
     readback::read(context, &answered).await
 }

@@ -7,15 +7,10 @@
 //!  +--mirror--> texture
 //! ```
 
-use super::blur::Blur;
-use super::emitters::Emitters;
 use super::fitted::FittedTables;
-use super::fixed_point::FixedPoint;
-use super::harmonics::Harmonics;
-use super::mirror::Mirror;
-use super::sat_scan::SatScan;
-use super::table_scan::TableScan;
-use super::{Context, OemPlanes, SatPlanes, Stage};
+use super::{
+    Context, OemPlanes, SatPlanes, Stage, blur, emitters, fixed_point, harmonics, mirror, table_scan,
+};
 use crate::error::Result;
 use crate::sat::Scan;
 
@@ -25,7 +20,7 @@ pub(super) struct Scratch {
     /// The OEM without its emitters.
     rest: OemPlanes,
     sat: SatPlanes,
-    /// [`Blur::texels`].
+    /// [`blur::texels`].
     blurred: wgpu::Buffer,
 }
 
@@ -37,80 +32,45 @@ impl Scratch {
     pub(super) fn new(context: &Context, oem: &OemPlanes) -> Result<Self> {
         let sat = SatPlanes::new(context, oem.size())?;
         let rest = oem.of_the_same_solid_angles(context);
-        Ok(Self { rest, sat, blurred: Blur::texels(context, oem.size().inner) })
+        Ok(Self { rest, sat, blurred: blur::texels(context, oem.size().inner) })
     }
 }
 
-/// The passes that fill [`FittedTables`].
-#[derive(Clone, Debug)]
-pub struct BuildFitted {
-    /// OEM to emitters and the residual map.
-    pub emitters: Emitters,
-    /// Residual map to fixed-point exponents.
-    pub fixed_point: FixedPoint,
-    /// Residual map to its exact SAT.
-    pub sat_scan: TableScan,
-    /// Table to blurred tables.
-    pub blur: Blur,
-    /// Table to harmonics.
-    pub harmonics: Harmonics,
-    /// OEM to the texture for mirrors.
-    pub mirror: Mirror,
+/// The stages that fill `tables` from `oem`, in order, with its table scanned by `scan`. Record them whenever
+/// `oem` has changed.
+///
+/// # Errors
+/// [`crate::Error::Limit`] if the planes are larger than the device can bind; those of [`table_scan::stage`].
+///
+/// # Panics
+/// If `tables` was made for another size.
+pub fn stages(context: &Context, scan: Scan, oem: &OemPlanes, tables: &FittedTables) -> Result<Vec<Stage>> {
+    stages_through(context, scan, oem, &Scratch::new(context, oem)?, tables)
 }
 
-impl BuildFitted {
-    /// Compiles the passes.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        Self {
-            emitters: Emitters::new(context),
-            fixed_point: FixedPoint::new(context),
-            sat_scan: TableScan::Blocks(SatScan::new(context)),
-            blur: Blur::new(context),
-            harmonics: Harmonics::new(context),
-            mirror: Mirror::new(context),
-        }
-    }
-
-    /// The same passes, with the table scanned by `scan`.
-    ///
-    /// # Errors
-    /// Those of [`TableScan::new`].
-    pub fn scanned_by(&self, context: &Context, scan: Scan) -> Result<Self> {
-        Ok(Self { sat_scan: self.sat_scan.or_of(context, scan)?, ..self.clone() })
-    }
-
-    /// The stages that fill `tables` from `oem`, in order. Record them whenever `oem` has changed.
-    ///
-    /// # Errors
-    /// [`crate::Error::Limit`] if the planes are larger than the device can bind.
-    ///
-    /// # Panics
-    /// If `tables` was made for another size.
-    pub fn stages(&self, context: &Context, oem: &OemPlanes, tables: &FittedTables) -> Result<Vec<Stage>> {
-        Ok(self.stages_through(context, oem, &Scratch::new(context, oem)?, tables))
-    }
-
-    /// The same by way of `scratch`.
-    ///
-    /// # Panics
-    /// If `scratch` or `tables` was made for another size.
-    pub(super) fn stages_through(
-        &self,
-        context: &Context,
-        oem: &OemPlanes,
-        scratch: &Scratch,
-        tables: &FittedTables,
-    ) -> Vec<Stage> {
-        let Scratch { rest, sat, blurred } = scratch;
-        assert_eq!(oem.size(), sat.size(), "buffers for this size");
-        vec![
-            self.emitters.stage(context, oem, rest, tables),
-            self.fixed_point.stage(context, rest, sat).labelled("fixed_point of the rest"),
-            self.sat_scan.stage_of_the_rest(context, rest, sat),
-            self.blur.stage(context, sat, blurred, tables),
-            self.harmonics.stage(context, sat, tables),
-            self.mirror.stage(context, oem, rest, tables),
-        ]
-    }
+/// The stages through `scratch`.
+///
+/// # Errors
+/// Those of [`table_scan::stage`].
+///
+/// # Panics
+/// If `scratch` or `tables` was made for another size.
+pub(super) fn stages_through(
+    context: &Context,
+    scan: Scan,
+    oem: &OemPlanes,
+    scratch: &Scratch,
+    tables: &FittedTables,
+) -> Result<Vec<Stage>> {
+    let Scratch { rest, sat, blurred } = scratch;
+    assert_eq!(oem.size(), sat.size(), "buffers for this size");
+    let of_the_rest = if scan == Scan::Blocks { "sat_scan of the rest" } else { "sat_hensley of the rest" };
+    Ok(vec![
+        emitters::stage(context, oem, rest, tables),
+        fixed_point::stage(context, rest, sat).labelled("fixed_point of the rest"),
+        table_scan::stage(context, scan, rest, sat)?.labelled(of_the_rest),
+        blur::stage(context, sat, blurred, tables),
+        harmonics::stage(context, sat, tables),
+        mirror::stage(context, oem, rest, tables),
+    ])
 }

@@ -1,8 +1,7 @@
 //! Builds the quadtree of moments over an OEM's planes, level by level.
 
-use super::device::shader;
 use super::device::stage::Dispatch;
-use super::least::Least;
+use super::least;
 use super::oem::Table;
 use super::{Context, OemPlanes, Stage};
 use crate::cpu::cells::{Cells, QUAD_FIELDS, SubdivisionTables, omitted_radiance};
@@ -44,23 +43,16 @@ pub struct Tent {
     pad_1: f32,
 }
 
-/// Pipelines of the stage.
-#[derive(Clone, Debug)]
-pub struct BuildCells {
-    least: Least,
-    finest: wgpu::ComputePipeline,
-    coarser: wgpu::ComputePipeline,
-}
-
 /// The quadtree of one OEM, filled by its stage.
 #[derive(Clone, Debug)]
 pub struct CellTree {
     pub(super) inner: u32,
     pub(super) block: u32,
     pub(super) reconstruction: Reconstruction,
-    /// The least radiance of each channel.
-    pub(super) least: wgpu::Buffer,
-    pub(super) quads: wgpu::Buffer,
+    /// The least radiance of each channel, padded to four floats.
+    pub least: wgpu::Buffer,
+    /// The quads, four times `QUAD_FIELDS` floats each, in the order of [`crate::cpu::cells::Cells`].
+    pub quads: wgpu::Buffer,
     /// First quad and quads along an edge, from the finest level to the root.
     pub(super) levels: Vec<[u32; 2]>,
     /// Bound of the radiance that energies counted as zero add to an answer.
@@ -81,16 +73,8 @@ pub(super) struct SourceTables {
 impl SourceTables {
     /// Tables without texels.
     fn none(context: &Context) -> Self {
-        let texture = context.device().create_texture(&wgpu::TextureDescriptor {
-            label: Some("no source"),
-            size: wgpu::Extent3d::default(),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba32Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
+        let (format, usage) = (wgpu::TextureFormat::Rgba32Float, wgpu::TextureUsages::TEXTURE_BINDING);
+        let texture = context.texture("no source", format, [1; 3], 1, usage);
         Self {
             grid: SourceGrid::default(),
             members: context.storage("no members", 4),
@@ -102,7 +86,7 @@ impl SourceTables {
 
 /// Remedy for a source with too many texels.
 fn smaller_source(_: u64) -> String {
-    "bake from a smaller source, or with the CPU engine".to_owned()
+    "bake from a smaller source, or with `engine` cpu".to_owned()
 }
 
 /// The view of all layers of a source's texture.
@@ -116,7 +100,8 @@ fn layers(texture: &wgpu::Texture) -> wgpu::TextureView {
 
 /// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along
 /// an edge; and the number of quads in all levels.
-fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
+#[must_use]
+pub fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
     let mut levels: Vec<[u32; 2]> = Vec::new();
     let mut first = 0;
     let mut width = cells;
@@ -129,60 +114,6 @@ fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
 }
 
 impl CellTree {
-    /// Uploads the CPU's `cells` of an OEM of `inner` x `inner` texels with finest blocks of `block` x
-    /// `block`.
-    ///
-    /// # Panics
-    /// If `cells` has another shape.
-    #[must_use]
-    pub fn upload(
-        context: &Context,
-        cells: &Cells,
-        inner: u32,
-        block: u32,
-        reconstruction: Reconstruction,
-    ) -> Self {
-        let quads = cells.quad_fields();
-        let (levels, count) = levels_over(inner.div_ceil(block));
-        assert_eq!(quads.len(), count as usize, "quads of {inner} x {inner} texels in blocks of {block}");
-        Self::holding(context, inner, block, reconstruction, cells.least(), levels, &quads)
-    }
-
-    /// A tree that a tolerance of zero cuts into exactly `leaves`
-    /// ([`crate::cpu::leaves::Scratch::leaf_fields`]) over the `least` radiance. Used to replay cuts.
-    #[must_use]
-    pub fn of_leaves(context: &Context, leaves: &[[f32; QUAD_FIELDS]], least: [f32; 3]) -> Self {
-        let cells = (leaves.len().max(1) as f64).sqrt().ceil() as u32;
-        let (levels, count) = levels_over(cells);
-        let mut quads = vec![[[0.0; 4]; QUAD_FIELDS]; count as usize];
-        let place = |level: usize, i: u32, j: u32| {
-            let [first, width] = levels[level];
-            ((first + j / 2 * width + i / 2) as usize, (i % 2 + 2 * (j % 2)) as usize)
-        };
-        for (k, leaf) in (0..).zip(leaves) {
-            let (i, j) = (k % cells, k / cells);
-            let (quad, sibling) = place(0, i, j);
-            for (field, value) in quads[quad].iter_mut().zip(leaf) {
-                field[sibling] = *value;
-            }
-            // Inner nodes get a radius of the whole sphere, so they are always split.
-            for level in 1..levels.len() {
-                let (quad, sibling) = place(level, i >> level, j >> level);
-                // Covariance, radius, luminance and energies.
-                for variance in &mut quads[quad][3..6] {
-                    variance[sibling] = 1.0;
-                }
-                quads[quad][9][sibling] = 2.0;
-                for energy in 10..14 {
-                    quads[quad][energy][sibling] += leaf[energy];
-                }
-            }
-        }
-        // Stop above texels, so that leaves are not refined.
-        let (inner, block) = (2 * cells, 2);
-        Self::holding(context, inner, block, Reconstruction::Constant, least, levels, &quads)
-    }
-
     /// Uploads the CPU's `cells` of the texels of a source ([`Cells::of_source`]), and their members.
     /// `texture` holds the source's light.
     ///
@@ -196,7 +127,7 @@ impl CellTree {
             cells.source_tables().expect("cells of a source");
         let (levels, count) = levels_over(width);
         context.fits("the cells of the source", QUAD * u64::from(count), |_| {
-            "choose a smaller `oem_size`, or the CPU engine".to_owned()
+            "choose a smaller `oem_size`, or `engine` cpu".to_owned()
         })?;
         context.fits("the texels of the source by cells", 4 * members.len() as u64, smaller_source)?;
         let tree = Self::holding(
@@ -217,7 +148,9 @@ impl CellTree {
         Ok(Self { omitted: cells.omitted(), source, ..tree })
     }
 
-    fn holding(
+    /// A tree with the given levels, as [`levels_over`] has them, and quads.
+    #[must_use]
+    pub fn holding(
         context: &Context,
         inner: u32,
         block: u32,
@@ -239,12 +172,6 @@ impl CellTree {
         }
     }
 
-    /// The quads, four times [`QUAD_FIELDS`] floats each, in the order of [`crate::cpu::cells::Cells`].
-    #[must_use]
-    pub const fn quads(&self) -> &wgpu::Buffer {
-        &self.quads
-    }
-
     /// Checks that the tree over `inner` x `inner` texels, in blocks of `block(inner)`, and the moments of
     /// its texels fit the device.
     pub(super) fn check_fits(context: &Context, inner: u32, block: impl Fn(u32) -> u32) -> Result<()> {
@@ -254,7 +181,7 @@ impl CellTree {
         let what = format!("a tree of cells over {inner} x {inner} texels");
         context.fits(&what, bytes(inner), |available| {
             let fitting = (1..inner).rev().find(|inner| bytes(*inner) <= available);
-            format!("choose `oem_size` of at most {}, or the CPU engine", fitting.unwrap_or(0))
+            format!("choose `oem_size` of at most {}, or `engine` cpu", fitting.unwrap_or(0))
         })
     }
 
@@ -263,92 +190,70 @@ impl CellTree {
         let words = u64::from(width) * u64::from(width) + 1 + 3 * most_runs(layout, width);
         context.fits("the texels of the source by cells", 4 * words, smaller_source)
     }
-
-    /// The least radiance of each channel, padded to four floats.
-    #[must_use]
-    pub const fn least(&self) -> &wgpu::Buffer {
-        &self.least
-    }
 }
 
-shader::members!(CellLevel { first, width, finer_first, finer_width, cells, block });
-shader::members!(Tent { centroid, radius, diagonal, pad_0, mixed, pad_1 });
+/// The cells of `oem` down to blocks of `block` x `block` texels, and the stage that fills them.
+///
+/// # Errors
+/// [`crate::Error::Limit`] if they are larger than the device can bind.
+///
+/// # Panics
+/// If `block` is zero.
+pub fn stage(
+    context: &Context,
+    oem: &OemPlanes,
+    block: u32,
+    reconstruction: Reconstruction,
+) -> Result<(Stage, CellTree)> {
+    assert!(block > 0, "blocks of at least one texel");
+    let Table { inner, .. } = oem.table();
+    CellTree::check_fits(context, inner, |_| block)?;
+    let cells = inner.div_ceil(block);
+    let (levels, count) = levels_over(cells);
+    let bytes = QUAD * u64::from(count);
+    let tents: Vec<Tent> = Tents::new(inner, reconstruction)
+        .quadrant()
+        .iter()
+        .map(|patch| Tent {
+            centroid: patch.centroid.to_array(),
+            radius: patch.radius,
+            diagonal: patch.diagonal.to_array(),
+            pad_0: 0.0,
+            mixed: patch.mixed.to_array(),
+            pad_1: 0.0,
+        })
+        .collect();
+    let tents = context.storage_of("moments of texels", &tents);
+    let of_all = context.storage("least radiance", 16);
+    let quads = context.storage("quads", bytes);
 
-impl BuildCells {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "cells.wgsl");
-        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        Self { least: Least::new(context), finest: pipeline("finest"), coarser: pipeline("coarser") }
+    let planes = oem.bindings();
+    let least_binding = (6, of_all.as_entire_binding());
+    let quads_binding = (8, quads.as_entire_binding());
+    let over = |width: u32| [width.div_ceil(EDGE), width.div_ceil(EDGE), 1];
+    let mut dispatches = Vec::from(least::dispatches(context, oem, of_all.as_entire_binding()));
+    for (index, &[first, width]) in levels.iter().enumerate() {
+        let [finer_first, finer_width] = if index > 0 { levels[index - 1] } else { [0, 0] };
+        let uniform = CellLevel { first, width, finer_first, finer_width, cells, block };
+        let uniform = context.uniform("level of cells", &uniform);
+        let level = (9, uniform.as_entire_binding());
+        dispatches.push(if index == 0 {
+            let tents = (7, tents.as_entire_binding());
+            let own = [least_binding.clone(), tents, quads_binding.clone(), level];
+            Dispatch::new(context, ("cells.wgsl", "finest"), &[&planes[..], &own].concat(), over(width))
+        } else {
+            Dispatch::new(context, ("cells.wgsl", "coarser"), &[quads_binding.clone(), level], over(width))
+        });
     }
-
-    /// The cells of `oem` down to blocks of `block` x `block` texels, and the stage that fills them.
-    ///
-    /// # Errors
-    /// [`crate::Error::Limit`] if they are larger than the device can bind.
-    ///
-    /// # Panics
-    /// If `block` is zero.
-    pub fn stage(
-        &self,
-        context: &Context,
-        oem: &OemPlanes,
-        block: u32,
-        reconstruction: Reconstruction,
-    ) -> Result<(Stage, CellTree)> {
-        assert!(block > 0, "blocks of at least one texel");
-        let Table { inner, .. } = oem.table();
-        CellTree::check_fits(context, inner, |_| block)?;
-        let cells = inner.div_ceil(block);
-        let (levels, count) = levels_over(cells);
-        let bytes = QUAD * u64::from(count);
-        let tents: Vec<Tent> = Tents::new(inner, reconstruction)
-            .quadrant()
-            .iter()
-            .map(|patch| Tent {
-                centroid: patch.centroid.to_array(),
-                radius: patch.radius,
-                diagonal: patch.diagonal.to_array(),
-                pad_0: 0.0,
-                mixed: patch.mixed.to_array(),
-                pad_1: 0.0,
-            })
-            .collect();
-        let tents = context.storage_of("moments of texels", &tents);
-        let least = context.storage("least radiance", 16);
-        let quads = context.storage("quads", bytes);
-
-        let table = (0, oem.table_buffer().as_entire_binding());
-        let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
-        let planes: Vec<_> = std::iter::once(table).chain(planes).collect();
-        let least_binding = (6, least.as_entire_binding());
-        let quads_binding = (8, quads.as_entire_binding());
-        let over = |width: u32| [width.div_ceil(EDGE), width.div_ceil(EDGE), 1];
-        let mut dispatches = Vec::from(self.least.dispatches(context, oem, least.as_entire_binding()));
-        for (index, &[first, width]) in levels.iter().enumerate() {
-            let [finer_first, finer_width] = if index > 0 { levels[index - 1] } else { [0, 0] };
-            let uniform = CellLevel { first, width, finer_first, finer_width, cells, block };
-            let uniform = context.uniform("level of cells", &uniform);
-            let level = (9, uniform.as_entire_binding());
-            dispatches.push(if index == 0 {
-                let tents = (7, tents.as_entire_binding());
-                let own = [least_binding.clone(), tents, quads_binding.clone(), level];
-                Dispatch::new(context, &self.finest, &[&planes[..], &own].concat(), over(width))
-            } else {
-                Dispatch::new(context, &self.coarser, &[quads_binding.clone(), level], over(width))
-            });
-        }
-        let tree = CellTree {
-            inner,
-            block,
-            reconstruction,
-            least,
-            quads,
-            levels,
-            omitted: omitted_radiance(inner),
-            source: SourceTables::none(context),
-        };
-        Ok((Stage::new("cells", dispatches), tree))
-    }
+    let tree = CellTree {
+        inner,
+        block,
+        reconstruction,
+        least: of_all,
+        quads,
+        levels,
+        omitted: omitted_radiance(inner),
+        source: SourceTables::none(context),
+    };
+    Ok((Stage::new("cells", dispatches), tree))
 }

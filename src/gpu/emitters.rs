@@ -1,15 +1,9 @@
 //! Extracts the brightest cells of an OEM as point emitters, like [`crate::realtime::emitters`].
 
-use super::device::shader;
 use super::device::stage::Dispatch;
-use super::fitted::{EMITTERS_OFFSET, EmitterWords, FittedTables, ROTATION_OFFSET};
+use super::fitted::FittedTables;
 use super::{Context, OemPlanes, Stage};
-use crate::error::Result;
-use crate::realtime::emitters::{COUNT, Emitter, GRID, block};
-use glam::{DVec3, Vec3};
-
-/// Invocations of a workgroup that searches for the brightest cells.
-pub const GROUP_SIZE: u32 = 256;
+use crate::realtime::emitters::{COUNT, GRID, block};
 
 /// Invocations along an edge of a workgroup that writes the residual map.
 pub const EDGE: u32 = 16;
@@ -20,95 +14,45 @@ pub const BATCH: u32 = 1024;
 /// Cells that a workgroup keeps: one per emitter, and the next brightest.
 pub const KEPT: u32 = COUNT as u32 + 1;
 
-/// Pipelines of the stage.
-#[derive(Clone, Debug)]
-pub struct Emitters {
-    brightest_cells: wgpu::ComputePipeline,
-    brightest_of_lists: wgpu::ComputePipeline,
-    rest: wgpu::ComputePipeline,
-    emitters: wgpu::ComputePipeline,
-}
+const FILE: &str = "emitters.wgsl";
 
-impl Emitters {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "emitters.wgsl");
-        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        Self {
-            brightest_cells: pipeline("brightest_cells"),
-            brightest_of_lists: pipeline("brightest_of_lists"),
-            rest: pipeline("rest"),
-            emitters: pipeline("emitters"),
-        }
+/// Stage that writes the emitters of `oem` to `tables`, and the residual map to `rest`, which shares the
+/// solid angles of `oem`.
+///
+/// # Panics
+/// If the tables were made for another size.
+#[must_use]
+pub fn stage(context: &Context, oem: &OemPlanes, rest: &OemPlanes, tables: &FittedTables) -> Stage {
+    let inner = oem.size().inner;
+    assert_eq!(inner, tables.inner(), "tables for this size");
+    let cells = (inner / block(inner)).pow(2);
+    debug_assert!(cells <= GRID * GRID, "the grid is no finer");
+    let brightness = context.storage("brightness of cells", 4 * u64::from(cells));
+    let list = |groups: u32| context.storage("brightest cells", 8 * u64::from(groups * KEPT));
+    let planes = oem.bindings();
+    // Without the solid angles.
+    let energies = planes[..4].to_vec();
+
+    let mut groups = cells.div_ceil(BATCH);
+    let mut brightest = list(groups);
+    let mut cells = planes.clone();
+    cells.extend([(5, brightness.as_entire_binding()), (7, brightest.as_entire_binding())]);
+    let mut dispatches = vec![Dispatch::new(context, (FILE, "brightest_cells"), &cells, [groups, 1, 1])];
+    while groups > 1 {
+        groups = (groups * KEPT).div_ceil(BATCH);
+        let fewer = list(groups);
+        let lists = [(6, brightest.as_entire_binding()), (7, fewer.as_entire_binding())];
+        dispatches.push(Dispatch::new(context, (FILE, "brightest_of_lists"), &lists, [groups, 1, 1]));
+        brightest = fewer;
     }
-
-    /// Stage that writes the emitters of `oem` to `tables`, and the residual map to `rest`, which shares the
-    /// solid angles of `oem`.
-    ///
-    /// # Panics
-    /// If the tables were made for another size.
-    #[must_use]
-    pub fn stage(
-        &self,
-        context: &Context,
-        oem: &OemPlanes,
-        rest: &OemPlanes,
-        tables: &FittedTables,
-    ) -> Stage {
-        let inner = oem.size().inner;
-        assert_eq!(inner, tables.inner(), "tables for this size");
-        let cells = (inner / block(inner)).pow(2);
-        debug_assert!(cells <= GRID * GRID, "the grid is no finer");
-        let brightness = context.storage("brightness of cells", 4 * u64::from(cells));
-        let list = |groups: u32| context.storage("brightest cells", 8 * u64::from(groups * KEPT));
-        let mut energies = vec![(0, oem.table_buffer().as_entire_binding())];
-        energies.extend((1..4).zip(oem.planes().iter().map(wgpu::Buffer::as_entire_binding)));
-
-        let mut groups = cells.div_ceil(BATCH);
-        let mut brightest = list(groups);
-        let mut cells = energies.clone();
-        cells.extend([
-            (4, oem.planes()[3].as_entire_binding()),
-            (5, brightness.as_entire_binding()),
-            (7, brightest.as_entire_binding()),
-        ]);
-        let mut dispatches = vec![Dispatch::new(context, &self.brightest_cells, &cells, [groups, 1, 1])];
-        while groups > 1 {
-            groups = (groups * KEPT).div_ceil(BATCH);
-            let fewer = list(groups);
-            let lists = [(6, brightest.as_entire_binding()), (7, fewer.as_entire_binding())];
-            dispatches.push(Dispatch::new(context, &self.brightest_of_lists, &lists, [groups, 1, 1]));
-            brightest = fewer;
-        }
-        let listed = (6, brightest.as_entire_binding());
-        let mut kept = energies.clone();
-        kept.extend([listed.clone(), (5, brightness.as_entire_binding())]);
-        kept.extend((8..).zip(rest.planes()[..3].iter().map(wgpu::Buffer::as_entire_binding)));
-        let groups = oem.table().side.div_ceil(EDGE);
-        dispatches.push(Dispatch::new(context, &self.rest, &kept, [groups, groups, 1]));
-        let mut given = energies.clone();
-        given.extend([listed, (11, wgpu::BindingResource::Buffer(tables.light()))]);
-        dispatches.push(Dispatch::new(context, &self.emitters, &given, [1, 1, 1]));
-        Stage::new("emitters", dispatches)
-    }
-}
-
-impl FittedTables {
-    /// Reads the emitters back, brightest first.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] if the device fails.
-    pub async fn read_emitters(&self, context: &Context) -> Result<Vec<Emitter>> {
-        let light = self.read_light(context).await?;
-        let words = &light[EMITTERS_OFFSET as usize / 16..ROTATION_OFFSET as usize / 16];
-        let words: &[EmitterWords] = bytemuck::cast_slice(words);
-        let lit = words.iter().filter(|words| words.energy != [0.0; 3]);
-        let emitter = |words: &EmitterWords| Emitter {
-            direction: DVec3::from(Vec3::from_array(words.direction)),
-            spread: f64::from(words.spread),
-            energy: words.energy.map(f64::from),
-        };
-        Ok(lit.map(emitter).collect())
-    }
+    let listed = (6, brightest.as_entire_binding());
+    let mut kept = energies.clone();
+    kept.extend([listed.clone(), (5, brightness.as_entire_binding())]);
+    kept.extend((8..).zip(rest.planes[..3].iter().map(wgpu::Buffer::as_entire_binding)));
+    let groups = oem.table().side.div_ceil(EDGE);
+    dispatches.push(Dispatch::new(context, (FILE, "rest"), &kept, [groups, groups, 1]));
+    let mut given = energies.clone();
+    given.extend([listed, (11, wgpu::BindingResource::Buffer(tables.light()))]);
+    dispatches.push(Dispatch::new(context, (FILE, "emitters"), &given, [1, 1, 1]));
+    Stage::new("emitters", dispatches)
 }

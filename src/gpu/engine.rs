@@ -1,21 +1,19 @@
 //! The GPU engine: prepares environments, queries and bakes them.
 
-use super::adaptive::{Adaptive, Answers, LobePart, Packet, Packets};
-use super::box_filter::{BoxFilter, SatTextures};
-use super::build_fitted::BuildFitted;
-use super::cells::{BuildCells, CellTree};
+use super::adaptive::{Answers, LobePart, Packet, Packets};
+use super::box_filter::SatTextures;
+use super::cells::CellTree;
 use super::device::readback;
 use super::fitted::{Fitted, FittedTables};
-use super::fixed_point::FixedPoint;
-use super::reparameterise::{self, Reparameterise};
-use super::table_scan::TableScan;
 use super::{Context, OemPlanes, SatPlanes, Stage};
+use super::{adaptive, box_filter, build_fitted, cells, fixed_point, reparameterise, table_scan};
 use crate::bake::job::Job;
-use crate::bake::level::{Advance, BakedLevel, LevelJob, Work};
+use crate::bake::level::{Advance, BakedLevel, LeafCounts, LevelJob};
 use crate::bake::{self, Bake, BakeSettings, OnProgress, Processor};
 use crate::cpu::box_filter::single_box;
 use crate::cpu::cells::{Cells, SourceLight};
 use crate::cpu::leaves::LANES;
+use crate::direction::units;
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
@@ -27,7 +25,7 @@ use crate::light_scale::LightScale;
 use crate::lobe::Lobe;
 use crate::lobe::kernel::Kernel;
 use crate::oem::{OemSize, bilinear_share};
-use crate::reflector::{ReflectorSettings, Workspace, check_answers, units};
+use crate::reflector::{ReflectorSettings, Workspace, check_answers};
 use crate::sat::Scan;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -37,46 +35,21 @@ use std::sync::OnceLock;
 /// back.
 const SHARPEST_ALPHA: f64 = 1e-4;
 
-/// Every pipeline on one device.
+/// Bakes and queries on one device.
 #[derive(Clone, Debug)]
 pub struct Engine {
     context: Context,
-    /// Environment to OEM, and to footprints.
-    pub reparameterise: Reparameterise,
-    /// OEM to fixed-point exponents.
-    pub fixed_point: FixedPoint,
-    /// OEM to exact table.
-    pub sat_scan: TableScan,
-    /// Table to textures, and boxes over them.
-    pub box_filter: BoxFilter,
-    /// OEM to the tables of fitted lobes.
-    pub build_fitted: BuildFitted,
-    /// Fitted lobes over those tables.
+    /// Fitted lobes over their tables.
     pub fitted: Fitted,
-    /// OEM to quadtree.
-    pub cells: BuildCells,
-    /// Quadtree to lobes.
-    pub adaptive: Adaptive,
 }
 
 impl Engine {
-    /// Compiles all passes.
+    /// An engine on the device of `context`. Passes are compiled when they are first used.
     ///
     /// # Errors
     /// [`Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context) -> Result<Self> {
-        let build_fitted = BuildFitted::new(&context);
-        let engine = Self {
-            reparameterise: Reparameterise::new(&context),
-            fixed_point: build_fitted.fixed_point.clone(),
-            sat_scan: build_fitted.sat_scan.clone(),
-            build_fitted,
-            box_filter: BoxFilter::new(&context),
-            fitted: Fitted::new(&context),
-            cells: BuildCells::new(&context),
-            adaptive: Adaptive::new(&context),
-            context,
-        };
+        let engine = Self { fitted: Fitted::new(&context), context };
         engine.context.check()?;
         Ok(engine)
     }
@@ -87,20 +60,11 @@ impl Engine {
         &self.context
     }
 
-    /// Bakes `environment` as [`crate::bake::bake`] does.
+    /// Bakes `environment` several times from one octahedral map, as [`crate::bake::bake_all`] does.
     ///
     /// # Errors
     /// Those of the CPU engine, [`Error::Unsupported`] for filters that run on the CPU only, and
     /// [`Error::Gpu`].
-    pub async fn bake(&self, environment: &Environment, settings: &BakeSettings) -> Result<Bake> {
-        let mut bakes = self.bake_all(environment, std::slice::from_ref(settings), &bake::unwatched).await?;
-        Ok(bakes.pop().expect("one bake for one settings"))
-    }
-
-    /// Bakes `environment` several times from one octahedral map, as [`crate::bake::bake_all`] does.
-    ///
-    /// # Errors
-    /// Those of [`Engine::bake`].
     pub async fn bake_all(
         &self,
         environment: &Environment,
@@ -150,7 +114,8 @@ impl Engine {
     /// before.
     ///
     /// # Errors
-    /// Those of [`Engine::bake`].
+    /// Those of the CPU engine, [`Error::Unsupported`] for filters that run on the CPU only, and
+    /// [`Error::Gpu`].
     pub(crate) fn bake_stages(
         &self,
         environment: &Environment,
@@ -161,7 +126,7 @@ impl Engine {
         };
         let job = Job::new(environment, std::slice::from_ref(settings))?;
         let reflector = GpuReflector::new(self, environment, &job.reflector_settings())?;
-        let Self { context, reparameterise, adaptive, .. } = self;
+        let context = &self.context;
         let mut levels = Vec::new();
         for level in job.levels() {
             let LevelJob { spec, lobe, .. } = *level;
@@ -170,14 +135,14 @@ impl Engine {
                 let Layout::Cube { size } = spec.layout else {
                     return Err(Error::Parameter("`bake_stages` requires cube mirror levels".to_owned()));
                 };
-                levels.push(reparameterise.footprints(context, environment, texture, size)?.0);
+                levels.push(reparameterise::footprints(context, environment, texture, size)?.0);
                 continue;
             }
             let groups = groups(&Tiling::new(reflector.planes.size().inner, spec, lobe));
             let groups: Vec<&[DVec3]> = groups.iter().map(Vec::as_slice).collect();
             let packets = Packets::new(context, &packets(&groups, environment.source_from_world()))?;
             let parts = reflector.parts(lobe, spec.roughness * spec.roughness, error)?;
-            levels.push(adaptive.stage(context, &parts, &packets));
+            levels.push(adaptive::stage(context, &parts, &packets));
         }
         let GpuReflector { stage, bilinear, .. } = &reflector;
         let cells = bilinear.get().map(|(_, stage)| stage);
@@ -214,13 +179,12 @@ impl<'a> GpuReflector<'a> {
         environment: &'a Environment,
         settings: &ReflectorSettings,
     ) -> Result<Self> {
-        environment.check_rotation()?;
         let (size, _) = settings.plan(environment.layout())?;
         let context = &engine.context;
-        let scale = LightScale::of(environment);
+        let scale = LightScale::new(environment);
         let texture = reparameterise::upload(context, &scale.scaled(environment))?;
         let planes = OemPlanes::new(context, size)?;
-        let stage = engine.reparameterise.stage(context, environment.layout(), &texture, &planes)?;
+        let stage = reparameterise::stage(context, environment.layout(), &texture, &planes)?;
         context.submit(|encoder| stage.record(encoder));
         context.check()?;
         Ok(Self {
@@ -238,14 +202,9 @@ impl<'a> GpuReflector<'a> {
         })
     }
 
-    /// The OEM. Its light is that of the source times 2^[`GpuReflector::light_exponent`].
-    #[must_use]
-    pub const fn planes(&self) -> &OemPlanes {
-        &self.planes
-    }
-
     /// The exponent k, where the OEM holds the source's light times 2^k; see
     /// [`crate::reflector::Reflector::light_exponent`].
+    #[cfg(feature = "internals")]
     #[must_use]
     pub const fn light_exponent(&self) -> i32 {
         self.scale.exponent()
@@ -269,9 +228,9 @@ impl<'a> GpuReflector<'a> {
         if let Some((tree, _)) = self.bilinear.get() {
             return Ok(tree);
         }
-        let Engine { context, cells, .. } = self.engine;
+        let context = &self.engine.context;
         let block = self.settings.block(self.planes.size().inner);
-        let (stage, tree) = cells.stage(context, &self.planes, block, Reconstruction::Bilinear)?;
+        let (stage, tree) = cells::stage(context, &self.planes, block, Reconstruction::Bilinear)?;
         context.submit(|encoder| stage.record(encoder));
         Ok(&self.bilinear.get_or_init(|| (tree, stage)).0)
     }
@@ -280,28 +239,26 @@ impl<'a> GpuReflector<'a> {
         if let Some(textures) = self.sat.get() {
             return Ok(textures);
         }
-        let Engine { context, fixed_point, sat_scan, box_filter, .. } = self.engine;
+        let context = &self.engine.context;
         let sat = SatPlanes::new(context, self.planes.size())?;
         let textures = SatTextures::new(context, &sat)?;
-        let scan = sat_scan.or_of(context, self.settings.scan)?;
         let stages = [
-            fixed_point.stage(context, &self.planes, &sat),
-            scan.stage(context, &self.planes, &sat),
-            box_filter.pack(context, &sat, &textures),
+            fixed_point::stage(context, &self.planes, &sat),
+            table_scan::stage(context, self.settings.scan, &self.planes, &sat)?,
+            box_filter::pack(context, &sat, &textures),
         ];
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         Ok(self.sat.get_or_init(|| textures))
     }
 
     fn fitted(&self, count: u32) -> Result<&FittedTables> {
-        let Engine { context, build_fitted, .. } = self.engine;
+        let context = &self.engine.context;
         if let Some(tables) = self.fitted.get() {
             tables.set_count(context, count)?;
             return Ok(tables);
         }
         let tables = FittedTables::new(context, self.planes.size().inner, count)?;
-        let build = build_fitted.scanned_by(context, self.settings.scan)?;
-        let stages = build.stages(context, &self.planes, &tables)?;
+        let stages = build_fitted::stages(context, self.settings.scan, &self.planes, &tables)?;
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         Ok(self.fitted.get_or_init(|| tables))
     }
@@ -353,7 +310,7 @@ impl<'a> GpuReflector<'a> {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
         filter.check(lobe, Some(self.planes.size().inner))?;
-        let Engine { context, box_filter, fitted, adaptive, .. } = self.engine;
+        let Engine { context, fitted } = self.engine;
         let source_from_world = self.environment.source_from_world();
         let alpha = roughness * roughness;
         let directions = || -> Vec<DVec3> {
@@ -371,7 +328,7 @@ impl<'a> GpuReflector<'a> {
             }
             Filter::Box => {
                 let stack = [single_box(lobe, alpha)];
-                return unbounded(box_filter.radiance(context, self.sat()?, &directions(), &stack).await?);
+                return unbounded(box_filter::radiance(context, self.sat()?, &directions(), &stack).await?);
             }
             Filter::Adaptive(error) => error,
         };
@@ -381,13 +338,13 @@ impl<'a> GpuReflector<'a> {
             let lobes = reflector.lobes(lobe, roughness, filter)?;
             let (mut workspace, mut lanes) = (Workspace::default(), Vec::new());
             for group in groups {
-                lobes.evaluate(group, &mut workspace, &mut lanes);
+                lobes.evaluate(group, &mut workspace, &mut lanes)?;
             }
             return Ok(Answers { lanes, leaves: workspace.leaves });
         }
         let packets = packets(groups, source_from_world);
         let parts = self.parts(lobe, alpha, error)?;
-        let mut answers = adaptive.evaluate(context, &parts, &packets).await?;
+        let mut answers = adaptive::evaluate(context, &parts, &packets).await?;
         // Drop padding lanes.
         let mut index = 0;
         answers.lanes.retain(|_| {
@@ -415,7 +372,7 @@ impl<'a> GpuReflector<'a> {
 impl bake::Engine for GpuReflector<'_> {
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
         let LevelJob { spec, lobe, filter } = *level;
-        let Engine { context, reparameterise, .. } = self.engine;
+        let context = &self.engine.context;
         if level.is_mirror() {
             // Use the CPU for overlaps with other maps: each matrix is used once.
             let Layout::Cube { size } = spec.layout else {
@@ -424,7 +381,7 @@ impl bake::Engine for GpuReflector<'_> {
                 return Ok(BakedLevel::unbounded(texels));
             };
             let (stage, footprints) =
-                reparameterise.footprints(context, self.environment, &self.texture, size)?;
+                reparameterise::footprints(context, self.environment, &self.texture, size)?;
             context.submit(|encoder| stage.record(encoder));
             let texels: Vec<[f32; 4]> = readback::read(context, &footprints).await?;
             let texels = texels.iter().map(|[r, g, b, _]| self.scale.radiance([*r, *g, *b])).collect();
@@ -453,7 +410,7 @@ impl bake::Engine for GpuReflector<'_> {
             texels.extend(line);
         }
         advance(texels.len() as u64)?;
-        let work = Work { leaves: answers.leaves, packets, directions: answers.lanes.len() as u64 };
+        let work = LeafCounts { leaves: answers.leaves, packets, directions: answers.lanes.len() as u64 };
         Ok(BakedLevel::new(processor, texels.into_iter(), work))
     }
 

@@ -7,7 +7,6 @@
 //! ```
 
 use super::device::readback;
-use super::device::shader::{self, Queries};
 use super::device::stage::{Dispatch, in_rows};
 use super::octaves::{Octave, OctaveLayout};
 use super::{Context, Stage};
@@ -33,11 +32,10 @@ const PEAK: usize = 12;
 pub(super) const PEAK_FROM: f64 = 0.09;
 
 /// Byte offset of the emitter array in `OctaglossLight`: it follows least radiance, units and harmonics.
-pub(super) const EMITTERS_OFFSET: u64 = 16 * (1 + 2 + 25);
+pub const EMITTERS_OFFSET: u64 = 16 * (1 + 2 + 25);
 
 /// Byte offset of its rotation.
-pub(super) const ROTATION_OFFSET: u64 =
-    EMITTERS_OFFSET + (size_of::<EmitterWords>() * emitters::COUNT) as u64;
+pub const ROTATION_OFFSET: u64 = EMITTERS_OFFSET + 32 * emitters::COUNT as u64;
 
 /// Bytes of `OctaglossLight`: a multiple of 256, at which bindings may begin.
 pub(crate) const LIGHT: u64 = (ROTATION_OFFSET + 48).next_multiple_of(256);
@@ -59,8 +57,6 @@ pub struct Octaves {
     octaves: [Octave; super::octaves::OCTAVES],
 }
 
-shader::members!(Octaves { inner, finest, entries, sharpest, models, peak, zonal, octaves });
-
 /// One table of parameters, in the shader's layout.
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -70,8 +66,6 @@ pub struct Model {
     first_wider: u32,
     intervals: u32,
 }
-
-shader::members!(Model { boxes, first_parameters, first_wider, intervals });
 
 /// All tables, in the order of their parameters in the buffer.
 fn tables() -> impl Iterator<Item = &'static Table> {
@@ -161,9 +155,9 @@ fn bytes(inner: u32) -> u64 {
 
 /// Tables for fitted lobes, in the form that shaders query.
 ///
-/// The stages of [`super::build_fitted::BuildFitted`] fill them; record these whenever the light has changed.
-/// [`FittedTables::bind_group_layout`] and [`wgsl`] make them available in any shader, through
-/// `octagloss_fitted(direction, roughness)`. The roughness may differ per pixel.
+/// The stages of [`super::build_fitted::stages`] fill them; record these whenever the light has changed.
+/// `octagloss_fitted(direction, roughness)` of `common/fitted.wgsl` reads them; the roughness may differ per
+/// pixel.
 #[derive(Clone, Debug)]
 pub struct FittedTables {
     inner: u32,
@@ -174,13 +168,6 @@ pub struct FittedTables {
     entries: wgpu::Buffer,
     parameters: wgpu::Buffer,
     oems: wgpu::Texture,
-}
-
-/// Source of the query function, with its resources at bindings 0 to 4 of group `group`. To combine it with
-/// other queries in one shader, see [`shader::queries`].
-#[must_use]
-pub fn wgsl(group: u32) -> String {
-    shader::queries(&[Queries::Fitted(group)])
 }
 
 impl FittedTables {
@@ -276,7 +263,7 @@ impl FittedTables {
         context.fits("tables of blurred octaves", all * bytes(inner), |available| {
             let sizes = (4..u32::BITS).map(|log2| 1 << log2).take_while(|smaller| *smaller < inner);
             let fitting = sizes.filter(|smaller| all * bytes(*smaller) <= available).last();
-            format!("choose `oem_size` of at most {}, or the CPU engine", fitting.unwrap_or(0))
+            format!("choose `oem_size` of at most {}, or `engine` cpu", fitting.unwrap_or(0))
         })
     }
 
@@ -315,12 +302,14 @@ impl FittedTables {
     }
 
     /// The light of these tables.
-    pub(super) fn light(&self) -> wgpu::BufferBinding<'_> {
+    #[must_use]
+    pub fn light(&self) -> wgpu::BufferBinding<'_> {
         self.part(&self.lights, LIGHT)
     }
 
     /// The entries of these tables.
-    pub(super) fn entries(&self) -> wgpu::BufferBinding<'_> {
+    #[must_use]
+    pub fn entries(&self) -> wgpu::BufferBinding<'_> {
         self.part(&self.entries, bytes(self.inner))
     }
 
@@ -328,24 +317,6 @@ impl FittedTables {
     fn part<'a>(&self, buffer: &'a wgpu::Buffer, bytes: u64) -> wgpu::BufferBinding<'a> {
         let offset = bytes * u64::from(self.probe);
         wgpu::BufferBinding { buffer, offset, size: std::num::NonZero::new(bytes) }
-    }
-
-    pub(super) async fn read_light(&self, context: &Context) -> Result<Vec<[f32; 4]>> {
-        self.read_part(context, self.light()).await
-    }
-
-    pub(super) async fn read_entries(&self, context: &Context) -> Result<Vec<[[u32; 4]; 2]>> {
-        self.read_part(context, self.entries()).await
-    }
-
-    async fn read_part<T: bytemuck::Pod>(
-        &self,
-        context: &Context,
-        part: wgpu::BufferBinding<'_>,
-    ) -> Result<Vec<T>> {
-        let all = readback::read(context, part.buffer).await?;
-        let (first, count) = (part.offset as usize, part.size.map_or(0, |size| size.get() as usize));
-        Ok(all[first / size_of::<T>()..][..count / size_of::<T>()].to_vec())
     }
 
     /// The map of these tables, as a texture of one layer.
@@ -367,7 +338,7 @@ impl FittedTables {
         })
     }
 
-    /// Layout of a bind group with the resources of [`wgsl`], for the shader stages `visibility`.
+    /// Layout of a bind group with the resources of `common/fitted.wgsl`, for the shader stages `visibility`.
     #[must_use]
     pub fn bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
@@ -447,8 +418,7 @@ impl Fitted {
     /// Compiles the stage.
     #[must_use]
     pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "fitted.wgsl");
-        Self { pipeline: shader::pipeline(context, &module, "fitted", &[]) }
+        Self { pipeline: context.pipeline("fitted.wgsl", "fitted", None) }
     }
 
     /// Stage that answers `queries`, directions in the OEM's space with their roughness, and its output: four
@@ -505,15 +475,3 @@ impl Fitted {
         Ok(radiance)
     }
 }
-
-/// An emitter in the shader's layout.
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct EmitterWords {
-    pub(super) direction: [f32; 3],
-    pub(super) spread: f32,
-    pub(super) energy: [f32; 3],
-    pub(super) pad: f32,
-}
-
-shader::members!(EmitterWords { direction, spread, energy, pad });

@@ -1,7 +1,6 @@
 //! The fixed-point exponents of an OEM, computed without float arithmetic and independent of the order of
 //! summation.
 
-use super::device::shader;
 use super::device::stage::Dispatch;
 use super::{Context, OemPlanes, SatPlanes, Stage};
 
@@ -22,39 +21,20 @@ pub(super) fn groups(inner: u32) -> u32 {
 /// Bytes of a workgroup's partial result: four greatest bit patterns, four 64-bit sums.
 const PARTIAL: u64 = 48;
 
-/// Pipelines that find [`crate::sat::FixedPoint`].
-#[derive(Clone, Debug)]
-pub struct FixedPoint {
-    greatest: wgpu::ComputePipeline,
-    totals: wgpu::ComputePipeline,
-    finish: wgpu::ComputePipeline,
-}
-
-impl FixedPoint {
-    /// Compiles the pass.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "fixed_point.wgsl");
-        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        Self { greatest: pipeline("greatest"), totals: pipeline("totals"), finish: pipeline("finish") }
-    }
-
-    /// The stage that writes the exponents of `oem` into `sat`.
-    #[must_use]
-    pub fn stage(&self, context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
-        let partials = context.storage("fixed-point partials", PARTIAL * u64::from(GROUPS));
-        let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
-        let table = (0, oem.table_buffer().as_entire_binding());
-        let shared = (5, partials.as_entire_binding());
-        let all: Vec<_> = std::iter::once(table.clone()).chain(planes).chain([shared.clone()]).collect();
-        let exponents = (6, sat.exponents().as_entire_binding());
-        Stage::new(
-            "fixed_point",
-            vec![
-                Dispatch::new(context, &self.greatest, &all, [groups(oem.size().inner), 1, 1]),
-                Dispatch::new(context, &self.totals, &all, [groups(oem.size().inner), 1, 1]),
-                Dispatch::new(context, &self.finish, &[table, shared, exponents], [1, 1, 1]),
-            ],
-        )
-    }
+/// The stage that writes the exponents of `oem` into `sat`: [`crate::sat::FixedPoint`].
+#[must_use]
+pub fn stage(context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
+    let file = "fixed_point.wgsl";
+    let partials = context.storage("fixed-point partials", PARTIAL * u64::from(GROUPS));
+    let shared = (5, partials.as_entire_binding());
+    let all = [oem.bindings(), vec![shared.clone()]].concat();
+    let exponents = (6, sat.exponents.as_entire_binding());
+    Stage::new(
+        "fixed_point",
+        vec![
+            Dispatch::new(context, (file, "greatest"), &all, [groups(oem.size().inner), 1, 1]),
+            Dispatch::new(context, (file, "totals"), &all, [groups(oem.size().inner), 1, 1]),
+            Dispatch::new(context, (file, "finish"), &[all[0].clone(), shared, exponents], [1, 1, 1]),
+        ],
+    )
 }

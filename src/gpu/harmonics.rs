@@ -1,11 +1,8 @@
 //! Computes harmonics of an OEM to order 4 from its exact table.
 
-use super::device::shader;
 use super::device::stage::Dispatch;
 use super::fitted::FittedTables;
 use super::{Context, SatPlanes, Stage, oem};
-use crate::error::Result;
-use crate::sat::FixedPoint;
 use crate::sh;
 
 /// Texels that a workgroup sums per batch.
@@ -17,57 +14,24 @@ pub(crate) const BATCHES: u32 = 4;
 /// Texels along an edge of the finest grid.
 pub(crate) const FINEST: u32 = 256;
 
-/// Pipelines of the stage.
-#[derive(Clone, Debug)]
-pub struct Harmonics {
-    sums_of_groups: wgpu::ComputePipeline,
-    sum_of_all: wgpu::ComputePipeline,
-}
-
-impl Harmonics {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "harmonics.wgsl");
-        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        Self { sums_of_groups: pipeline("sums_of_groups"), sum_of_all: pipeline("sum_of_all") }
-    }
-
-    /// Stage that writes the harmonics and units of `sat` to `tables`.
-    #[must_use]
-    pub fn stage(&self, context: &Context, sat: &SatPlanes, tables: &FittedTables) -> Stage {
-        let side = sat.size().inner.min(FINEST);
-        let groups = (side * side).div_ceil(GROUP_SIZE * BATCHES);
-        let partials = context.storage("harmonics of groups", 16 * sh::MAX_COUNT as u64 * u64::from(groups));
-        let table = context.uniform("table", &oem::Table::new(sat.size()));
-        let table = (0, table.as_entire_binding());
-        let partials = (6, partials.as_entire_binding());
-        let mut sums = vec![table.clone(), partials.clone()];
-        sums.extend((1..).zip(sat.planes().iter().map(wgpu::Buffer::as_entire_binding)));
-        let exponents = (5, sat.exponents().as_entire_binding());
-        let all = [table, exponents, partials, (7, wgpu::BindingResource::Buffer(tables.light()))];
-        Stage::new(
-            "harmonics",
-            vec![
-                Dispatch::new(context, &self.sums_of_groups, &sums, [groups, 1, 1]),
-                Dispatch::new(context, &self.sum_of_all, &all, [1, 1, 1]),
-            ],
-        )
-    }
-}
-
-impl FittedTables {
-    /// Reads the harmonics back in the form of [`sh::table_harmonics`]; `fixed` is the table's scale.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] if the device fails.
-    pub async fn read_harmonics(
-        &self,
-        context: &Context,
-        fixed: FixedPoint,
-    ) -> Result<[[f64; 4]; sh::MAX_COUNT]> {
-        let light = self.read_light(context).await?;
-        let units = fixed.exponents.map(|exponent| f64::from(60 - exponent).exp2());
-        Ok(std::array::from_fn(|k| std::array::from_fn(|c| f64::from(light[3 + k][c]) * units[c])))
-    }
+/// Stage that writes the harmonics and units of `sat` to `tables`.
+#[must_use]
+pub fn stage(context: &Context, sat: &SatPlanes, tables: &FittedTables) -> Stage {
+    let side = sat.size().inner.min(FINEST);
+    let groups = (side * side).div_ceil(GROUP_SIZE * BATCHES);
+    let partials = context.storage("harmonics of groups", 16 * sh::MAX_COUNT as u64 * u64::from(groups));
+    let table = context.uniform("table", &oem::Table::new(sat.size()));
+    let table = (0, table.as_entire_binding());
+    let partials = (6, partials.as_entire_binding());
+    let mut sums = vec![table.clone(), partials.clone()];
+    sums.extend((1..).zip(sat.planes.iter().map(wgpu::Buffer::as_entire_binding)));
+    let exponents = (5, sat.exponents.as_entire_binding());
+    let all = [table, exponents, partials, (7, wgpu::BindingResource::Buffer(tables.light()))];
+    Stage::new(
+        "harmonics",
+        vec![
+            Dispatch::new(context, ("harmonics.wgsl", "sums_of_groups"), &sums, [groups, 1, 1]),
+            Dispatch::new(context, ("harmonics.wgsl", "sum_of_all"), &all, [1, 1, 1]),
+        ],
+    )
 }

@@ -1,15 +1,11 @@
 //! Adds a moving lamp to an OEM; the other light stays.
 
-use super::device::shader;
 use super::device::stage::Dispatch;
 use super::{Context, OemPlanes, Stage};
 use glam::DVec3;
 
 /// Invocations along an edge of a workgroup.
 pub const EDGE: u32 = 16;
-
-/// Samples of the lamp along an edge of a texel.
-pub const PLACES: u32 = 4;
 
 /// A uniform white disc with a soft edge, at infinity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -25,8 +21,6 @@ pub struct Lamp {
     edge: f32,
     pad: [f32; 2],
 }
-
-shader::members!(Lamp { towards, radiance, disc, edge, pad });
 
 impl Lamp {
     /// A lamp in direction `towards` (of any length but zero), uniform up to `disc` radians from it and dark
@@ -73,24 +67,10 @@ impl Lamp {
     }
 }
 
-/// Pipeline of the stage.
-#[derive(Clone, Debug)]
-pub struct LampPass(wgpu::ComputePipeline);
-
-impl LampPass {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "lamp.wgsl");
-        Self(shader::pipeline(context, &module, "lamp", &[]))
-    }
-
-    /// Adds to `oem` the [`Lamp`] that the uniform buffer `lamp` holds when the stage runs.
-    #[must_use]
-    pub fn stage(&self, context: &Context, lamp: &wgpu::Buffer, oem: &OemPlanes) -> Stage {
-        let mut resources = vec![(0, oem.table_buffer().as_entire_binding()), (5, lamp.as_entire_binding())];
-        resources.extend((1..).zip(oem.planes().iter().map(wgpu::Buffer::as_entire_binding)));
-        let groups = oem.table().side.div_ceil(EDGE);
-        Stage::new("lamp", vec![Dispatch::new(context, &self.0, &resources, [groups, groups, 1])])
-    }
+/// Adds to `oem` the [`Lamp`] that the uniform buffer `lamp` holds when the stage runs.
+#[must_use]
+pub fn stage(context: &Context, lamp: &wgpu::Buffer, oem: &OemPlanes) -> Stage {
+    let resources = [oem.bindings(), vec![(5, lamp.as_entire_binding())]].concat();
+    let groups = oem.table().side.div_ceil(EDGE);
+    Stage::new("lamp", vec![Dispatch::new(context, ("lamp.wgsl", "lamp"), &resources, [groups, groups, 1])])
 }

@@ -1,39 +1,25 @@
 //! Finds the least radiance of each channel of an OEM. Cells hold only the radiance above it.
 
-use super::device::shader;
 use super::device::stage::Dispatch;
 use super::fixed_point::{GROUPS, groups};
 use super::{Context, OemPlanes};
 
-/// Pipelines of the reduction.
-#[derive(Clone, Debug)]
-pub(super) struct Least {
-    of_groups: wgpu::ComputePipeline,
-    of_all: wgpu::ComputePipeline,
-}
-
-impl Least {
-    pub(super) fn new(context: &Context) -> Self {
-        let module = shader::module(context, "least.wgsl");
-        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        Self { of_groups: pipeline("least_of_groups"), of_all: pipeline("least_of_all") }
-    }
-
-    /// Dispatches that write the least radiance of `oem` to `least`, four floats.
-    pub(super) fn dispatches(
-        &self,
-        context: &Context,
-        oem: &OemPlanes,
-        least: wgpu::BindingResource<'_>,
-    ) -> [Dispatch; 2] {
-        let partials = context.storage("least radiance of groups", 16 * u64::from(GROUPS));
-        let table = (0, oem.table_buffer().as_entire_binding());
-        let partials = (5, partials.as_entire_binding());
-        let mut all = vec![table.clone(), partials.clone()];
-        all.extend((1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding())));
-        [
-            Dispatch::new(context, &self.of_groups, &all, [groups(oem.size().inner), 1, 1]),
-            Dispatch::new(context, &self.of_all, &[table, partials, (6, least)], [1, 1, 1]),
-        ]
-    }
+/// Dispatches that write the least radiance of `oem` to `least`, four floats.
+pub(super) fn dispatches(
+    context: &Context,
+    oem: &OemPlanes,
+    least: wgpu::BindingResource<'_>,
+) -> [Dispatch; 2] {
+    let partials = context.storage("least radiance of groups", 16 * u64::from(GROUPS));
+    let partials = (5, partials.as_entire_binding());
+    let all = [oem.bindings(), vec![partials.clone()]].concat();
+    [
+        Dispatch::new(context, ("least.wgsl", "least_of_groups"), &all, [groups(oem.size().inner), 1, 1]),
+        Dispatch::new(
+            context,
+            ("least.wgsl", "least_of_all"),
+            &[all[0].clone(), partials, (6, least)],
+            [1, 1, 1],
+        ),
+    ]
 }

@@ -7,16 +7,17 @@
 //!
 //! The texture is the renderer's, or the octahedral map that [`LiveEnvironment::draw`] draws into.
 
-use super::build_fitted::{BuildFitted, Scratch};
+use super::build_fitted::{Scratch, stages_through};
 use super::device::names::named;
-use super::device::shader::{self, Queries};
+use super::device::shader;
 use super::direct::{Surroundings, view_layout};
 use super::fitted::FittedTables;
-use super::reparameterise::{Reparameterise, check_readable, upload};
+use super::reparameterise::{self, check_readable, upload};
 use super::{Context, OemPlanes, SatPlanes, Stage};
 use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::oem::OemSize;
+use crate::sat::Scan;
 use glam::{DMat3, DVec3};
 
 /// Boxes of a fitted lobe at first.
@@ -33,7 +34,6 @@ pub(super) const BOXES: u32 = 4;
 #[derive(Debug)]
 pub struct LiveEnvironment {
     context: Context,
-    passes: LivePasses,
     planes: OemPlanes,
     scratch: Scratch,
     tables: FittedTables,
@@ -48,20 +48,6 @@ pub struct LiveEnvironment {
     bind_group: wgpu::BindGroup,
 }
 
-/// Pipelines that several environments share.
-#[derive(Clone, Debug)]
-pub(crate) struct LivePasses {
-    reparameterise: Reparameterise,
-    build: BuildFitted,
-}
-
-impl LivePasses {
-    /// Compiles the passes.
-    pub(crate) fn new(context: &Context) -> Self {
-        Self { reparameterise: Reparameterise::new(context), build: BuildFitted::new(context) }
-    }
-}
-
 impl LiveEnvironment {
     /// Allocates tables over an octahedral map of `size` texels along an edge, at least 1, rounded up to a
     /// power of two from 16 on. A panorama of 1024 x 512 needs 512. The environment is black until the first
@@ -72,9 +58,7 @@ impl LiveEnvironment {
     /// of the device; it names the largest size that fits.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
-        // Before pipelines are compiled.
-        checked_inner(&context, size, 1)?;
-        Self::with_passes(&context, &LivePasses::new(&context), size)
+        Ok(Self::several(&context, size, 1)?.remove(0))
     }
 
     /// Another environment of this size, black until its first update: a further probe of a scene, say. The
@@ -87,50 +71,34 @@ impl LiveEnvironment {
     #[must_use]
     pub fn sibling(&self) -> Self {
         let tables = self.tables.sibling(&self.context, BOXES);
-        let live = Self::over(&self.context, &self.passes, &self.planes, &self.scratch, tables);
+        let live = Self::over(&self.context, &self.planes, &self.scratch, tables);
         let drawn = self.drawn.as_ref().map(|(surroundings, stage)| {
             (surroundings.sharing_target(&self.context, &live.draw_layout), stage.clone())
         });
         Self { source: self.source.clone(), drawn, ..live }
     }
 
-    /// [`Self::new`] with passes compiled before.
-    pub(crate) fn with_passes(context: &Context, passes: &LivePasses, size: u32) -> Result<Self> {
-        Ok(Self::several(context, passes, size, 1)?.remove(0))
-    }
-
     /// `count` environments over maps of `size` texels along an edge, which share buffers.
-    pub(super) fn several(
-        context: &Context,
-        passes: &LivePasses,
-        size: u32,
-        count: u32,
-    ) -> Result<Vec<Self>> {
+    pub(super) fn several(context: &Context, size: u32, count: u32) -> Result<Vec<Self>> {
         let inner = checked_inner(context, size, count)?;
         let tables = FittedTables::sharing(context, inner, BOXES, count)?;
         let planes = OemPlanes::new(context, OemSize { inner, border: 0 })?;
         let scratch = Scratch::new(context, &planes)?;
-        let over = |tables| Self::over(context, passes, &planes, &scratch, tables);
+        let over = |tables| Self::over(context, &planes, &scratch, tables);
         Ok(tables.into_iter().map(over).collect())
     }
 
     /// An environment of these tables, planes and buffers between passes.
-    fn over(
-        context: &Context,
-        passes: &LivePasses,
-        planes: &OemPlanes,
-        scratch: &Scratch,
-        tables: FittedTables,
-    ) -> Self {
+    fn over(context: &Context, planes: &OemPlanes, scratch: &Scratch, tables: FittedTables) -> Self {
         let device = context.device();
-        let build = passes.build.stages_through(context, planes, scratch, &tables);
+        let build = stages_through(context, Scan::Blocks, planes, scratch, &tables)
+            .expect("every device scans by blocks");
         tables.set_rotation(context, columns(DMat3::IDENTITY));
         let layout = layout(device);
         let bind_group = tables.bind_group(device, &layout);
-        let draw_layout = view_layout(device);
+        let draw_layout = view_layout(context);
         Self {
             context: context.clone(),
-            passes: passes.clone(),
             planes: planes.clone(),
             scratch: scratch.clone(),
             tables,
@@ -172,7 +140,7 @@ impl LiveEnvironment {
         if self.source.as_ref().is_none_or(|(known, _)| known != texture) {
             check_readable(&self.context, texture)?;
             let layout = layout_of(texture.size())?;
-            let stage = self.passes.reparameterise.stage(&self.context, layout, texture, &self.planes)?;
+            let stage = reparameterise::stage(&self.context, layout, texture, &self.planes)?;
             self.source = Some((texture.clone(), stage));
         }
         Ok(self.source.iter().map(|(_, stage)| stage).chain(&self.build))
@@ -221,8 +189,8 @@ impl LiveEnvironment {
             Some(drawn) => drawn,
             none => {
                 let surroundings = Surroundings::new(&self.context, &self.draw_layout, size)?;
-                let (layout, map) = (Layout::Octahedral { size }, surroundings.colour());
-                let stage = self.passes.reparameterise.stage(&self.context, layout, map, &self.planes)?;
+                let (layout, map) = (Layout::Octahedral { size }, &surroundings.target.colour);
+                let stage = reparameterise::stage(&self.context, layout, map, &self.planes)?;
                 none.insert((surroundings, stage))
             }
         };
@@ -232,7 +200,8 @@ impl LiveEnvironment {
     }
 
     /// WGSL for the caller's shaders that draw into the map; their resource is declared in bind group
-    /// `group`. It can stand in one shader with [`Self::wgsl`] of another group.
+    /// `group`. It can stand in one shader with [`Self::wgsl`] and [`crate::ShadowMap::wgsl`] of other
+    /// groups.
     ///
     /// - `octagloss_direct_position(position: vec3<f32>) -> vec4<f32>`: clip coordinates of a position in
     ///   world space, for the vertex stage.
@@ -240,7 +209,7 @@ impl LiveEnvironment {
     ///   built-in position, belongs to the octant. Discard it otherwise.
     #[must_use]
     pub fn draw_wgsl(group: u32) -> String {
-        shader::queries(&[Queries::Draw(group)])
+        draw_wgsl(group)
     }
 
     /// The layout of the group that [`Self::draw`] passes on, for the caller's pipeline layouts.
@@ -250,10 +219,20 @@ impl LiveEnvironment {
     }
 
     /// Turns the environment from the next submission on: `source_from_world` is the rotation that takes a
-    /// direction of the renderer's world to one of the texture's. No table changes. Any other matrix, as one
-    /// with NaN, gives look-ups without meaning until the next call.
-    pub fn set_rotation(&self, source_from_world: DMat3) {
+    /// direction of the renderer's world to one of the texture's. No table changes.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a matrix that is no rotation or reflection, to a thousandth.
+    pub fn set_rotation(&self, source_from_world: DMat3) -> Result<()> {
+        let off = (source_from_world.transpose() * source_from_world - DMat3::IDENTITY).to_cols_array();
+        // NaN is off, too.
+        if !off.iter().all(|entry| entry.abs() <= 1e-3) {
+            return Err(Error::Parameter(format!(
+                "`source_from_world` is {source_from_world}; its columns must be unit vectors at right angles"
+            )));
+        }
         self.tables.set_rotation(&self.context, columns(source_from_world.transpose()));
+        Ok(())
     }
 
     /// Selects lobes of `count` boxes (1, 2, 4 or 8; 4 at first) from the next submission on: more are slower
@@ -266,16 +245,17 @@ impl LiveEnvironment {
     }
 
     /// WGSL with `octagloss_radiance(direction, roughness)` and `octagloss_irradiance(normal)`, both of
-    /// `vec3<f32>`; their resources are declared in bind group `group`.
+    /// `vec3<f32>`; their resources are declared in bind group `group`. All its global names begin with
+    /// `octagloss_` or `Octagloss`.
     ///
     /// Directions and normals have any length but zero, and a roughness is in [0, 1]. Shaders do not check:
     /// what a zero vector, NaN or another roughness gives is undefined, NaN as a rule.
     #[must_use]
     pub fn wgsl(group: u32) -> String {
-        shader::queries(&[Queries::Live(group)])
+        look_ups("array<OctaglossLight, 1>", group)
     }
 
-    /// The same under names of the caller's, so that one shader can look several environments up:
+    /// [`Self::wgsl`] with the prefix `name`, so that one shader can look up several environments:
     /// `NAME_radiance(direction, roughness)` and `NAME_irradiance(normal)`. All else that the source declares
     /// begins with `NAME_`, too.
     ///
@@ -299,7 +279,7 @@ impl LiveEnvironment {
         &self.bind_group
     }
 
-    /// Such a group of `layout`, which a pipeline has derived from its shader.
+    /// The resources as a group of `layout`, which wgpu derived for a pipeline from its shader.
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         self.tables.bind_group(self.context.device(), layout)
@@ -314,6 +294,24 @@ impl LiveEnvironment {
 pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
     FittedTables::bind_group_layout(device, visibility)
+}
+
+/// WGSL of the look-ups over `lights`, with their resources in bind group `group`.
+pub(super) fn look_ups(lights: &str, group: u32) -> String {
+    let resources = [
+        "var<uniform> octagloss_octaves: OctaglossOctaves",
+        &format!("var<uniform> octagloss_lights: {lights}"),
+        "var<storage, read> octagloss_entries: array<Sum>",
+        "var<storage, read> octagloss_parameters: array<vec4<u32>>",
+        "var octagloss_oems: texture_2d_array<f32>",
+    ];
+    shader::for_callers("common/live.wgsl", &resources, group, "octagloss")
+}
+
+/// WGSL for draws into octahedral maps, with its resource in bind group `group`.
+pub(super) fn draw_wgsl(group: u32) -> String {
+    let resources = ["var<uniform> octagloss_view: OctaglossView"];
+    shader::for_callers("common/direct_view.wgsl", &resources, group, "octagloss_draw")
 }
 
 /// Edge of the octahedral map for `size` texels, rounded up as [`LiveEnvironment::new`] says.

@@ -1,9 +1,8 @@
 //! Environments of one size in shared buffers, which one look-up reads.
 
 use super::Context;
-use super::device::shader::{self, Queries};
 use super::fitted::{FittedTables, MAX_LIGHTS};
-use super::live::{LiveEnvironment, LivePasses, inner_of};
+use super::live::{LiveEnvironment, inner_of, look_ups};
 use crate::error::{Error, Result};
 use std::ops::{Deref, DerefMut};
 
@@ -33,16 +32,16 @@ impl LiveProbes {
     /// count and size that fit.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32, count: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
-        Self::with_passes(&context, &LivePasses::new(&context), size, count)
+        Self::on(&context, size, count)
     }
 
-    /// [`Self::new`] with passes compiled before.
-    pub(crate) fn with_passes(context: &Context, passes: &LivePasses, size: u32, count: u32) -> Result<Self> {
+    /// [`Self::new`] on a device with pipelines compiled before.
+    pub(crate) fn on(context: &Context, size: u32, count: u32) -> Result<Self> {
         if !(1..=Self::MAX).contains(&count) {
             let most = Self::MAX;
             return Err(Error::Parameter(format!("`count` is {count} environments; choose 1 to {most}")));
         }
-        let probes = LiveEnvironment::several(context, passes, size, count)?;
+        let probes = LiveEnvironment::several(context, size, count)?;
         let device = context.device().clone();
         let bind_group = probes[0].tables().bind_group_of_all(&device, probes[0].bind_group_layout());
         Ok(Self { probes, bind_group, device })
@@ -58,7 +57,7 @@ impl LiveProbes {
     /// bind group `group`.
     #[must_use]
     pub fn wgsl(group: u32) -> String {
-        shader::queries(&[Queries::Probes(group)])
+        look_ups("array<OctaglossLight, MAX_LIGHTS>", group)
     }
 
     /// The layout of [`Self::bind_group`], for the caller's pipeline layouts: that of a [`LiveEnvironment`].
@@ -73,7 +72,7 @@ impl LiveProbes {
         &self.bind_group
     }
 
-    /// Such a group of `layout`, which a pipeline has derived from its shader.
+    /// The resources as a group of `layout`, which wgpu derived for a pipeline from its shader.
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         self.probes[0].tables().bind_group_of_all(&self.device, layout)

@@ -18,15 +18,15 @@
 //!
 //! [`direct`] draws triangles into octahedral maps, in place of a texture to reparameterise.
 //!
-//! A pass is an immutable struct of pipelines ([`sat_scan::SatScan`]). Bound to buffers it is a [`Stage`]
-//! that records into the caller's encoder. Recording allocates nothing, submits nothing and waits for
-//! nothing.
+//! A pass is a function ([`sat_scan::stage`]) that binds pipelines to buffers: a [`Stage`], which records into
+//! the caller's encoder. Recording allocates nothing, submits nothing and waits for nothing. The [`Context`]
+//! compiles pipelines when they are first asked for, and keeps them.
 
 pub mod adaptive;
-pub mod atlas;
 pub mod blur;
 pub mod box_filter;
 pub mod build_fitted;
+pub mod build_pyramid;
 pub mod cells;
 pub mod copy;
 pub mod device;
@@ -49,8 +49,6 @@ pub mod sat_f32;
 pub mod sat_hensley;
 pub mod sat_scan;
 pub mod shadow;
-#[doc(hidden)]
-pub mod shared;
 pub mod table_scan;
 
 #[cfg(not(target_arch = "wasm32"))]

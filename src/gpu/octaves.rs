@@ -2,7 +2,6 @@
 
 use crate::cpu::blur::grids;
 use crate::cpu::fitted::finest_octave;
-use crate::gpu::device::shader;
 
 /// Texels along an edge of a tile of the grid to blur.
 pub const EDGE: u32 = 16;
@@ -20,31 +19,38 @@ pub const BORDER: u32 = 40;
 pub struct Octave {
     fine: u32,
     box_side: u32,
-    pub(super) coarse: u32,
-    pub(super) side: u32,
+    /// Texels along an edge of the square.
+    pub coarse: u32,
+    /// Entries along an edge, with the border and a first row and column of zeros.
+    pub side: u32,
     first_texel: u32,
-    pub(super) first_entry: u32,
+    /// First entry in the buffer.
+    pub first_entry: u32,
     first_tile: u32,
     first_row: u32,
 }
 
-shader::members!(Octave { fine, box_side, coarse, side, first_texel, first_entry, first_tile, first_row });
-
 /// The tables of all octaves over one size of OEM.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct OctaveLayout {
-    pub(super) octaves: [Octave; OCTAVES],
-    pub(super) finest: u32,
-    pub(super) texels: u32,
-    /// Rounded up so that what follows begins at a multiple of 256 bytes, as bindings do.
-    pub(super) entries: u32,
-    pub(super) tiles: u32,
-    pub(super) rows: u32,
+pub struct OctaveLayout {
+    /// Octaves up to `finest`.
+    pub octaves: [Octave; OCTAVES],
+    /// The finest octave.
+    pub finest: u32,
+    /// Texels of all.
+    pub texels: u32,
+    /// Entries of all, rounded up so that what follows begins at a multiple of 256 bytes, as bindings do.
+    pub entries: u32,
+    /// Tiles of all.
+    pub tiles: u32,
+    /// Rows of all.
+    pub rows: u32,
 }
 
 impl OctaveLayout {
     /// The layout over an OEM of `inner` texels, a power of two and at least 16.
-    pub(super) fn new(inner: u32) -> Self {
+    #[must_use]
+    pub fn new(inner: u32) -> Self {
         let finest = finest_octave(inner);
         let mut all =
             Self { octaves: [Octave::default(); OCTAVES], finest, texels: 0, entries: 0, tiles: 0, rows: 0 };

@@ -1,7 +1,7 @@
 //! The OEM and its exact table on the GPU, as four planes each: float32 bits and 64-bit words.
 
 use super::Context;
-use super::device::{readback, shader};
+use super::device::readback;
 use crate::error::Result;
 use crate::oem::{Oem, OemSize};
 
@@ -22,8 +22,6 @@ pub struct Table {
     pub pitch: u32,
 }
 
-shader::members!(Table { inner, border, side, pitch });
-
 impl Table {
     /// The layout of an OEM of `size`.
     #[must_use]
@@ -38,28 +36,11 @@ impl Table {
         self.pitch as u64 * self.side as u64
     }
 
-    /// Writes `side` x `side` values of each channel to its plane, converted by `word`.
-    fn write<V: Copy, W: bytemuck::Pod>(
-        self,
-        context: &Context,
-        planes: &[wgpu::Buffer; CHANNELS],
-        values: &[[V; CHANNELS]],
-        word: impl Fn(V) -> W,
-    ) {
-        for (channel, plane) in planes.iter().enumerate() {
-            let mut words = vec![W::zeroed(); self.count() as usize];
-            let rows = words.chunks_exact_mut(self.pitch as usize);
-            for (row, values) in rows.zip(values.chunks_exact(self.side as usize)) {
-                for (place, value) in row.iter_mut().zip(values) {
-                    *place = word(value[channel]);
-                }
-            }
-            context.queue().write_buffer(plane, 0, bytemuck::cast_slice(&words));
-        }
-    }
-
-    /// Reads values written by [`Table::write`].
-    async fn read<V: Copy + Default, W: bytemuck::Pod>(
+    /// Reads `side` x `side` values of each channel from its plane, converted by `value`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if the device fails.
+    pub async fn read<V: Copy + Default, W: bytemuck::Pod>(
         self,
         context: &Context,
         planes: &[wgpu::Buffer; CHANNELS],
@@ -91,7 +72,8 @@ fn largest_that_fits(bytes: u64) -> impl FnOnce(u64) -> String {
 #[derive(Clone, Debug)]
 pub struct OemPlanes {
     size: OemSize,
-    planes: [wgpu::Buffer; CHANNELS],
+    /// The planes.
+    pub planes: [wgpu::Buffer; CHANNELS],
     table: wgpu::Buffer,
 }
 
@@ -116,16 +98,6 @@ impl OemPlanes {
         Self { planes, ..self.clone() }
     }
 
-    /// Uploads `oem`.
-    ///
-    /// # Errors
-    /// Those of [`OemPlanes::new`].
-    pub fn upload(context: &Context, oem: &Oem) -> Result<Self> {
-        let planes = Self::new(context, oem.size())?;
-        planes.table().write(context, &planes.planes, oem.texels(), |energy: f32| energy);
-        Ok(planes)
-    }
-
     /// Size of the OEM.
     #[must_use]
     pub const fn size(&self) -> OemSize {
@@ -138,16 +110,11 @@ impl OemPlanes {
         Table::new(self.size)
     }
 
-    /// The planes.
-    #[must_use]
-    pub const fn planes(&self) -> &[wgpu::Buffer; CHANNELS] {
-        &self.planes
-    }
-
-    /// The uniform buffer that holds the [`Table`].
-    #[must_use]
-    pub(crate) const fn table_buffer(&self) -> &wgpu::Buffer {
-        &self.table
+    /// The [`Table`] at binding 0 and the planes at 1 to 4, where stages have them.
+    pub(super) fn bindings(&self) -> Vec<(u32, wgpu::BindingResource<'_>)> {
+        (0..)
+            .zip(std::iter::once(&self.table).chain(&self.planes).map(wgpu::Buffer::as_entire_binding))
+            .collect()
     }
 
     /// Reads the planes back.
@@ -165,8 +132,10 @@ impl OemPlanes {
 #[derive(Clone, Debug)]
 pub struct SatPlanes {
     size: OemSize,
-    planes: [wgpu::Buffer; CHANNELS],
-    exponents: wgpu::Buffer,
+    /// The planes.
+    pub planes: [wgpu::Buffer; CHANNELS],
+    /// Four `i32`: F of each channel, see [`crate::sat::FixedPoint`].
+    pub exponents: wgpu::Buffer,
 }
 
 impl SatPlanes {
@@ -188,45 +157,9 @@ impl SatPlanes {
         context.fits(&what, 8 * table.count(), largest_that_fits(8))
     }
 
-    /// Uploads `sat` and its exponents.
-    ///
-    /// # Errors
-    /// Those of [`SatPlanes::new`].
-    pub fn upload(context: &Context, sat: &crate::sat::Sat) -> Result<Self> {
-        let planes = Self::new(context, sat.size())?;
-        let exponents = sat.fixed_point().exponents;
-        context.queue().write_buffer(&planes.exponents, 0, bytemuck::cast_slice(&exponents));
-        let words = |entry: u64| [entry as u32, (entry >> 32) as u32];
-        Table::new(sat.size()).write(context, &planes.planes, sat.entries(), words);
-        Ok(planes)
-    }
-
     /// Size of the OEM summed.
     #[must_use]
     pub const fn size(&self) -> OemSize {
         self.size
-    }
-
-    /// The planes.
-    #[must_use]
-    pub const fn planes(&self) -> &[wgpu::Buffer; CHANNELS] {
-        &self.planes
-    }
-
-    /// Four `i32`: F of each channel, see [`crate::sat::FixedPoint`].
-    #[must_use]
-    pub const fn exponents(&self) -> &wgpu::Buffer {
-        &self.exponents
-    }
-
-    /// Reads exponents and entries back in the form of [`crate::sat::Sat`].
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] if the device fails.
-    pub async fn read(&self, context: &Context) -> Result<(crate::sat::FixedPoint, Vec<[u64; CHANNELS]>)> {
-        let exponents: Vec<i32> = readback::read(context, &self.exponents).await?;
-        let fixed = crate::sat::FixedPoint { exponents: std::array::from_fn(|c| exponents[c]) };
-        let entry = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
-        Ok((fixed, Table::new(self.size).read(context, &self.planes, entry).await?))
     }
 }

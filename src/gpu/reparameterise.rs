@@ -1,7 +1,6 @@
 //! Resamples the environment to the OEM and to the cube of footprints: applies the CPU's overlap matrix to a
 //! texture.
 
-use super::device::shader;
 use super::device::stage::Dispatch;
 use super::oem::Table;
 use super::{Context, OemPlanes, Stage};
@@ -39,22 +38,6 @@ pub struct Gather {
     source_maps: [[[i32; 4]; 3]; 8],
 }
 
-shader::members!(Gather { edge, border, side, pitch, width, height, symmetric, padding, source_maps });
-
-/// Pipelines of the stage.
-#[derive(Clone, Debug)]
-pub struct Reparameterise {
-    oem: Pipelines,
-    footprints: Pipelines,
-}
-
-/// Pipelines for few sources per texel, and for many.
-#[derive(Clone, Debug)]
-struct Pipelines {
-    by_texels: wgpu::ComputePipeline,
-    by_groups: wgpu::ComputePipeline,
-}
-
 /// Columns, rows and layers of the texture for `layout`.
 #[must_use]
 pub(crate) const fn texture_size(layout: Layout) -> [u32; 3] {
@@ -78,20 +61,12 @@ pub fn upload(context: &Context, environment: &Environment) -> Result<wgpu::Text
             // Textures are limited by their sides, so compare squares of the longer side.
             needed: u64::from(width.max(height)).pow(2) * 16,
             available: u64::from(most) * u64::from(most) * 16,
-            remedy: format!("use an image of at most {most} texels per side, or the CPU engine"),
+            remedy: format!("use an image of at most {most} texels per side, or `engine` cpu"),
         });
     }
-    let size = wgpu::Extent3d { width, height, depth_or_array_layers };
-    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
-        label: Some("environment"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba32Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    let (format, sides) = (wgpu::TextureFormat::Rgba32Float, [width, height, depth_or_array_layers]);
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = context.texture("environment", format, sides, 1, usage);
     // Upload strips of rows to limit the staging memory.
     let strip = (1_u32 << 20).div_ceil(width).min(height);
     for layer in 0..depth_or_array_layers {
@@ -120,73 +95,58 @@ pub fn upload(context: &Context, environment: &Environment) -> Result<wgpu::Text
     Ok(texture)
 }
 
-impl Reparameterise {
-    /// Compiles the stage.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "reparameterise.wgsl");
-        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        let pair = |by_texels, by_groups| Pipelines {
-            by_texels: pipeline(by_texels),
-            by_groups: pipeline(by_groups),
-        };
-        Self { oem: pair("oem", "oem_by_groups"), footprints: pair("footprints", "footprints_by_groups") }
-    }
+/// Stage that resamples `texture`, with texels in `layout`, to `planes`, border included. Also uploads
+/// the solid angles of `planes`. The texture's first level must have `texture_size` and a format of
+/// colours that shaders read as floats. Negative values and NaN count as 0, infinity as the greatest
+/// float.
+///
+/// # Errors
+/// [`Error::Limit`] if the overlap matrix is larger than the device can bind, [`Error::Parameter`] if the
+/// texture has another size, or is not one that the stage can read.
+pub fn stage(
+    context: &Context,
+    layout: Layout,
+    texture: &wgpu::Texture,
+    planes: &OemPlanes,
+) -> Result<Stage> {
+    let OemSize { inner, .. } = planes.size();
+    let table = planes.table();
+    upload_solid_angles(context, planes);
+    let overlaps = Overlaps::new(layout, glam::DMat3::IDENTITY, Target::Octahedral(inner))?;
+    let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
+    let mut resources = matrix.resources();
+    let targets = [3, 0, 1, 2].map(|channel| planes.planes[channel].as_entire_binding());
+    resources.extend((4..).zip(targets));
+    let dispatch =
+        matrix.dispatch(context, ["oem", "oem_by_groups"], &resources, [table.side, table.side, 1]);
+    Ok(Stage::new("reparameterise", vec![dispatch]))
+}
 
-    /// Stage that resamples `texture`, with texels in `layout`, to `planes`, border included. Also uploads
-    /// the solid angles of `planes`. The texture's first level must have [`texture_size`] and a format of
-    /// colours that shaders read as floats. Negative values and NaN count as 0, infinity as the greatest
-    /// float.
-    ///
-    /// # Errors
-    /// [`Error::Limit`] if the overlap matrix is larger than the device can bind, [`Error::Parameter`] if the
-    /// texture has another size, or is not one that the stage can read.
-    pub fn stage(
-        &self,
-        context: &Context,
-        layout: Layout,
-        texture: &wgpu::Texture,
-        planes: &OemPlanes,
-    ) -> Result<Stage> {
-        let OemSize { inner, .. } = planes.size();
-        let table = planes.table();
-        upload_solid_angles(context, planes);
-        let overlaps = Overlaps::new(layout, glam::DMat3::IDENTITY, Target::Octahedral(inner))?;
-        let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
-        let mut resources = matrix.resources();
-        let targets = [3, 0, 1, 2].map(|channel| planes.planes()[channel].as_entire_binding());
-        resources.extend((4..).zip(targets));
-        let dispatch = matrix.dispatch(context, &self.oem, &resources, [table.side, table.side, 1]);
-        Ok(Stage::new("reparameterise", vec![dispatch]))
-    }
-
-    /// Stage that computes the mean radiance over every texel of a cube with faces of `size`, in world space,
-    /// and its output: `size` x `size` x 6 four-component floats.
-    ///
-    /// # Errors
-    /// Those of [`Reparameterise::stage`].
-    pub fn footprints(
-        &self,
-        context: &Context,
-        environment: &Environment,
-        texture: &wgpu::Texture,
-        size: u32,
-    ) -> Result<(Stage, wgpu::Buffer)> {
-        let layout = environment.layout();
-        let table = Table { inner: size, border: 0, side: size, pitch: size };
-        let overlaps =
-            Overlaps::new(layout, environment.source_from_world().transpose(), Target::Cube(size))?;
-        let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
-        let bytes = 16 * 6 * u64::from(size) * u64::from(size);
-        context.fits(&format!("a cube of {size} x {size}"), bytes, |available| {
-            format!("choose `size` of at most {}", (available / 96).isqrt())
-        })?;
-        let footprint = context.storage("footprints", bytes);
-        let mut resources = matrix.resources();
-        resources.push((8, footprint.as_entire_binding()));
-        let dispatch = matrix.dispatch(context, &self.footprints, &resources, [size, size, 6]);
-        Ok((Stage::new("footprints", vec![dispatch]), footprint))
-    }
+/// Stage that computes the mean radiance over every texel of a cube with faces of `size`, in world space,
+/// and its output: `size` x `size` x 6 four-component floats.
+///
+/// # Errors
+/// Those of [`stage`].
+pub fn footprints(
+    context: &Context,
+    environment: &Environment,
+    texture: &wgpu::Texture,
+    size: u32,
+) -> Result<(Stage, wgpu::Buffer)> {
+    let layout = environment.layout();
+    let table = Table { inner: size, border: 0, side: size, pitch: size };
+    let overlaps = Overlaps::new(layout, environment.source_from_world().transpose(), Target::Cube(size))?;
+    let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
+    let bytes = 16 * 6 * u64::from(size) * u64::from(size);
+    context.fits(&format!("a cube of {size} x {size}"), bytes, |available| {
+        format!("choose `size` of at most {}", (available / 96).isqrt())
+    })?;
+    let footprint = context.storage("footprints", bytes);
+    let mut resources = matrix.resources();
+    resources.push((8, footprint.as_entire_binding()));
+    let dispatch =
+        matrix.dispatch(context, ["footprints", "footprints_by_groups"], &resources, [size, size, 6]);
+    Ok((Stage::new("footprints", vec![dispatch]), footprint))
 }
 
 /// Checks that shaders can read colours from `texture`.
@@ -227,7 +187,7 @@ fn upload_solid_angles(context: &Context, planes: &OemPlanes) {
             *word = weights.at(x, y);
         }
     }
-    context.queue().write_buffer(&planes.planes()[3], 0, bytemuck::cast_slice(&words));
+    context.queue().write_buffer(&planes.planes[3], 0, bytemuck::cast_slice(&words));
 }
 
 /// An overlap matrix on the GPU, with the texture that it applies to.
@@ -258,7 +218,7 @@ impl Matrix {
         }
         let (starts, entries) = overlaps.rows();
         context.fits("the overlap of source and target texels", 8 * entries.len() as u64, |_| {
-            "bake from a smaller or unturned source, or with the CPU engine".to_owned()
+            "bake from a smaller or unturned source, or with `engine` cpu".to_owned()
         })?;
         let by_groups = entries.len() / starts.len() >= MANY_SOURCES;
         let most = starts.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
@@ -269,7 +229,7 @@ impl Matrix {
                 what: format!("a texel of {} x {}", target.inner, target.inner),
                 needed: 16 * u64::from(most),
                 available: 8 * u64::from(available),
-                remedy: "bake from a smaller source, or with the CPU engine".to_owned(),
+                remedy: "bake from a smaller source, or with `engine` cpu".to_owned(),
             });
         }
         let entries: Vec<[u32; 2]> =
@@ -299,20 +259,21 @@ impl Matrix {
         })
     }
 
-    /// Dispatches the pipeline that suits the matrix over `texels`.
+    /// Dispatches over `texels` the entry point that suits the matrix: a texel by an invocation, or by a group.
     fn dispatch(
         &self,
         context: &Context,
-        pipelines: &Pipelines,
+        [by_texels, by_groups]: [&'static str; 2],
         resources: &[(u32, wgpu::BindingResource<'_>)],
         texels: [u32; 3],
     ) -> Dispatch {
+        let file = "reparameterise.wgsl";
         if self.by_groups {
-            return Dispatch::new(context, &pipelines.by_groups, resources, texels);
+            return Dispatch::new(context, (file, by_groups), resources, texels);
         }
         let [x, y, z] = texels;
         let groups = [x.div_ceil(EDGE), y.div_ceil(EDGE), z];
-        Dispatch::new(context, &pipelines.by_texels, resources, groups)
+        Dispatch::new(context, (file, by_texels), resources, groups)
     }
 
     fn resources(&self) -> Vec<(u32, wgpu::BindingResource<'_>)> {

@@ -1,7 +1,6 @@
 //! The float32 table with its mean bias, by recursive doubling. For comparison; see
 //! [`crate::analysis::sat_f32`].
 
-use super::device::shader;
 use super::device::stage::Dispatch;
 use super::oem::{OemPlanes, Table};
 use super::{Context, Stage};
@@ -21,99 +20,70 @@ pub struct Doubling {
     axis: u32,
     stride: u32,
 }
-shader::members!(Doubling { side, axis, stride });
 
-/// Pipelines of the pass.
-#[derive(Clone, Debug)]
-pub struct SatF32 {
-    sums_of_groups: wgpu::ComputePipeline,
-    mean_of_all: wgpu::ComputePipeline,
-    bias: wgpu::ComputePipeline,
-    double_sums: wgpu::ComputePipeline,
-}
+const FILE: &str = "sat_f32.wgsl";
 
-/// A float32 table: four floats per entry, row by row, and the mean that was subtracted before summing.
-#[derive(Clone, Debug)]
-pub struct F32Table {
-    /// The entries, inclusive, border included.
-    pub entries: wgpu::Buffer,
-    /// The mean of the bordered table.
-    pub mean: wgpu::Buffer,
-}
-
-impl SatF32 {
-    /// Compiles the pass.
-    #[must_use]
-    pub fn new(context: &Context) -> Self {
-        let module = shader::module(context, "sat_f32.wgsl");
-        let pipeline = |entry| shader::pipeline(context, &module, entry, &[]);
-        Self {
-            sums_of_groups: pipeline("sums_of_groups"),
-            mean_of_all: pipeline("mean_of_all"),
-            bias: pipeline("bias"),
-            double_sums: pipeline("double_sums"),
-        }
+/// The stage that fills the float32 table of `oem`; the table, four floats per entry, row by row,
+/// inclusive, border included; and the mean of the bordered OEM that was subtracted before summing.
+///
+/// # Errors
+/// [`crate::Error::Limit`] if it is larger than the device can bind.
+pub fn stage(context: &Context, oem: &OemPlanes) -> Result<(Stage, wgpu::Buffer, wgpu::Buffer)> {
+    let Table { side, .. } = oem.table();
+    let bytes = 16 * u64::from(side) * u64::from(side);
+    context.fits(&format!("a float32 table of {side} x {side}"), bytes, |available| {
+        format!("choose `oem_size` plus twice `border` of at most {}", (available / 16).isqrt())
+    })?;
+    let buffers = [(); 2].map(|()| context.storage("float32 table", bytes));
+    let partials = context.storage("sums of groups", 16 * u64::from(GROUPS));
+    let mean = context.storage("mean", 16);
+    let strides: Vec<(u32, u32)> = [0, 1]
+        .into_iter()
+        .flat_map(|axis| {
+            std::iter::successors(Some(1_u32), |stride| stride.checked_mul(2))
+                .take_while(|stride| *stride < side)
+                .map(move |stride| (axis, stride))
+        })
+        .collect();
+    // The last pass writes the first buffer.
+    let back = |pass: usize| &buffers[(strides.len() - pass) % 2];
+    let planes = oem.bindings();
+    let partials = (5, partials.as_entire_binding());
+    let mean_binding = (6, mean.as_entire_binding());
+    let groups = [side.div_ceil(EDGE), side.div_ceil(EDGE), 1];
+    let mut dispatches = vec![
+        Dispatch::new(
+            context,
+            (FILE, "sums_of_groups"),
+            &[&planes[..], std::slice::from_ref(&partials)].concat(),
+            [GROUPS, 1, 1],
+        ),
+        Dispatch::new(
+            context,
+            (FILE, "mean_of_all"),
+            &[planes[0].clone(), partials, mean_binding.clone()],
+            [1, 1, 1],
+        ),
+        Dispatch::new(
+            context,
+            (FILE, "bias"),
+            &[&planes[..], &[mean_binding, (7, back(0).as_entire_binding())]].concat(),
+            groups,
+        ),
+    ];
+    for (pass, (axis, stride)) in strides.iter().enumerate() {
+        let uniform = Doubling { side, axis: *axis, stride: *stride };
+        dispatches.push(Dispatch::new(
+            context,
+            (FILE, "double_sums"),
+            &[
+                (8, context.uniform("doubling", &uniform).as_entire_binding()),
+                (9, back(pass).as_entire_binding()),
+                (7, back(pass + 1).as_entire_binding()),
+            ],
+            groups,
+        ));
     }
-
-    /// The table of `oem`, and the stage that fills it.
-    ///
-    /// # Errors
-    /// [`crate::Error::Limit`] if it is larger than the device can bind.
-    pub fn stage(&self, context: &Context, oem: &OemPlanes) -> Result<(Stage, F32Table)> {
-        let Table { side, .. } = oem.table();
-        let bytes = 16 * u64::from(side) * u64::from(side);
-        context.fits(&format!("a float32 table of {side} x {side}"), bytes, |available| {
-            format!("choose `oem_size` plus twice `border` of at most {}", (available / 16).isqrt())
-        })?;
-        let buffers = [(); 2].map(|()| context.storage("float32 table", bytes));
-        let partials = context.storage("sums of groups", 16 * u64::from(GROUPS));
-        let mean = context.storage("mean", 16);
-        let strides: Vec<(u32, u32)> = [0, 1]
-            .into_iter()
-            .flat_map(|axis| {
-                std::iter::successors(Some(1_u32), |stride| stride.checked_mul(2))
-                    .take_while(|stride| *stride < side)
-                    .map(move |stride| (axis, stride))
-            })
-            .collect();
-        // The last pass writes the first buffer.
-        let back = |pass: usize| &buffers[(strides.len() - pass) % 2];
-        let planes = (1..).zip(oem.planes()).map(|(binding, plane)| (binding, plane.as_entire_binding()));
-        let planes: Vec<_> =
-            std::iter::once((0, oem.table_buffer().as_entire_binding())).chain(planes).collect();
-        let partials = (5, partials.as_entire_binding());
-        let mean_binding = (6, mean.as_entire_binding());
-        let groups = [side.div_ceil(EDGE), side.div_ceil(EDGE), 1];
-        let table = (0, oem.table_buffer().as_entire_binding());
-        let mut dispatches = vec![
-            Dispatch::new(
-                context,
-                &self.sums_of_groups,
-                &[&planes[..], std::slice::from_ref(&partials)].concat(),
-                [GROUPS, 1, 1],
-            ),
-            Dispatch::new(context, &self.mean_of_all, &[table, partials, mean_binding.clone()], [1, 1, 1]),
-            Dispatch::new(
-                context,
-                &self.bias,
-                &[&planes[..], &[mean_binding, (7, back(0).as_entire_binding())]].concat(),
-                groups,
-            ),
-        ];
-        for (pass, (axis, stride)) in strides.iter().enumerate() {
-            let uniform = Doubling { side, axis: *axis, stride: *stride };
-            dispatches.push(Dispatch::new(
-                context,
-                &self.double_sums,
-                &[
-                    (8, context.uniform("doubling", &uniform).as_entire_binding()),
-                    (9, back(pass).as_entire_binding()),
-                    (7, back(pass + 1).as_entire_binding()),
-                ],
-                groups,
-            ));
-        }
-        let [entries, _] = buffers;
-        Ok((Stage::new("sat_f32", dispatches), F32Table { entries, mean }))
-    }
+    let [entries, _] = buffers;
+    Ok((Stage::new("sat_f32", dispatches), entries, mean))
 }

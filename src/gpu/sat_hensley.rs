@@ -1,6 +1,5 @@
 //! Hensley's recursive doubling as in the 2005 paper: passes of 2, 4, 8 or 16 samples, ping-pong.
 
-use super::device::shader;
 use super::device::stage::Dispatch;
 use super::oem::{CHANNELS, Table};
 use super::{Context, OemPlanes, SatPlanes, Stage};
@@ -19,91 +18,63 @@ pub struct Doubling {
     stride: u32,
 }
 
-shader::members!(Doubling { side, pitch, channel, axis, stride });
-
-/// Pipelines of recursive doubling with one radix.
-#[derive(Clone, Debug)]
-pub struct SatHensley {
-    radix: u32,
-    quantise_texels: wgpu::ComputePipeline,
-    double_sums: wgpu::ComputePipeline,
-}
-
-impl SatHensley {
-    /// Compiles the pass for `radix` samples.
-    ///
-    /// # Panics
-    /// If `radix` is below 2.
-    #[must_use]
-    pub fn new(context: &Context, radix: u32) -> Self {
-        assert!(radix >= 2, "a radix of at least 2");
-        let module = shader::module(context, "sat_hensley.wgsl");
-        Self {
-            radix,
-            quantise_texels: shader::pipeline(context, &module, "quantise_texels", &[]),
-            double_sums: shader::pipeline(context, &module, "double_sums", &[("RADIX", f64::from(radix))]),
-        }
-    }
-
-    /// Samples per pass.
-    #[must_use]
-    pub const fn radix(&self) -> u32 {
-        self.radix
-    }
-
-    /// Stage that writes the table of `oem` to `sat`, whose exponents must be filled.
-    #[must_use]
-    pub fn stage(&self, context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
-        let Table { side, pitch, .. } = oem.table();
-        let passes: Vec<(u32, u32)> = [0, 1]
-            .into_iter()
-            .flat_map(|axis| {
-                std::iter::successors(Some(1_u32), |stride| stride.checked_mul(self.radix))
-                    .take_while(|stride| *stride < side)
-                    .map(move |stride| (axis, stride))
-            })
-            .collect();
-        let bytes = 8 * oem.table().count();
-        let other: [_; CHANNELS / 2] = std::array::from_fn(|_| context.storage("SAT ping-pong", bytes));
-        let groups = [side.div_ceil(EDGE), side.div_ceil(EDGE), 1];
-        let mut dispatches = Vec::new();
-        for channel in [0, 2] {
-            let table = &sat.planes()[channel..channel + 2];
-            // The last pass writes the table itself.
-            let back = |pass: usize| if (passes.len() - pass).is_multiple_of(2) { table } else { &other[..] };
-            let uniform = |axis, stride| {
-                context.uniform("doubling", &Doubling { side, pitch, channel: channel as u32, axis, stride })
-            };
-            let start = uniform(0, 1);
-            dispatches.push(Dispatch::new(
+/// Stage that writes the table of `oem` to `sat`, whose exponents must be filled, in passes of `radix` samples.
+///
+/// # Panics
+/// If `radix` is below 2.
+#[must_use]
+pub fn stage(context: &Context, radix: u32, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
+    assert!(radix >= 2, "a radix of at least 2");
+    let double_sums = context.pipeline("sat_hensley.wgsl", "double_sums", Some(("RADIX", radix)));
+    let Table { side, pitch, .. } = oem.table();
+    let passes: Vec<(u32, u32)> = [0, 1]
+        .into_iter()
+        .flat_map(|axis| {
+            std::iter::successors(Some(1_u32), |stride| stride.checked_mul(radix))
+                .take_while(|stride| *stride < side)
+                .map(move |stride| (axis, stride))
+        })
+        .collect();
+    let bytes = 8 * oem.table().count();
+    let other: [_; CHANNELS / 2] = std::array::from_fn(|_| context.storage("SAT ping-pong", bytes));
+    let groups = [side.div_ceil(EDGE), side.div_ceil(EDGE), 1];
+    let mut dispatches = Vec::new();
+    for channel in [0, 2] {
+        let table = &sat.planes[channel..channel + 2];
+        // The last pass writes the table itself.
+        let back = |pass: usize| if (passes.len() - pass).is_multiple_of(2) { table } else { &other[..] };
+        let uniform = |axis, stride| {
+            context.uniform("doubling", &Doubling { side, pitch, channel: channel as u32, axis, stride })
+        };
+        let start = uniform(0, 1);
+        dispatches.push(Dispatch::new(
+            context,
+            ("sat_hensley.wgsl", "quantise_texels"),
+            &[
+                (0, start.as_entire_binding()),
+                (1, sat.exponents.as_entire_binding()),
+                (2, oem.planes[channel].as_entire_binding()),
+                (3, oem.planes[channel + 1].as_entire_binding()),
+                (6, back(0)[0].as_entire_binding()),
+                (7, back(0)[1].as_entire_binding()),
+            ],
+            groups,
+        ));
+        for (pass, (axis, stride)) in passes.iter().enumerate() {
+            let (from, to) = (back(pass), back(pass + 1));
+            dispatches.push(Dispatch::of(
                 context,
-                &self.quantise_texels,
+                &double_sums,
                 &[
-                    (0, start.as_entire_binding()),
-                    (1, sat.exponents().as_entire_binding()),
-                    (2, oem.planes()[channel].as_entire_binding()),
-                    (3, oem.planes()[channel + 1].as_entire_binding()),
-                    (6, back(0)[0].as_entire_binding()),
-                    (7, back(0)[1].as_entire_binding()),
+                    (0, uniform(*axis, *stride).as_entire_binding()),
+                    (4, from[0].as_entire_binding()),
+                    (5, from[1].as_entire_binding()),
+                    (6, to[0].as_entire_binding()),
+                    (7, to[1].as_entire_binding()),
                 ],
                 groups,
             ));
-            for (pass, (axis, stride)) in passes.iter().enumerate() {
-                let (from, to) = (back(pass), back(pass + 1));
-                dispatches.push(Dispatch::new(
-                    context,
-                    &self.double_sums,
-                    &[
-                        (0, uniform(*axis, *stride).as_entire_binding()),
-                        (4, from[0].as_entire_binding()),
-                        (5, from[1].as_entire_binding()),
-                        (6, to[0].as_entire_binding()),
-                        (7, to[1].as_entire_binding()),
-                    ],
-                    groups,
-                ));
-            }
         }
-        Stage::new("sat_hensley", dispatches)
     }
+    Stage::new("sat_hensley", dispatches)
 }

@@ -5,8 +5,10 @@
 //! ```
 
 use super::Context;
-use super::device::shader::{self, Queries};
-use super::direct::{DEPTH, OctantDraws, cleared_depth, depth_texture, view_layout};
+use super::device::resources::{DEPTH, UNIFORM, group, group_layout, texture_binding};
+use super::device::shader;
+use super::direct::{OctantDraws, cleared_depth, depth_texture, view_layout};
+use super::live::draw_wgsl;
 use crate::direct::DirectMap;
 use crate::error::{Error, Result};
 use glam::DVec3;
@@ -24,8 +26,6 @@ pub struct Shadow {
     bias: f32,
     pad: [u32; 2],
 }
-
-shader::members!(Shadow { lamp, size, near, bias, pad });
 
 /// An octahedral map of the depth around a lamp, which a renderer draws its own scene into, and the look-up
 /// of shadows for its own shaders.
@@ -61,30 +61,10 @@ impl ShadowMap {
         let shadow = Shadow { lamp: [0.0; 3], size, near: 1.0, bias: BIAS, pad: [0; 2] };
         let uniform = context.uniform("octagloss shadow", &shadow);
         let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("octagloss shadow"),
-            entries: &[
-                entry(
-                    0,
-                    wgpu::BindingType::Buffer {
-                        ty: wgpu::BufferBindingType::Uniform,
-                        has_dynamic_offset: false,
-                        min_binding_size: None,
-                    },
-                ),
-                entry(
-                    1,
-                    wgpu::BindingType::Texture {
-                        sample_type: wgpu::TextureSampleType::Depth,
-                        view_dimension: wgpu::TextureViewDimension::D2,
-                        multisampled: false,
-                    },
-                ),
-            ],
-        });
-        let bind_group = bind_group(device, &layout, &uniform, &depth);
-        let draw_layout = view_layout(device);
+        let map_of_depth = texture_binding(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2);
+        let layout = group_layout(&context, "octagloss shadow", visibility, &[UNIFORM, map_of_depth]);
+        let bind_group = bind_group(&context, &layout, &uniform, &depth);
+        let draw_layout = view_layout(&context);
         let octants = OctantDraws::new(&context, &draw_layout, map);
         Ok(Self { context, shadow, uniform, depth, octants, draw_layout, layout, bind_group })
     }
@@ -145,7 +125,7 @@ impl ShadowMap {
     /// WGSL for the caller's shaders that draw into the map: that of [`crate::LiveEnvironment::draw_wgsl`].
     #[must_use]
     pub fn draw_wgsl(group: u32) -> String {
-        shader::queries(&[Queries::Draw(group)])
+        draw_wgsl(group)
     }
 
     /// The layout of the group that [`Self::draw`] passes on, for the caller's pipeline layouts.
@@ -159,7 +139,11 @@ impl ShadowMap {
     /// triangle's own. Its resources are declared in bind group `group`.
     #[must_use]
     pub fn wgsl(group: u32) -> String {
-        shader::queries(&[Queries::Shadow(group)])
+        let resources = [
+            "var<uniform> octagloss_shadow: OctaglossShadow",
+            "var octagloss_shadow_depth: texture_depth_2d",
+        ];
+        shader::for_callers("common/shadow.wgsl", &resources, group, "octagloss_shadow")
     }
 
     /// The layout of [`Self::bind_group`], for the caller's pipeline layouts: visible to vertex, fragment and
@@ -175,25 +159,19 @@ impl ShadowMap {
         &self.bind_group
     }
 
-    /// Such a group of `layout`, which a pipeline has derived from its shader.
+    /// The resources as a group of `layout`, which wgpu derived for a pipeline from its shader.
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        bind_group(self.context.device(), layout, &self.uniform, &self.depth)
+        bind_group(&self.context, layout, &self.uniform, &self.depth)
     }
 }
 
 fn bind_group(
-    device: &wgpu::Device,
+    context: &Context,
     layout: &wgpu::BindGroupLayout,
     uniform: &wgpu::Buffer,
     depth: &wgpu::TextureView,
 ) -> wgpu::BindGroup {
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("octagloss shadow"),
-        layout,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(depth) },
-        ],
-    })
+    let resources = [uniform.as_entire_binding(), wgpu::BindingResource::TextureView(depth)];
+    group(context, "octagloss shadow", layout, resources)
 }

@@ -24,7 +24,7 @@ pub struct LevelErrors<'a> {
     pub rmse: Relative,
     /// The texels shown.
     pub level: &'a Level,
-    /// What they are compared with, as large.
+    /// The reference, of the same size.
     pub reference: &'a Level,
 }
 

@@ -74,7 +74,7 @@ pub fn of_environment(environment: &Environment) -> f64 {
 pub(crate) struct Rolloff {
     /// The exposure in powers of two.
     pub(crate) ev: f64,
-    /// The same as a factor.
+    /// The exposure as a factor.
     factor: f64,
     /// Exposed radiance that is shown as 1.
     white: f64,

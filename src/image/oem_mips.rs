@@ -22,7 +22,7 @@ pub enum Weights {
     Equal,
 }
 
-/// What a look-up reads outside the texture.
+/// Texels that look-ups read outside the texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Addressing {
     /// The nearest texel.
@@ -134,12 +134,6 @@ impl OemMips {
     #[must_use]
     pub const fn inner(&self) -> u32 {
         self.inner
-    }
-
-    /// Texels of border on every side at level 0.
-    #[must_use]
-    pub const fn border(&self) -> u32 {
-        self.border
     }
 
     /// The levels, the finest first.

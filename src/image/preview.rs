@@ -227,7 +227,7 @@ impl Camera {
     }
 }
 
-/// What the camera sees: a sphere before a backdrop.
+/// The camera's view: a sphere before a backdrop.
 struct Seen<'a> {
     lookup: ChainLookup<'a>,
     /// Level of detail of the backdrop.

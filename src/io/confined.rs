@@ -39,6 +39,7 @@ impl<'a> Confined<'a> {
     }
 
     /// Allows only data URIs, of at most `limit` bytes in total.
+    #[cfg(any(feature = "internals", target_arch = "wasm32"))]
     pub(crate) fn inside(path: &'a Path, limit: u64) -> Self {
         Self { path, folders: None, limit, left: limit }
     }

@@ -2,15 +2,14 @@
 
 use super::cube_file::{CubeFile, check_sizes};
 use super::exr::parts::{Part, exr_parts_bytes};
-use super::exr::write::Attribute;
-use super::provenance::FLIP_KEY;
+use super::exr::write::attributes;
+use super::provenance::Provenance;
 use super::{dds, ktx1, ktx2};
-use crate::chain::{Chain, Level};
+use crate::chain::Chain;
 use crate::error::{Error, Result};
 use crate::format::container::Container;
 use crate::format::{LevelName, Pixel};
 use crate::sphere::cube::Face;
-use crate::target::Flip;
 
 /// Encodes `chain` in `container` with `pixel`. `metadata` are text key/value pairs; DDS stores only the
 /// flip.
@@ -29,9 +28,8 @@ pub fn cube_bytes(
         Container::Ktx1 => ktx1::write::ktx1_bytes(chain, pixel, metadata),
         Container::Dds => {
             let mut file = dds::write::dds_bytes(chain, pixel)?;
-            let flip = metadata.iter().find(|(key, _)| key == FLIP_KEY);
-            let flip = flip.and_then(|(_, name)| Flip::named(name)).unwrap_or_default();
-            dds::write::mark_flip(&mut file.bytes, flip);
+            let flip = Provenance::of_pairs(metadata).ok().and_then(|provenance| provenance.flip);
+            dds::write::mark_flip(&mut file.bytes, flip.unwrap_or_default());
             Ok(file)
         }
         Container::Exr => exr_bytes(chain, pixel, metadata),
@@ -45,11 +43,6 @@ pub fn cube_bytes(
 /// `metadata`.
 fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     check_sizes("EXR", chain)?;
-    let attributes = |level: &Level| {
-        let text = metadata.iter().map(|(key, text)| (key.clone(), Attribute::Text(text.clone())));
-        let roughness = ("roughness".to_owned(), Attribute::Float(level.roughness as f32));
-        std::iter::once(roughness).chain(text).collect()
-    };
     let parts: Vec<Part<'_>> = (0..)
         .zip(&chain.levels)
         .flat_map(|(index, level)| Face::ALL.map(|face| (index, level, face)))
@@ -58,7 +51,7 @@ fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Resu
             width: level.size(),
             height: level.size(),
             texels: level.face(face),
-            attributes: attributes(level),
+            attributes: attributes(Some(level.roughness), metadata.iter().cloned()),
         })
         .collect();
     Ok(CubeFile::new(exr_parts_bytes(&parts, pixel)?, chain, pixel))

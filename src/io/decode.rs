@@ -2,15 +2,17 @@
 
 use crate::error::{Error, Result};
 use crate::io::picture::Picture;
+use crate::io::regular::open_regular;
 use crate::io::source::Source;
 use crate::io::target_folder::is_atlas;
 use crate::io::{dds, exr, hdr, ktx1, ktx2, ldr};
 use crate::names::named;
+use std::io::Read as _;
 use std::path::Path;
 
 /// File formats, detected by their first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Format {
+pub(crate) enum Format {
     Radiance,
     OpenExr,
     Png,
@@ -31,7 +33,7 @@ named!(Format {
 });
 
 impl Format {
-    pub(super) fn sniff(bytes: &[u8]) -> Option<Self> {
+    pub(crate) fn sniff(bytes: &[u8]) -> Option<Self> {
         let magics: [(&[u8], Self); 7] = [
             (b"#?", Self::Radiance),
             (&[0x76, 0x2f, 0x31, 0x01], Self::OpenExr),
@@ -71,6 +73,17 @@ pub(crate) fn has_readable_name(path: &Path) -> bool {
 
 /// Extensions of unsupported image formats: a readable file with one of them is misnamed.
 const FOREIGN_EXTENSIONS: [&str; 7] = ["bmp", "gif", "pfm", "tga", "tif", "tiff", "webp"];
+
+/// Whether the file `path` is of a format that can hold a chain: KTX, KTX2, DDS or multi-part OpenEXR.
+pub(crate) fn may_hold_chain(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = open_regular(path).is_ok_and(|file| file.take(12).read_to_end(&mut start).is_ok());
+    read && match Format::sniff(&start) {
+        Some(Format::Ktx1 | Format::Ktx2 | Format::Dds) => true,
+        Some(Format::OpenExr) => start.get(5).is_some_and(|flags| flags & 0x10 != 0),
+        _ => false,
+    }
+}
 
 /// Warning for a file whose extension contradicts `format`.
 fn misnamed(path: &Path, format: Format) -> Option<String> {

@@ -1,8 +1,8 @@
 //! Writes an environment as one image file: EXR (ZIP; half, or float if the light exceeds the range of half)
 //! or Radiance .hdr.
 
-use super::exr::write::{Attribute, Samples, exr_bytes};
-use super::hdr::write::hdr_bytes_with;
+use super::exr::write::{Samples, attributes, exr_bytes};
+use super::hdr::write::hdr_bytes;
 use super::layout::image_from_faces;
 use super::output::{self, Existing};
 use crate::environment::{Environment, Layout, Rgb};
@@ -41,9 +41,7 @@ pub(crate) fn environment_bytes(path: &Path, environment: &Environment, comment:
 /// # Errors
 /// [`Error::Input`] for another extension.
 pub(crate) fn picture_container(path: &Path) -> Result<Container> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    extension
-        .and_then(|extension| Container::named(&extension))
+    Container::of_path(path)
         .filter(|container| matches!(container, Container::Exr | Container::Hdr))
         .ok_or_else(|| Error::input(path, "an environment is written as .exr or .hdr"))
 }
@@ -62,13 +60,10 @@ pub(crate) fn picture_bytes(
     metadata: &[(String, String)],
 ) -> Result<Vec<u8>> {
     if pixel == Pixel::Rgbe {
-        return hdr_bytes_with(width, height, texels, metadata);
+        return hdr_bytes(width, height, texels, metadata);
     }
     let texts = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
-    let attributes: Vec<(String, Attribute)> = std::iter::once(("comments", comment))
-        .chain(texts)
-        .map(|(key, text)| (key.to_owned(), Attribute::Text(text.to_owned())))
-        .collect();
+    let attributes = attributes(None, std::iter::once(("comments", comment)).chain(texts));
     exr_bytes(width, height, Samples::Rgb(texels), pixel.stored(texels), &attributes)
 }
 
@@ -91,7 +86,7 @@ pub(crate) fn losses(texels: &[Rgb], pixel: Pixel, remedy: &str) -> Vec<String> 
 /// As [`exr_bytes`].
 pub fn exact_exr_bytes(environment: &Environment, comment: &str) -> Result<Vec<u8>> {
     let (width, height, texels) = picture(environment);
-    let attributes = [("comments".to_owned(), Attribute::Text(comment.to_owned()))];
+    let attributes = attributes(None, [("comments", comment)]);
     exr_bytes(width, height, Samples::Rgb(&texels), Pixel::F32, &attributes)
 }
 

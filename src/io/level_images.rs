@@ -1,10 +1,9 @@
 //! Writes levels as images: single EXR or Radiance images, and lat-long MIP maps in one tiled EXR.
 
 use super::exr::parts::exr_mips_bytes;
-use super::exr::write::{Attribute, Samples, exr_bytes};
-use super::hdr::write::hdr_bytes_with;
-use super::ktx2::write::ROUGHNESS_KEY;
-use super::provenance::irradiance_pairs;
+use super::exr::write::{Samples, attributes, exr_bytes};
+use super::hdr::write::hdr_bytes;
+use super::ktx2::write::{ROUGHNESS_KEY, roughness_text};
 use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
@@ -18,7 +17,7 @@ pub struct ImageFormat<'a> {
     pub container: Container,
     /// Its pixel format.
     pub pixel: Pixel,
-    /// Perceptual roughness of its level; `None` for irradiance.
+    /// Perceptual roughness of its level; `None` for other maps.
     pub roughness: Option<f64>,
     /// Further key/value pairs.
     pub metadata: &'a [(String, String)],
@@ -39,21 +38,13 @@ pub(crate) fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat
     let height = (count / width.max(1) as usize) as u32;
     match (container, samples) {
         (Container::Exr, _) => {
-            let roughness = roughness.map(|r| ("roughness".to_owned(), Attribute::Float(r as f32)));
-            let pairs = if roughness.is_some() { metadata.to_vec() } else { irradiance_pairs(metadata) };
-            let pairs = pairs.into_iter().map(|(key, text)| (key, Attribute::Text(text)));
-            let attributes: Vec<_> = roughness.into_iter().chain(pairs).collect();
+            let attributes = attributes(roughness, metadata.iter().cloned());
             exr_bytes(width, height, samples, pixel, &attributes)
         }
         (Container::Hdr, Samples::Rgb(texels)) => {
-            let pairs = match roughness {
-                Some(roughness) => {
-                    let own = (ROUGHNESS_KEY.to_owned(), roughness.to_string());
-                    std::iter::once(own).chain(metadata.iter().cloned()).collect()
-                }
-                None => irradiance_pairs(metadata),
-            };
-            hdr_bytes_with(width, height, texels, &pairs)
+            let own = roughness.map(|roughness| (ROUGHNESS_KEY.to_owned(), roughness.to_string()));
+            let pairs: Vec<_> = own.into_iter().chain(metadata.iter().cloned()).collect();
+            hdr_bytes(width, height, texels, &pairs)
         }
         _ => Err(Error::Parameter(format!("an image of a level is exr or hdr, not {}", container.name()))),
     }
@@ -68,10 +59,9 @@ pub(crate) fn mips_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, St
     let Some(Layout::Panorama { width, height }) = levels.first().map(|level| level.layout) else {
         return Err(Error::Parameter("a lat-long MIP map is made of panoramas".to_owned()));
     };
-    let roughness: Vec<String> = levels.iter().map(|level| level.roughness.to_string()).collect();
-    let roughness = ("octaglossRoughness".to_owned(), Attribute::Text(roughness.join(",")));
-    let text = metadata.iter().map(|(key, text)| (key.clone(), Attribute::Text(text.clone())));
-    let attributes: Vec<_> = std::iter::once(roughness).chain(text).collect();
+    let roughness = roughness_text(levels.iter().map(|level| level.roughness));
+    let roughness = (ROUGHNESS_KEY.to_owned(), roughness);
+    let attributes = attributes(None, std::iter::once(roughness).chain(metadata.iter().cloned()));
     let texels: Vec<&[Rgb]> = levels.iter().map(|level| &level.texels[..]).collect();
     exr_mips_bytes((width, height), &texels, pixel, &attributes)
 }

@@ -42,15 +42,15 @@ mod target_folder;
 mod temporary;
 mod texture;
 
-use decode::{Format, decode, unreadable};
-pub(crate) use decode::{has_readable_name, readable_extensions};
+pub(crate) use decode::{Format, has_readable_name, may_hold_chain, readable_extensions};
+use decode::{decode, unreadable};
 pub use layout::InputLayout;
 pub use pad::Pad;
 pub use repair::Repairs;
 pub use source::DEFAULT_MEMORY_LIMIT;
 
 use crate::chain::{Chain, Level};
-use crate::environment::{Environment, Layout, Rgb};
+use crate::environment::{Environment, Layout, Rgb, of_sound};
 use crate::error::{Error, Result, printable};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
@@ -296,6 +296,7 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
 ///
 /// # Errors
 /// As [`read_chain`].
+#[cfg(any(feature = "internals", target_arch = "wasm32"))]
 pub fn read_chain_from_memory(path: &Path, bytes: &[u8], memory_limit: u64) -> Result<Chain> {
     let source = Source { path, bytes, memory_limit };
     Ok(in_world(catching_panics(path, || decode_chain(&source))?)?.chain)
@@ -377,10 +378,10 @@ pub(crate) fn is_bake_folder(path: &Path) -> bool {
         || levels().is_some_and(|file| !target_folder::is_panorama(&file))
 }
 
-/// Origin of the file `path` with the given BLAKE3 `hash`, from its report, as key/value pairs.
+/// Origin of the file `path` with the given BLAKE3 `hash`, from its report.
 #[must_use]
-pub(crate) fn reported_pairs(path: &Path, hash: blake3::Hash) -> Vec<(String, String)> {
-    side_report::of_file(path, || hash).map_or_else(Vec::new, |described| described.provenance.pairs())
+pub(crate) fn reported(path: &Path, hash: blake3::Hash) -> Option<Provenance> {
+    side_report::of_file(path, || hash).map(|described| described.provenance)
 }
 
 /// The file to read for `path`: for a target's folder, the one with its levels; `None` for a folder of
@@ -390,6 +391,20 @@ fn file_of(path: &Path) -> Result<Option<PathBuf>> {
         return Ok(Some(path.to_owned()));
     }
     if level_folder::has_levels(path) { Ok(None) } else { target_folder::levels_file(path) }
+}
+
+/// Names in `folder`, sorted.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read.
+pub(crate) fn names_in(folder: &Path) -> Result<Vec<String>> {
+    let fail = |error| Error::io(folder, error);
+    let name = |entry: std::io::Result<fs::DirEntry>| {
+        Ok(entry.map_err(fail)?.file_name().to_string_lossy().into_owned())
+    };
+    let mut names = fs::read_dir(folder).map_err(fail)?.map(name).collect::<Result<Vec<_>>>()?;
+    names.sort();
+    Ok(names)
 }
 
 /// Whether `path` is a directory.
@@ -529,7 +544,7 @@ fn finish_finite(
         repair::negative(&mut texels, density, &mut repaired);
     }
     let warnings = finish_texels(path, &mut texels, &repaired, warnings, options)?;
-    let environment = Environment::of_sound(arrangement.layout, texels)?;
+    let environment = of_sound(arrangement.layout, texels)?;
     let height = if is_cube { width } else { height };
     Ok(Loaded {
         environment,

@@ -300,7 +300,7 @@ mod tests {
         read_table(bytes, &[3, 4], 1000).expect_err("an error")
     }
 
-    fn of(descr: &str, order: &str, shape: &str) -> String {
+    fn header(descr: &str, order: &str, shape: &str) -> String {
         format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': {shape}, }}\n")
     }
 
@@ -318,7 +318,7 @@ mod tests {
             (3, ">f4", "False", single(&rows)),
             (1, ">f4", "True", single(&columns)),
         ] {
-            let bytes = file(version, &of(descr, order, "(2, 3)"), &data);
+            let bytes = file(version, &header(descr, order, "(2, 3)"), &data);
             let table = read_table(&bytes[..], &[3, 4], 2).expect("readable");
             assert_eq!((table.columns, &table.values), (3, &rows), "{descr} {order}");
             assert_eq!(table.precision == Precision::Single, descr == ">f4");
@@ -345,41 +345,46 @@ mod tests {
             (MAGIC.to_vec(), "truncated within its header"),
             (file(9, "", b""), "its format version is 9.0; 1 to 3 are known"),
             (file(2, &" ".repeat(10_001), b""), "its header has 10001 bytes; at most 10000 are read"),
-            (file(1, &of("<f8", "False", "(2,)"), &[0; 16]), "its shape is (2,); (N, 3) or (N, 4) is needed"),
-            (file(1, &of("<f8", "False", "(3, 2)"), &[0; 48]), "its shape is (3, 2); (N, 3) or (N, 4)"),
-            (file(1, &of("<f8", "False", "()"), &[0; 8]), "its shape is (); (N, 3) or (N, 4) is needed"),
-            (file(1, &of("<f8", "False", "(1001, 3)"), b""), "more than 1000 rows, split the array"),
             (
-                file(1, &of("<f8", "False", "(18446744073709551615, 3)"), b""),
+                file(1, &header("<f8", "False", "(2,)"), &[0; 16]),
+                "its shape is (2,); (N, 3) or (N, 4) is needed",
+            ),
+            (file(1, &header("<f8", "False", "(3, 2)"), &[0; 48]), "its shape is (3, 2); (N, 3) or (N, 4)"),
+            (file(1, &header("<f8", "False", "()"), &[0; 8]), "its shape is (); (N, 3) or (N, 4) is needed"),
+            (file(1, &header("<f8", "False", "(1001, 3)"), b""), "more than 1000 rows, split the array"),
+            (
+                file(1, &header("<f8", "False", "(18446744073709551615, 3)"), b""),
                 "its shape is (18446744073709551615, 3); more than 1000 rows",
             ),
-            (file(1, &of("<f8", "False", "(18446744073709551616, 3)"), b""), "not that of an array, at"),
-            (file(1, &of("<f8", "False", "(-1, 3)"), b""), "not that of an array, at"),
-            (file(1, &of("<f8", "False", "(2 3)"), b""), "not that of an array, at"),
-            (file(1, &of("<f8", "False", "(3)"), b""), "not that of an array, at"),
-            (file(1, &of("<f8", "maybe", "(2, 3)"), b""), "not that of an array, at \"maybe"),
-            (file(1, &of("<f8", "False", "(9, 3)"), &[0; 10]), "truncated: 10 of the 216 bytes"),
-            (file(1, &of("<f4", "False", "(1, 3)"), &[0; 13]), "more than the 12 bytes"),
-            (file(1, &of("<i8", "False", "(1, 3)"), b""), "its type is \"<i8\"; float32 or float64"),
-            (file(1, &of("|O", "False", "(1, 3)"), b""), "its type is \"|O\""),
+            (file(1, &header("<f8", "False", "(18446744073709551616, 3)"), b""), "not that of an array, at"),
+            (file(1, &header("<f8", "False", "(-1, 3)"), b""), "not that of an array, at"),
+            (file(1, &header("<f8", "False", "(2 3)"), b""), "not that of an array, at"),
+            (file(1, &header("<f8", "False", "(3)"), b""), "not that of an array, at"),
+            (file(1, &header("<f8", "maybe", "(2, 3)"), b""), "not that of an array, at \"maybe"),
+            (file(1, &header("<f8", "False", "(9, 3)"), &[0; 10]), "truncated: 10 of the 216 bytes"),
+            (file(1, &header("<f4", "False", "(1, 3)"), &[0; 13]), "more than the 12 bytes"),
+            (file(1, &header("<i8", "False", "(1, 3)"), b""), "its type is \"<i8\"; float32 or float64"),
+            (file(1, &header("|O", "False", "(1, 3)"), b""), "its type is \"|O\""),
             (file(1, "{'descr': [('x', '<f8')], }", b""), "it holds records"),
             (file(1, "{'descr': '<f8', }", b""), "lacks one of descr, fortran_order and shape"),
             (file(1, "{'descr': '<f8', 'descr': '<f8', }", b""), "not that of an array"),
             (file(1, "{'descr': '<f8'", b""), "not that of an array"),
             (file(1, "{'\u{1b}[2J': 1}", b""), "not that of an array, at \"1}\""),
             (file(1, "", b""), "not that of an array, at \"\""),
-            (file(1, &(of("<f4", "False", "(1, 3)") + "x"), &[0; 12]), "not that of an array, at \"x\""),
+            (file(1, &(header("<f4", "False", "(1, 3)") + "x"), &[0; 12]), "not that of an array, at \"x\""),
         ] {
             let error = error(&bytes);
             assert!(error.contains(words), "{error} lacks {words}");
         }
         let many = format!("({})", "1, ".repeat(3000));
-        assert!(error(&file(2, &of("<f8", "False", &many), b"")).contains("its shape is of 3000 dimensions"));
+        assert!(
+            error(&file(2, &header("<f8", "False", &many), b"")).contains("its shape is of 3000 dimensions")
+        );
     }
 
     #[test]
     fn memory_follows_the_bytes_and_not_the_header() {
-        let huge = file(1, &of("<f8", "False", "(4000000000, 3)"), b"none");
+        let huge = file(1, &header("<f8", "False", "(4000000000, 3)"), b"none");
         let error = read_table(&huge[..], &[3], usize::MAX >> 8).expect_err("truncated");
         assert_eq!(error, "truncated: 4 of the 96000000000 bytes of an array of (4000000000, 3)");
     }

@@ -8,7 +8,7 @@
 
 use super::cube_file::CubeFile;
 use super::exr::parts::{Part, exr_parts_bytes};
-use super::exr::write::Attribute;
+use super::exr::write::attributes;
 use super::ktx2::file::{TextureShape, ktx2_file};
 use super::ktx2::write::{ROUGHNESS_KEY, format_of, roughness_text};
 use super::map_header::BORDER_KEY;
@@ -99,18 +99,12 @@ pub fn oem_bytes(
                 .zip(&sizes)
                 .zip(&bordered)
                 .zip(0..)
-                .map(|(((level, size), texels), index)| {
-                    let text = pairs
-                        .iter()
-                        .map(|(key, value)| ((*key).to_owned(), Attribute::Text((*value).to_owned())));
-                    let roughness = ("roughness".to_owned(), Attribute::Float(level.roughness as f32));
-                    Part {
-                        name: LevelName::whole(index).to_string(),
-                        width: size.bordered(),
-                        height: size.bordered(),
-                        texels,
-                        attributes: std::iter::once(roughness).chain(text).collect(),
-                    }
+                .map(|(((level, size), texels), index)| Part {
+                    name: LevelName::whole(index).to_string(),
+                    width: size.bordered(),
+                    height: size.bordered(),
+                    texels,
+                    attributes: attributes(Some(level.roughness), pairs.iter().copied()),
                 })
                 .collect();
             exr_parts_bytes(&parts, pixel)?

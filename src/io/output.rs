@@ -70,18 +70,6 @@ pub fn write_file(
     commit(vec![stage_file(path, existing, write)?])
 }
 
-/// Fills the folder `path` by `write`, which receives the folder to write into. On failure nothing is left
-/// behind, and an existing folder is untouched.
-///
-/// # Errors
-/// [`Error::Io`] naming `path`: as [`write_file`], and with [`Existing::Replace`] a folder that contains
-/// anything but the files of a bake. Errors of `write` are returned with the final paths.
-pub fn write_folder<T>(path: &Path, existing: Existing, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
-    let (staged, value) = stage_folder(path, existing, write)?;
-    commit(vec![staged])?;
-    Ok(value)
-}
-
 /// One of several outputs committed together.
 #[derive(Clone, Debug)]
 pub enum Output<'a> {
@@ -94,7 +82,7 @@ pub enum Output<'a> {
 /// Stages `outputs`; [`commit`] moves them to their paths.
 ///
 /// # Errors
-/// As [`write_file`] and [`write_folder`].
+/// As [`write_file`] and [`stage_folder`].
 pub fn stage_all(outputs: &[(PathBuf, Output<'_>)], existing: Existing) -> Result<Vec<Staged>> {
     let stage = |(place, output): &(PathBuf, Output<'_>)| match output {
         Output::File(bytes) => stage_file(place, existing, |file| file.write_all(bytes)),
@@ -135,8 +123,8 @@ pub fn stage_file(
 /// Stages the folder `path`; [`commit`] moves it there.
 ///
 /// # Errors
-/// As [`write_folder`].
-pub(crate) fn stage_folder<T>(
+/// As [`stage_folder`].
+pub fn stage_folder<T>(
     path: &Path,
     existing: Existing,
     write: impl FnOnce(&Path) -> Result<T>,
@@ -201,12 +189,6 @@ impl Staged {
     #[must_use]
     pub fn path(&self) -> PathBuf {
         self.temporary.new_path()
-    }
-
-    /// Destination as given.
-    #[must_use]
-    pub fn named(&self) -> &Path {
-        &self.path
     }
 
     /// Flushes a replacement to disk, because the previous output is deleted immediately.
@@ -280,31 +262,27 @@ pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
     match fs::metadata(&place) {
         Ok(found) if found.is_dir() => Err(refused(path, "is a folder; name a file")),
         Ok(found) if !found.is_file() => Err(refused(path, "is not a regular file; name one")),
-        Ok(_) if existing == Existing::Keep => {
-            Err(refused(path, "already exists; `Existing::Replace` replaces it"))
-        }
+        Ok(_) if existing == Existing::Keep => Err(refused(path, "already exists; `force` replaces it")),
         Ok(_) => Ok(()),
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(e) => Err(Error::io(path, e)),
     }
 }
 
-/// Checks the preconditions of [`write_folder`] without writing.
+/// Checks the preconditions of [`stage_folder`] without writing.
 ///
 /// # Errors
-/// As [`write_folder`].
+/// As [`stage_folder`].
 pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
     let place = resolved(path)?;
     match fs::metadata(&place) {
         Ok(found) if !found.is_dir() => Err(refused(path, "is a file; name a folder")),
-        Ok(_) if existing == Existing::Keep => {
-            Err(refused(path, "already exists; `Existing::Replace` replaces it"))
-        }
+        Ok(_) if existing == Existing::Keep => Err(refused(path, "already exists; `force` replaces it")),
         Ok(_) => match stranger_in(&place)? {
             Some(name) => Err(refused(
                 path,
                 &format!(
-                    "has {name}, which no bake wrote; `Existing::Replace` replaces bakes only, name another \
+                    "has {name}, which no bake wrote; `force` replaces bakes only, name another \
                      folder"
                 ),
             )),

@@ -9,52 +9,51 @@
 //!
 //! # Storage
 //!
-//! KTX and KTX2 store these keys as key/value pairs, OpenEXR as attributes, Radiance .hdr as header lines.
-//! DDS stores its flip in reserved words of its header; the rest is in the report of the bake, which lists
-//! the BLAKE3 hash of every file. A report that lists another hash for a file is ignored. The file takes
-//! precedence over its report.
+//! A file of a bake has the bake's recipe under one key, as JSON, with what is of this file alone: its content,
+//! its quarter turns, and the suns that its light lacks. KTX and KTX2 store it as a key/value pair, OpenEXR as
+//! an attribute, Radiance .hdr as a header line. DDS stores its flip in reserved words of its header; the rest
+//! is in the report of the bake, which lists the BLAKE3 hash of every file. A report that lists another hash
+//! for a file is ignored. The file takes precedence over its report. Files of versions 0.1 and 0.2 have a key
+//! for each value.
 
 use super::pad::Pad;
-use crate::analysis::sun::Sun;
 use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::{Layout, Rgb};
-use crate::lobe::{LOBE_KEY, Lobe};
-use crate::target::Flip;
+use crate::lobe::Lobe;
+use crate::target::{Flip, flipped, flipped_chain};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Number, Value, json};
 
 /// Prefix of all keys.
 pub(crate) const KEY_PREFIX: &str = "octagloss";
-/// Key of the target's name.
-pub(crate) const TARGET_KEY: &str = "octaglossTarget";
-/// Key of the axis along which the texels are flipped: `none`, `x` or `z`.
-pub(crate) const FLIP_KEY: &str = "octaglossFlip";
-/// Key of the right shift of a panorama's columns, in quarters of the width.
-pub(crate) const QUARTER_TURNS_KEY: &str = "octaglossQuarterTurns";
-/// Key of the source's rotation about +Y in degrees.
-pub(crate) const ROTATE_KEY: &str = "octaglossRotateY";
-/// Key of whether the source was mirrored: `yes` or `no`.
-pub(crate) const MIRROR_KEY: &str = "octaglossMirror";
-/// Key of the suns removed from the source.
-pub(crate) const SUN_KEY: &str = "octaglossSun";
-/// Key of the factor applied to the source's radiance; absent for 1.
-pub(crate) const SCALE_KEY: &str = "octaglossScale";
-/// Key that marks removed black bars of the source: `yes`, or absent.
-pub(crate) const CROP_KEY: &str = "octaglossCrop";
-/// Key of the fill of a source that is not 2:1: `black` or `edge`, or absent.
-pub(crate) const PAD_KEY: &str = "octaglossPad";
-/// Key of the filter.
-pub(crate) const FILTER_KEY: &str = "octaglossFilter";
-/// Key of the ladder.
-pub(crate) const LADDER_KEY: &str = "octaglossLadder";
-/// Key of the content of the levels' texels: `sampled` or `solved`.
-pub(crate) const CHAIN_KEY: &str = "octaglossChain";
-/// Key of the content, if it is not the levels of a bake.
-pub(crate) const CONTENT_KEY: &str = "octaglossContent";
+/// Key of the recipe.
+pub(crate) const RECIPE_KEY: &str = "octaglossRecipe";
+/// Key of the flip in versions 0.1 and 0.2, and of the mark in DDS files.
+pub(super) const FLIP_KEY: &str = "octaglossFlip";
 
-/// The value of [`CONTENT_KEY`] for an irradiance cube.
+/// Keys of versions 0.1 and 0.2 with the fields that they hold.
+const OLD_KEYS: [(&str, &str); 14] = [
+    ("octaglossTarget", "target"),
+    ("octaglossContent", "content"),
+    (FLIP_KEY, "flip"),
+    ("octaglossQuarterTurns", "quarter_turns"),
+    ("octaglossRotateY", "rotate_y"),
+    ("octaglossMirror", "mirror"),
+    ("octaglossSun", "removed_suns"),
+    ("octaglossScale", "scale"),
+    ("octaglossCrop", "crop"),
+    ("octaglossPad", "pad"),
+    ("octaglossLobe", "lobe"),
+    ("octaglossFilter", "filter"),
+    ("octaglossLadder", "ladder"),
+    ("octaglossChain", "chain"),
+];
+
+/// The content of an irradiance cube.
 pub(crate) const IRRADIANCE: &str = "irradiance over pi";
 
 /// A sun removed from the source before the bake.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TakenSun {
     /// Unit vector towards it, in the world.
     pub direction: [f64; 3],
@@ -64,36 +63,34 @@ pub struct TakenSun {
     pub solid_angle: f64,
 }
 
-impl From<&Sun> for TakenSun {
-    fn from(sun: &Sun) -> Self {
-        Self { direction: sun.direction.to_array(), irradiance: sun.irradiance, solid_angle: sun.solid_angle }
-    }
-}
-
-/// Origin and orientation recorded in a file; `None` for values that it does not record.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// What a file or its report records of its bake, for readers; `None` for values that it does not record. All
+/// but the first four are options of the recipe.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Provenance {
-    /// Name of the target.
-    pub target: Option<String>,
     /// Content of the file, if it is not the levels of a bake.
     pub content: Option<String>,
-    /// Axis along which the texels are flipped.
-    pub flip: Option<Flip>,
     /// Right shift of a panorama's columns, in quarters of the width.
     pub quarter_turns: Option<u32>,
+    /// The suns removed from the source, in order.
+    #[serde(rename = "removed_suns", skip_serializing_if = "Vec::is_empty")]
+    pub suns: Vec<TakenSun>,
+    /// Name of the target.
+    pub target: Option<String>,
+    /// Axis along which the texels are flipped.
+    pub flip: Option<Flip>,
     /// Rotation of the source about +Y in degrees.
     pub rotate_y: Option<f64>,
     /// Whether the source was mirrored.
     pub mirror: Option<bool>,
-    /// The suns removed from the source, in order.
-    pub suns: Vec<TakenSun>,
     /// Factor applied to the source's radiance; `None` for 1.
     pub scale: Option<f64>,
     /// Whether black bars of the source were removed; `None` if not.
     pub crop: Option<bool>,
     /// Padding of a source that is not 2:1.
     pub pad: Option<Pad>,
-    /// The lobe of the levels.
+    /// The lobe of the levels; `None` for one of another version.
+    #[serde(deserialize_with = "known")]
     pub lobe: Option<Lobe>,
     /// The filter, in command-line syntax.
     pub filter: Option<String>,
@@ -102,102 +99,59 @@ pub struct Provenance {
     pub scan: Option<String>,
     /// The ladder, in command-line syntax.
     pub ladder: Option<String>,
-    /// Content of the levels' texels.
+    /// Content of the levels' texels; `None` for one of another version.
+    #[serde(deserialize_with = "known")]
     pub chain: Option<ChainKind>,
 }
 
-impl Provenance {
-    /// The key/value pairs that every container writes, in a fixed order.
-    #[must_use]
-    pub fn pairs(&self) -> Vec<(String, String)> {
-        let sun = |sun: &TakenSun| {
-            let words = |values: [f64; 3]| values.map(|value| value.to_string()).join(" ");
-            format!("{}, {}, {}", words(sun.direction), words(sun.irradiance), sun.solid_angle)
-        };
-        let suns: Vec<String> = self.suns.iter().map(sun).collect();
-        let suns = (!suns.is_empty()).then(|| suns.join("; "));
-        let pairs = [
-            (TARGET_KEY, self.target.clone()),
-            (CONTENT_KEY, self.content.clone()),
-            (FLIP_KEY, self.flip.map(|flip| flip.name().to_owned())),
-            (QUARTER_TURNS_KEY, self.quarter_turns.map(|turns| turns.to_string())),
-            (ROTATE_KEY, self.rotate_y.map(|degrees| degrees.to_string())),
-            (MIRROR_KEY, self.mirror.map(|mirror| if mirror { "yes" } else { "no" }.to_owned())),
-            (SUN_KEY, suns),
-            (SCALE_KEY, self.scale.map(|scale| scale.to_string())),
-            (CROP_KEY, self.crop.map(|crop| if crop { "yes" } else { "no" }.to_owned())),
-            (PAD_KEY, self.pad.map(|pad| pad.name().to_owned())),
-            (LOBE_KEY, self.lobe.map(|lobe| lobe.name().to_owned())),
-            (FILTER_KEY, self.filter.clone()),
-            (LADDER_KEY, self.ladder.clone()),
-            (CHAIN_KEY, self.chain.map(|chain| chain.name().to_owned())),
-        ];
-        pairs.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))).collect()
-    }
+/// A value of this version, if it is one.
+fn known<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
+    Ok(T::deserialize(Value::deserialize(deserializer)?).ok())
+}
 
-    /// Parses the pairs; `text` returns the value of a key.
+impl Provenance {
+    /// Parses the values of a file; `text` returns that of a key.
     ///
     /// # Errors
     /// A message that names the key with an invalid value.
-    pub(super) fn of_texts(text: &dyn Fn(&str) -> Option<String>) -> Result<Self, String> {
-        fn parsed<T>(
-            key: &str,
-            text: Option<String>,
-            needed: &str,
-            parse: impl Fn(&str) -> Option<T>,
-        ) -> Result<Option<T>, String> {
-            let Some(text) = text else { return Ok(None) };
-            parse(text.trim()).map(Some).ok_or_else(|| {
-                let text: String = text.chars().take(40).collect();
-                format!("{key} is {text:?}; {needed} is needed, bake it again")
-            })
+    pub(crate) fn of_texts(text: &dyn Fn(&str) -> Option<String>) -> Result<Self, String> {
+        let refused = |key: &str, text: &str| {
+            let text: String = text.chars().take(40).collect();
+            format!("{key} is {text:?}, which no bake wrote; bake it again")
+        };
+        if let Some(text) = text(RECIPE_KEY) {
+            let recipe = serde_json::from_str(text.trim()).ok().filter(Self::is_sound);
+            return recipe.ok_or_else(|| refused(RECIPE_KEY, &text));
         }
-        let of = |key: &str| text(key);
-        Ok(Self {
-            target: of(TARGET_KEY),
-            content: of(CONTENT_KEY),
-            flip: parsed(FLIP_KEY, of(FLIP_KEY), "none, x or z", Flip::named)?,
-            quarter_turns: parsed(QUARTER_TURNS_KEY, of(QUARTER_TURNS_KEY), "0, 1, 2 or 3", |word| {
-                word.parse().ok().filter(|turns| *turns < 4)
-            })?,
-            rotate_y: parsed(ROTATE_KEY, of(ROTATE_KEY), "a number of degrees", finite)?,
-            mirror: parsed(MIRROR_KEY, of(MIRROR_KEY), "yes or no", yes_or_no)?,
-            suns: parsed(SUN_KEY, of(SUN_KEY), "a direction, an irradiance and a solid angle", taken_suns)?
-                .unwrap_or_default(),
-            scale: parsed(SCALE_KEY, of(SCALE_KEY), "a number above 0", |word| {
-                finite(word).filter(|scale| *scale > 0.0)
-            })?,
-            crop: parsed(CROP_KEY, of(CROP_KEY), "yes or no", yes_or_no)?,
-            pad: parsed(PAD_KEY, of(PAD_KEY), "black or edge", Pad::named)?,
-            // Other versions may write other lobes.
-            lobe: of(LOBE_KEY).and_then(|name| Lobe::named(name.trim())),
-            filter: of(FILTER_KEY),
-            scan: None,
-            ladder: of(LADDER_KEY),
-            chain: of(CHAIN_KEY).and_then(|name| ChainKind::named(name.trim())),
-        })
+        let mut fields = Map::new();
+        for (key, field) in OLD_KEYS {
+            let Some(text) = text(key) else { continue };
+            fields.insert(field.to_owned(), old_value(field, text.trim()));
+            if !serde_json::from_value(Value::Object(fields.clone())).is_ok_and(|own: Self| own.is_sound()) {
+                return Err(refused(key, &text));
+            }
+        }
+        Ok(serde_json::from_value(Value::Object(fields)).expect("checked"))
+    }
+
+    /// Parses key/value pairs, as [`Self::of_texts`].
+    pub(super) fn of_pairs(pairs: &[(String, String)]) -> Result<Self, String> {
+        Self::of_texts(&|key| super::key_values::value_of(pairs, key))
+    }
+
+    fn is_sound(&self) -> bool {
+        self.quarter_turns.is_none_or(|turns| turns < 4) && self.scale.is_none_or(|scale| scale > 0.0)
     }
 
     /// Fills missing values from `other`.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
-        Self {
-            target: self.target.or(other.target),
-            content: self.content.or(other.content),
-            flip: self.flip.or(other.flip),
-            quarter_turns: self.quarter_turns.or(other.quarter_turns),
-            rotate_y: self.rotate_y.or(other.rotate_y),
-            mirror: self.mirror.or(other.mirror),
-            suns: if self.suns.is_empty() { other.suns } else { self.suns },
-            scale: self.scale.or(other.scale),
-            crop: self.crop.or(other.crop),
-            pad: self.pad.or(other.pad),
-            lobe: self.lobe.or(other.lobe),
-            filter: self.filter.or(other.filter),
-            scan: self.scan.or(other.scan),
-            ladder: self.ladder.or(other.ladder),
-            chain: self.chain.or(other.chain),
-        }
+        let fields = |own: &Self| match json!(own) {
+            Value::Object(fields) => fields.into_iter().filter(|(_, value)| !value.is_null()),
+            _ => unreachable!("a struct is an object"),
+        };
+        let all: Map<String, Value> = fields(&other).chain(fields(&self)).collect();
+        serde_json::from_value(Value::Object(all)).expect("fields of such values")
     }
 
     /// Whether a report can add to it.
@@ -226,12 +180,16 @@ impl Provenance {
                 let shift = (turns * width / 4) as usize;
                 rows(texels, width, |row| row.rotate_left(shift))
             }
-            _ => return Err(format!("{QUARTER_TURNS_KEY} is {turns}; a panorama of 4n columns is needed")),
+            _ => {
+                return Err(format!(
+                    "{turns} quarter turns are recorded; a panorama of 4n columns is needed"
+                ));
+            }
         };
         let flip = self.flip.unwrap_or_default();
         Ok(match (flip, layout) {
             (Flip::None, _) => texels,
-            (_, Layout::Cube { size }) => flip.level(&Level::cube(size, 0.0, texels)).texels,
+            (_, Layout::Cube { size }) => flipped(&Level::cube(size, 0.0, texels), flip).texels,
             // Azimuths run from -Z over +X and +Z, so that -z reverses the columns.
             (Flip::Z, Layout::Panorama { width, .. }) => rows(texels, width, <[Rgb]>::reverse),
             (Flip::X, Layout::Panorama { width, .. }) => {
@@ -256,8 +214,8 @@ impl Provenance {
     pub(super) fn check_unturned(&self) -> Result<(), String> {
         match (self.flip.unwrap_or_default(), self.quarter_turns.unwrap_or(0)) {
             (Flip::None, 0) => Ok(()),
-            (Flip::None, _) => Err(format!("{QUARTER_TURNS_KEY} is for panoramas; bake it again")),
-            _ => Err(format!("{FLIP_KEY} is for cubes, panoramas and octahedral squares; bake it again")),
+            (Flip::None, _) => Err("quarter turns are for panoramas; bake it again".to_owned()),
+            _ => Err("a flip is for cubes, panoramas and octahedral squares; bake it again".to_owned()),
         }
     }
 
@@ -267,25 +225,16 @@ impl Provenance {
     /// As [`Provenance::world_texels`].
     pub(super) fn world_chain(&self, chain: Chain) -> Result<Chain, String> {
         if self.quarter_turns.unwrap_or(0) != 0 {
-            return Err(format!("{QUARTER_TURNS_KEY} is for panoramas; bake it again"));
+            return Err("quarter turns are for panoramas; bake it again".to_owned());
         }
         Ok(match self.flip.unwrap_or_default() {
             Flip::None => chain,
             _ if !chain.levels.iter().all(|level| matches!(level.layout, Layout::Cube { .. })) => {
-                return Err(format!("{FLIP_KEY} is for cubes; bake it again"));
+                return Err("a flip is for cubes; bake it again".to_owned());
             }
-            flip => flip.chain(&chain),
+            flip => flipped_chain(&chain, flip),
         })
     }
-}
-
-/// Converts the pairs of a bake's levels to those of its irradiance: cosine lobe, no ladder, no chain kind.
-#[must_use]
-pub(crate) fn irradiance_pairs(pairs: &[(String, String)]) -> Vec<(String, String)> {
-    let own = [(CONTENT_KEY, IRRADIANCE), (LOBE_KEY, Lobe::Cosine.name())];
-    let others = |key: &str| ![CONTENT_KEY, LOBE_KEY, LADDER_KEY, CHAIN_KEY].contains(&key);
-    let own = own.map(|(key, value)| (key.to_owned(), value.to_owned()));
-    own.into_iter().chain(pairs.iter().filter(|(key, _)| others(key)).cloned()).collect()
 }
 
 fn rows(mut texels: Vec<Rgb>, width: u32, change: impl Fn(&mut [Rgb])) -> Vec<Rgb> {
@@ -297,11 +246,15 @@ fn finite(word: &str) -> Option<f64> {
     word.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-fn yes_or_no(word: &str) -> Option<bool> {
-    match word {
-        "yes" => Some(true),
-        "no" => Some(false),
-        _ => None,
+/// The value of `field` as versions 0.1 and 0.2 wrote it, in JSON.
+fn old_value(field: &str, text: &str) -> Value {
+    match (field, text) {
+        ("mirror" | "crop", "yes" | "no") => json!(text == "yes"),
+        ("quarter_turns" | "rotate_y" | "scale", _) => {
+            text.parse::<Number>().map_or_else(|_| json!(text), Value::Number)
+        }
+        ("removed_suns", _) => taken_suns(text).map_or_else(|| json!(text), |suns| json!(suns)),
+        _ => json!(text),
     }
 }
 
@@ -326,7 +279,6 @@ fn taken_sun(text: &str) -> Option<TakenSun> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::key_values::value_of;
     use glam::DVec3;
 
     fn full() -> Provenance {
@@ -352,34 +304,63 @@ mod tests {
         }
     }
 
-    fn read(pairs: &[(String, String)]) -> Result<Provenance, String> {
-        Provenance::of_texts(&|key| value_of(pairs, key))
+    #[test]
+    fn what_files_record_is_read_back_whole() {
+        let pairs = |value: Value| vec![(RECIPE_KEY.to_owned(), value.to_string())];
+        assert_eq!(Provenance::of_pairs(&pairs(json!(full()))), Ok(full()));
+        assert_eq!(Provenance::of_pairs(&[]), Ok(Provenance::default()));
+        assert!(Provenance::default().is_empty());
+        let flipped = Provenance { flip: Some(Flip::Z), ..Provenance::default() };
+        assert_eq!(flipped.or(full()), Provenance { flip: Some(Flip::Z), ..full() });
+        // Options of other versions, and lobes of them.
+        let other = json!({"rotate_y": 5.0, "lobe": "lambert", "sparkle": [1]});
+        let rotated = Provenance { rotate_y: Some(5.0), ..Provenance::default() };
+        assert_eq!(Provenance::of_pairs(&pairs(other)), Ok(rotated));
     }
 
     #[test]
-    fn pairs_are_read_back_whole() {
-        assert_eq!(read(&full().pairs()), Ok(full()));
-        assert_eq!(read(&[]), Ok(Provenance::default()));
-        assert!(Provenance::default().is_empty() && Provenance::default().pairs().is_empty());
-        let flipped = Provenance { flip: Some(Flip::Z), ..Provenance::default() };
-        assert_eq!(flipped.or(full()), Provenance { flip: Some(Flip::Z), ..full() });
+    fn what_version_0_2_recorded_is_read_back_whole() {
+        let pairs = [
+            ("octaglossTarget", "three"),
+            ("octaglossContent", IRRADIANCE),
+            ("octaglossFlip", "x"),
+            ("octaglossQuarterTurns", "3"),
+            ("octaglossRotateY", "-37.125"),
+            ("octaglossMirror", "yes"),
+            (
+                "octaglossSun",
+                "0.6 0 -0.8, 0.00001 2.5 1000000000000000000000000000000, 0.000068; 0 1 0, 0.5 0.5 0.5, 0.001",
+            ),
+            ("octaglossScale", "0.1"),
+            ("octaglossCrop", "yes"),
+            ("octaglossPad", "edge"),
+            ("octaglossLobe", "phong"),
+            ("octaglossFilter", "adaptive:0.005"),
+            ("octaglossLadder", "linear"),
+            ("octaglossChain", "solved"),
+        ];
+        let text = |key: &str| pairs.iter().find(|(own, _)| *own == key).map(|(_, text)| (*text).to_owned());
+        assert_eq!(Provenance::of_texts(&text), Ok(full()));
     }
 
     #[test]
     fn values_that_make_no_sense_are_named() {
         for (key, value) in [
-            (FLIP_KEY, "y"),
-            (QUARTER_TURNS_KEY, "4"),
-            (ROTATE_KEY, "inf"),
-            (MIRROR_KEY, "true"),
-            (SUN_KEY, "0 1, 1 1 1, 1"),
-            (SUN_KEY, "0 1 0, 1 1 1, 1;"),
-            (SCALE_KEY, "0"),
-            (CROP_KEY, "1"),
-            (PAD_KEY, "white"),
+            ("octaglossFlip", "y"),
+            ("octaglossQuarterTurns", "4"),
+            ("octaglossRotateY", "inf"),
+            ("octaglossMirror", "true"),
+            ("octaglossSun", "0 1, 1 1 1, 1"),
+            ("octaglossSun", "0 1 0, 1 1 1, 1;"),
+            ("octaglossScale", "0"),
+            ("octaglossCrop", "1"),
+            ("octaglossPad", "white"),
+            (RECIPE_KEY, "{\"rotate_y\": 1e999}"),
+            (RECIPE_KEY, "{\"quarter_turns\": 4}"),
+            (RECIPE_KEY, "{}}"),
         ] {
-            let error = read(&[(key.to_owned(), value.to_owned())]).unwrap_err();
-            assert!(error.starts_with(&format!("{key} is {value:?}; ")), "{error}");
+            let error = Provenance::of_pairs(&[(key.to_owned(), value.to_owned())]).unwrap_err();
+            assert!(error.starts_with(&format!("{key} is {value:?}, ")), "{error}");
         }
     }
 

@@ -11,12 +11,12 @@ use std::path::Path;
 pub struct Repairs {
     /// Negative values (channels of texels) set to 0.
     pub negative: u64,
-    /// Energy of the negative values over that of the positive ones, as luminance times solid angle.
-    pub negative_energy_share: f64,
     /// NaN values set to 0.
     pub nan: u64,
     /// Infinite values set to their largest finite neighbour (minus infinity: to 0).
     pub infinite: u64,
+    /// Energy of the negative values over that of the positive ones, as luminance times solid angle.
+    pub negative_energy_share: f64,
 }
 
 impl Repairs {

@@ -3,7 +3,6 @@
 //! A report describes a file if it lists the BLAKE3 hash of the file's bytes. Reports of version 0.1 have no
 //! hashes; they match by name.
 
-use super::pad::Pad;
 use super::provenance::{IRRADIANCE, Provenance, TakenSun};
 
 use crate::chain::ChainKind;
@@ -23,15 +22,16 @@ pub(super) struct SideReport {
     pub(super) levels: Vec<ReportLevel>,
     #[serde(default)]
     sheen: Vec<ReportLevel>,
-    #[serde(default)]
-    options: Options,
+    /// Called `options` in versions 0.1 and 0.2.
+    #[serde(default, alias = "options")]
+    recipe: Provenance,
+    /// In reports of version 0.2 instead of `suns`.
     #[serde(default)]
     sun: Option<TakenSun>,
     #[serde(default)]
     suns: Vec<TakenSun>,
     #[serde(default)]
     target: Option<TargetPart>,
-    chain: Option<String>,
     #[serde(default)]
     fingerprint: Fingerprint,
 }
@@ -43,24 +43,11 @@ pub(super) struct ReportLevel {
     pub(super) roughness: f64,
 }
 
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-struct Options {
-    lobe: Option<String>,
-    filter: Option<String>,
-    scan: Option<String>,
-    ladder: Option<String>,
-    rotate_y: Option<f64>,
-    mirror: Option<bool>,
-    scale: Option<f64>,
-    crop: Option<bool>,
-    pad: Option<String>,
-}
-
 #[derive(Debug, Deserialize)]
 struct TargetPart {
     name: String,
-    flip: Option<String>,
+    /// In versions 0.1 and 0.2.
+    flip: Option<Flip>,
     #[serde(default)]
     files: Vec<String>,
 }
@@ -187,24 +174,14 @@ impl SideReport {
 
     /// Provenance of all its files.
     pub(super) fn provenance(&self) -> Provenance {
-        let Options { lobe, filter, scan, ladder, rotate_y, mirror, scale, crop, pad } = &self.options;
+        let target = self.target.as_ref();
+        let scale = self.recipe.scale.filter(|scale| *scale > 0.0);
         Provenance {
-            target: self.target.as_ref().map(|target| target.name.clone()),
-            content: None,
-            flip: self.target.as_ref().and_then(|target| Flip::named(target.flip.as_deref()?)),
-            quarter_turns: None,
-            rotate_y: rotate_y.filter(|degrees| degrees.is_finite()),
-            mirror: *mirror,
-            // Reports of version 0.2 have only `sun`.
+            target: target.map(|target| target.name.clone()),
+            flip: self.recipe.flip.or(target.and_then(|target| target.flip)),
             suns: if self.suns.is_empty() { self.sun.into_iter().collect() } else { self.suns.clone() },
-            scale: scale.filter(|scale| scale.is_finite() && *scale > 0.0 && *scale != 1.0),
-            crop: crop.filter(|crop| *crop),
-            pad: pad.as_deref().and_then(Pad::named),
-            lobe: lobe.as_deref().and_then(Lobe::named),
-            filter: filter.clone(),
-            scan: scan.clone(),
-            ladder: ladder.clone(),
-            chain: self.chain.as_deref().and_then(ChainKind::named),
+            scale,
+            ..self.recipe.clone()
         }
     }
 

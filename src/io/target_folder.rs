@@ -1,5 +1,6 @@
 //! Finds the file with the levels in a folder written by `bake --target`.
 
+use super::names_in;
 use super::side_report::{REPORT, SideReport};
 use crate::error::{Error, Result};
 use crate::target::{Content, TARGETS, Target};
@@ -22,16 +23,7 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
             Path::new(first).components().all(|part| matches!(part, std::path::Component::Normal(_)));
         return Ok(within.then(|| folder.join(first)));
     }
-    let names = |folder: &Path| -> Result<Vec<String>> {
-        let fail = |error| Error::io(folder, error);
-        let entries = std::fs::read_dir(folder).map_err(fail)?;
-        let mut names = entries
-            .map(|entry| Ok(entry.map_err(fail)?.file_name().to_string_lossy().into_owned()))
-            .collect::<Result<Vec<_>>>()?;
-        names.sort();
-        Ok(names)
-    };
-    let own = names(folder)?;
+    let own = names_in(folder)?;
     let targets: Vec<&str> =
         own.iter().map(String::as_str).filter(|name| Target::named(name).is_some()).collect();
     if !targets.is_empty() {
@@ -43,9 +35,8 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
     // Without a report (`bake --json` prints it instead) file names decide.
     let mut paths = own.clone();
     for name in own.iter().filter(|name| folder.join(name).is_dir()) {
-        paths.extend(
-            names(&folder.join(name)).unwrap_or_default().into_iter().map(|inner| format!("{name}/{inner}")),
-        );
+        let inner = names_in(&folder.join(name)).unwrap_or_default();
+        paths.extend(inner.into_iter().map(|inner| format!("{name}/{inner}")));
     }
     let holds_levels = |path: &&String| {
         let mut contents = TARGETS.iter().filter_map(|target| target.content_of(path));

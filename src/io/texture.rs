@@ -46,7 +46,8 @@ pub(super) fn image_bytes(pixel: Pixel, width: u32, height: u32) -> usize {
         Pixel::Bc6h => return bc6h::image_length(width, height),
         Pixel::F16 => 8,
         Pixel::F32 => 16,
-        _ => 4,
+        Pixel::Rgb9e5 | Pixel::R11g11b10 => 4,
+        Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => unreachable!("no textures have it"),
     };
     width as usize * height as usize * texel
 }
@@ -118,7 +119,8 @@ impl Texture<'_> {
             Pixel::F32 => "RGBA32F",
             Pixel::Rgb9e5 => "RGB9E5",
             Pixel::Bc6h => "BC6H",
-            _ => "R11G11B10F",
+            Pixel::R11g11b10 => "R11G11B10F",
+            Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => unreachable!("no textures have it"),
         };
         format!("{} {kind}, {pixel}, {} levels", self.container, self.levels)
     }

@@ -40,8 +40,8 @@ impl<'a> Adaptive<'a> {
     /// If `tables` have a border, or `cells` are of another map or size.
     #[must_use]
     pub fn new(tables: &'a Tables, cells: &'a Cells, lobe: Lobe, alpha: f64, error: f64) -> Self {
-        assert_eq!(tables.border(), 0, "a table of domains only");
-        assert_eq!(tables.grid().texel_count(), cells.grid.texel_count(), "cells of the table's map");
+        assert_eq!(tables.border, 0, "a table of domains only");
+        assert_eq!(tables.grid.texel_count(), cells.grid.texel_count(), "cells of the table's map");
         let integral = lobe::kernel_integral(lobe, alpha);
         let tolerance = LEAF_SHARE * error * integral * tables.mean_luminance();
         Self { tables, cells, lobe, alpha, integral, tolerance }
@@ -51,13 +51,13 @@ impl<'a> Adaptive<'a> {
     /// integration over the map's own texels, but for float64 rounding.
     #[must_use]
     pub fn radiance(&self, direction: DVec3) -> (LobeAnswer, f64) {
-        let least = self.tables.least();
+        let least = self.tables.least;
         let (mut sum, mut bound, mut reads) = ([0.0; 3], 0.0, 0);
         let mut stack = self.cells.roots.clone();
         while let Some(index) = stack.pop() {
             let cell = &self.cells.cells[index as usize];
             let [low, high] = [cell.low, cell.high].map(|corner| corner.map(i64::from));
-            let fixed = self.tables.fixed_point();
+            let fixed = self.tables.fixed;
             let [energy @ .., solid_angle] = fixed.values(self.tables.sum(cell.component, low, high));
             reads += 4;
             let above: [f64; 3] = std::array::from_fn(|c| (energy[c] - least[c] * solid_angle).max(0.0));

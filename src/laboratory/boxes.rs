@@ -34,7 +34,7 @@ impl<'a> Boxes<'a> {
     /// added in quadrature, as in the engines.
     #[must_use]
     pub fn radiance(&self, direction: DVec3) -> LobeAnswer {
-        let (grid, charts) = (self.tables.grid(), self.tables.charts());
+        let (grid, charts) = (&self.tables.grid, self.tables.charts);
         let place = grid.map().locate(direction);
         let component = grid.map().component(place.component);
         let step = grid.step(&component);

@@ -40,7 +40,7 @@ impl Subject {
     }
 }
 
-/// What is measured.
+/// Measured quantities.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Texels along the octahedral square; the other maps have as many texels in all. 8 to [`MAX_SIZE`].
@@ -307,7 +307,7 @@ impl Truth<'_> {
         let one = |direction: DVec3| -> Vec<f64> {
             let direction = turn.transpose() * direction;
             let luminance = |lobe: &Prepared| {
-                let luminance = exact_luminance(self.oracle.reflect(Lobe::Ggx, lobe.roughness, direction));
+                let luminance = exact_luminance(self.oracle.reflected(Lobe::Ggx, lobe.roughness, direction));
                 count.one();
                 luminance
             };

@@ -1,4 +1,4 @@
-//! What is compared: a map with its tables, or two octahedral maps of half the texels each.
+//! Subjects of the comparison: a map with its tables, or two octahedral maps of half the texels each.
 
 use super::adaptive::Adaptive;
 use super::boxes::{Boxes, LobeAnswer};
@@ -19,7 +19,7 @@ use web_time::Instant;
 /// How several maps answer one query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// There is one map.
+    /// One map.
     Only,
     /// The map whose cone points +-X and +-Z are farthest from the direction.
     Farthest,
@@ -153,7 +153,7 @@ impl Carrier {
     /// Texels of all its maps, without borders.
     #[must_use]
     pub fn texels(&self) -> usize {
-        self.parts.iter().map(|part| part.bordered.grid().texel_count()).sum()
+        self.parts.iter().map(|part| part.bordered.grid.texel_count()).sum()
     }
 
     /// Bytes of the tables that boxes read, and that adaptive queries read.

@@ -81,14 +81,18 @@ impl Texels {
 /// The tables of a map.
 #[derive(Clone, Debug)]
 pub struct Tables {
-    charts: &'static dyn Charts,
-    grid: Grid,
-    border: u32,
-    fixed: FixedPoint,
+    /// The map's boxes.
+    pub charts: &'static dyn Charts,
+    /// The map's texels.
+    pub grid: Grid,
+    /// Texels around every component.
+    pub border: u32,
+    /// The scale of the sums.
+    pub fixed: FixedPoint,
     /// Inclusive sums, row-major, border included, per component.
     components: Vec<Vec<[u64; 4]>>,
     /// The least radiance of each channel.
-    least: [f64; 3],
+    pub least: [f64; 3],
 }
 
 impl Tables {
@@ -118,36 +122,6 @@ impl Tables {
             })
             .collect();
         Self { charts, grid, border, fixed, components, least }
-    }
-
-    /// The map's boxes.
-    #[must_use]
-    pub fn charts(&self) -> &'static dyn Charts {
-        self.charts
-    }
-
-    /// The map's texels.
-    #[must_use]
-    pub const fn grid(&self) -> &Grid {
-        &self.grid
-    }
-
-    /// Texels around every component.
-    #[must_use]
-    pub const fn border(&self) -> u32 {
-        self.border
-    }
-
-    /// The scale of the sums.
-    #[must_use]
-    pub const fn fixed_point(&self) -> FixedPoint {
-        self.fixed
-    }
-
-    /// The least radiance of each channel.
-    #[must_use]
-    pub const fn least(&self) -> [f64; 3] {
-        self.least
     }
 
     /// Bytes of the tables.

@@ -174,3 +174,23 @@ impl Kernel {
 pub fn leaf_share(error: f64) -> f64 {
     0.66 * error * (error / 0.005).sqrt().min(1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grazing_slopes_are_the_greatest_of_their_lobes() {
+        for (lobe, roughness) in
+            [(Lobe::Ggx, 0.3), (Lobe::Ggx, 0.6), (Lobe::Ggx, 1.0), (Lobe::Phong, 0.3), (Lobe::Phong, 0.7)]
+        {
+            let alpha: f64 = roughness * roughness;
+            let k = |s: f64| lobe::kernel(lobe, alpha, s);
+            let slope =
+                |step: u32| (k(0.25 + 1e-5 * f64::from(step)) - k(0.25 + 1e-5 * f64::from(step + 1))) * 1e5;
+            let greatest = (0..25_000).map(slope).fold(0.0, f64::max);
+            let stated = Kernel::new(lobe, alpha).grazing_slope();
+            assert!((greatest / stated - 1.0).abs() < 0.01, "{lobe:?} {roughness}: {greatest}, not {stated}");
+        }
+    }
+}

@@ -274,3 +274,85 @@ pub(crate) fn first_order_width<R: Radial>(kernel: R, distance: f32, radius: f32
     let far = distance + radius + packet;
     kernel.spread(0.25 * near * near, (0.25 * far * far).at_most(1.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::profiles::{Charlie, Cosine, Ggx, Phong};
+    use super::*;
+
+    const GGX: Ggx = Ggx { peak: 3.536_777, steep: 10.111_111 };
+
+    /// The kernel of [`GGX`], in double precision.
+    fn ggx(s: f64) -> f64 {
+        let w = 1.0 / (1.0 + f64::from(GGX.steep) * s);
+        f64::from(GGX.peak) * w * w * (1.0 - 2.0 * s)
+    }
+
+    /// The interval of two equal points at `distance` -+ `radius` from R, on a line through it.
+    fn of_two_points<R: Radial, const ACROSS: bool>(kernel: R, distance: f32, radius: f32) -> Interval {
+        let (squared, trace) = (distance * distance, radius * radius);
+        kernel.interval::<ACROSS>(squared, trace, trace * squared, radius)
+    }
+
+    /// Checks intervals of `kernel` against means of `value`, the kernel at a distance, up to rounding of s
+    /// and by `precision` of the value.
+    fn encloses<R: Radial + std::fmt::Debug>(kernel: R, precision: f64, value: impl Fn(f64) -> f64) {
+        for (step, radius) in (20..160_i16).flat_map(|step| [0.004, 0.015, 0.05].map(|r| (step, r))) {
+            let distance = f32::from(step) / 100.0;
+            let Interval { least, greatest, .. } = of_two_points::<_, true>(kernel, distance, radius);
+            let [near, far] = [-radius, radius].map(|off| value(f64::from(distance) + f64::from(off)));
+            let (mean, rounding) = (f64::midpoint(near, far), precision * near.max(far) + 5e-8);
+            assert!(
+                f64::from(least) <= mean + rounding && mean - rounding <= f64::from(greatest),
+                "{kernel:?} at {distance}, radius {radius}: {mean} outside {least} to {greatest}"
+            );
+        }
+    }
+
+    #[test]
+    fn intervals_enclose_the_means_of_two_points() {
+        let s = |distance: f64| distance * distance / 4.0;
+        encloses(GGX, 1e-6, |distance| ggx(s(distance)).max(0.0));
+        encloses(Cosine, 1e-6, |distance| (1.0 - 2.0 * s(distance)).max(0.0));
+        for exponent in [2.0_f32, 3.0, 8.0, 50.0] {
+            let value = |distance| (1.0 - 2.0 * s(distance)).max(0.0).powf(f64::from(exponent));
+            encloses(Phong { exponent }, 1e-5, value);
+        }
+        for power in [0.6_f32, 1.5, 5.0, 20.0, 50.0] {
+            let p = f64::from(power);
+            let value = |distance| (2.0 * s(distance)).powf(p) * (1.0 - 2.0 * s(distance)).max(0.0);
+            encloses(Charlie::new(power), 1e-6 * (1.0 + p), value);
+        }
+    }
+
+    #[test]
+    fn light_beyond_a_smooth_horizon_adds_nothing() {
+        let Interval { slope, bend, .. } = of_two_points::<_, true>(Phong { exponent: 8.0 }, 1.6, 0.05);
+        assert_eq!((slope.abs() < 1e-6, bend.abs() < 1e-6), (true, true), "{slope} {bend}");
+    }
+
+    #[test]
+    fn greatest_means_are_those_of_light_at_the_near_end_and_one_other_place() {
+        for step in 2..12_i16 {
+            let (distance, radius) = (f32::from(step) / 10.0, 0.1);
+            let greatest = f64::from(of_two_points::<_, false>(GGX, distance, radius).greatest);
+            let (d, r) = (f64::from(distance), f64::from(radius));
+            let (low, s) = ((d - r) * (d - r) / 4.0, (d * d + r * r) / 4.0);
+            let deviation = (d * r + r * r / 2.0) / 2.0;
+            let farther = (deviation * deviation / (s - low)).min((d + r) * (d + r) / 4.0 - s);
+            let share = farther / (farther + s - low);
+            let attained = share * ggx(low) + (1.0 - share) * ggx(s + farther);
+            assert!((greatest / attained - 1.0).abs() < 1e-4, "at {distance}: {greatest}, not {attained}");
+        }
+    }
+
+    #[test]
+    fn the_rest_of_the_series_is_of_third_order() {
+        for step in 5..11_i16 {
+            let distance = f32::from(step) / 10.0;
+            let [rest, of_half] =
+                [0.2, 0.1].map(|radius| of_two_points::<_, false>(GGX, distance, radius).rest);
+            assert!(rest > 5.0 * of_half, "at {distance}: {rest} and {of_half}");
+        }
+    }
+}

@@ -65,15 +65,6 @@ pub(crate) const MAX_INDICES: usize = 6 * MAX_VERTICES;
 /// Most bytes of a mesh's file and of all files that it refers to.
 pub(crate) const MAX_BYTES: u64 = 1 << 30;
 
-/// Reads the mesh in `bytes`, the file named `name`, which must be self-contained: .glb, .obj, or .gltf with
-/// embedded data.
-///
-/// # Errors
-/// [`Error::Input`] if the file holds no mesh, [`Error::Limit`] if the mesh is too large.
-pub fn parse(name: &str, bytes: &[u8]) -> Result<Mesh> {
-    Mesh::read_from_memory(Path::new(name), bytes)
-}
-
 impl Mesh {
     /// A torus knot (2, 3): a tube that winds twice about +Y and three times about its own ring.
     #[must_use]
@@ -146,6 +137,7 @@ impl Mesh {
     ///
     /// # Errors
     /// [`Error::Input`] if the file holds no mesh, [`Error::Limit`] if the mesh is too large.
+    #[cfg(any(feature = "internals", target_arch = "wasm32"))]
     pub fn read_from_memory(path: &Path, bytes: &[u8]) -> Result<Self> {
         let kind = MeshFormat::from_path(path)?;
         catching_panics(path, || kind.read(path, bytes, &mut Confined::inside(path, MAX_BYTES)))

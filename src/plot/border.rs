@@ -15,7 +15,7 @@ const WIDTH: f64 = 760.0;
 const BESIDE: f64 = 60.0;
 
 /// Figure 4 of the octahedron paper.
-pub(super) fn border(name: String, size: u32, border: u32) -> Figure {
+pub(super) fn border(size: u32, border: u32) -> Figure {
     let texels = if size == 1 { "texel" } else { "texels" };
     let title = format!("Octahedral square of {size} {texels} with a border of {border}");
     let caption = "As figure 4 of Engelhardt and Dachsbacher 2008. Every texel has the colour and the name, \
@@ -67,7 +67,7 @@ pub(super) fn border(name: String, size: u32, border: u32) -> Figure {
         scene.arrow(DVec2::new(x, middle.y), DVec2::new(x, to.y), 1.2, INK);
         scene.upwards(DVec2::new(x - 14.0, middle.y), &text, LABEL - 1.5, INK);
     }
-    Figure::new(name, title, caption.to_owned(), scene)
+    Figure::new(title, caption.to_owned(), scene)
 }
 
 /// A unique colour for every texel of the square.

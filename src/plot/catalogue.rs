@@ -119,26 +119,25 @@ impl Entry {
     pub fn draw(&self, content: &FigureContent) -> Result<Figure> {
         content.check()?;
         let map = || self.map.expect("a figure of a map has a map");
-        let name = self.name();
         Ok(match self.kind {
-            Kind::SolidAngle => stretch::solid_angle(name, map()),
-            Kind::Anisotropy => stretch::anisotropy(name, map()),
-            Kind::Layout => layout::layout(name, map()),
-            Kind::Panorama => panorama::panorama(name, map(), content),
-            Kind::Compared => stretch::compared(name),
-            Kind::Unfolding => unfolding::unfolding(name),
-            Kind::Border => border::border(name, content.size, content.border),
-            Kind::Seam => seam::seam(name),
-            Kind::Sampling => sampling::sampling(&name)?,
-            Kind::LookupLevel => lookup::level(name),
-            Kind::LookupBorder => lookup::border(name),
-            Kind::LookupGreatest => lookup::greatest(name),
-            Kind::LookupWeights => lookup::weights(name),
-            Kind::LookupRectangular => lookup::rectangular(name),
-            Kind::LobesBox => lobes::over_roughness(&name, Method::Box, &content.lobes)?,
-            Kind::LobesStack => lobes::over_roughness(&name, Method::Stack, &content.lobes)?,
-            Kind::LobesAdaptive => lobes::over_roughness(&name, Method::Adaptive, &content.lobes)?,
-            Kind::LobesSphere => lobes::over_sphere(name, &content.lobes)?,
+            Kind::SolidAngle => stretch::solid_angle(map()),
+            Kind::Anisotropy => stretch::anisotropy(map()),
+            Kind::Layout => layout::layout(map()),
+            Kind::Panorama => panorama::panorama(map(), content),
+            Kind::Compared => stretch::compared(),
+            Kind::Unfolding => unfolding::unfolding(),
+            Kind::Border => border::border(content.size, content.border),
+            Kind::Seam => seam::seam(),
+            Kind::Sampling => sampling::sampling()?,
+            Kind::LookupLevel => lookup::level(),
+            Kind::LookupBorder => lookup::border(),
+            Kind::LookupGreatest => lookup::greatest(),
+            Kind::LookupWeights => lookup::weights(),
+            Kind::LookupRectangular => lookup::rectangular(),
+            Kind::LobesBox => lobes::over_roughness(Method::Box, &content.lobes)?,
+            Kind::LobesStack => lobes::over_roughness(Method::Stack, &content.lobes)?,
+            Kind::LobesAdaptive => lobes::over_roughness(Method::Adaptive, &content.lobes)?,
+            Kind::LobesSphere => lobes::over_sphere(&content.lobes)?,
         })
     }
 }

@@ -90,11 +90,11 @@ const LEGEND_LINE: f64 = 30.0;
 const LANE: f64 = 46.0;
 
 impl Chart {
-    /// Draws the chart as the figure `name`.
+    /// Draws the chart.
     ///
     /// # Errors
     /// [`Error::Parameter`] if a value or a range cannot be drawn on its axis.
-    pub fn figure(&self, name: &str) -> Result<Figure> {
+    pub fn figure(&self) -> Result<Figure> {
         let x = Placed::new(&self.x, &self.values(0), "x")?;
         let y = Placed::new(&self.y, &self.values(1), "y")?;
         let legend: Vec<(&Series, Colour)> = (0..)
@@ -133,7 +133,7 @@ impl Chart {
         if self.series.iter().any(|series| !series.labels.is_empty()) {
             draw(&mut scene);
         }
-        Ok(Figure::new(name.to_owned(), self.title.clone(), self.caption.clone(), scene))
+        Ok(Figure::new(self.title.clone(), self.caption.clone(), scene))
     }
 
     /// Writes the chart to the file `path`; its extension selects `.png` or `.svg`.
@@ -142,7 +142,7 @@ impl Chart {
     /// As [`Chart::figure`] and [`write_file`]; [`Error::Parameter`] for another extension.
     pub fn write(&self, path: &Path, existing: Existing) -> Result<()> {
         let form = Form::from_path(path)?;
-        let bytes = self.figure("chart")?.bytes(form);
+        let bytes = self.figure()?.bytes(form);
         write_file(path, existing, |file| file.write_all(&bytes))
     }
 

@@ -33,48 +33,39 @@ impl Form {
 /// A drawn figure.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    name: String,
     title: String,
     caption: String,
     scene: Scene,
 }
 
 impl Figure {
-    pub(super) fn new(name: String, title: String, caption: String, scene: Scene) -> Self {
-        Self { name, title, caption, scene }
-    }
-
-    /// Name in files.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Title above the figure.
-    #[must_use]
-    pub fn title(&self) -> &str {
-        &self.title
+    pub(super) fn new(title: String, caption: String, scene: Scene) -> Self {
+        Self { title, caption, scene }
     }
 
     /// Caption below the figure.
+    #[cfg(feature = "internals")]
     #[must_use]
     pub fn caption(&self) -> &str {
         &self.caption
     }
 
     /// Width and height in pixels.
+    #[cfg(feature = "internals")]
     #[must_use]
     pub fn sides(&self) -> [u32; 2] {
         [self.scene.width, self.scene.height]
     }
 
     /// Every line of text and its rectangle.
+    #[cfg(feature = "internals")]
     #[must_use]
     pub fn texts(&self) -> Vec<(String, Frame)> {
         self.scene.labels()
     }
 
     /// The figure's rectangle.
+    #[cfg(feature = "internals")]
     #[must_use]
     pub fn frame(&self) -> Frame {
         self.scene.frame()

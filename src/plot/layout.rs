@@ -9,7 +9,7 @@ use glam::DVec2;
 /// Maximum pixels of a layout.
 pub(super) const MAX: DVec2 = DVec2::new(930.0, 640.0);
 
-pub(super) fn layout(name: String, map: &'static NamedMap) -> Figure {
+pub(super) fn layout(map: &'static NamedMap) -> Figure {
     let title = format!("{}: layout", map.title);
     let components = map.map.components();
     let parts = match components {
@@ -32,5 +32,5 @@ pub(super) fn layout(name: String, map: &'static NamedMap) -> Figure {
         sheet.octant_names(&mut scene);
     }
     sheet.axes(&mut scene);
-    Figure::new(name, title, caption, scene)
+    Figure::new(title, caption, scene)
 }

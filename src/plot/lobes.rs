@@ -15,7 +15,7 @@ use crate::sphere::registry::named;
 use glam::{DVec2, DVec3};
 
 /// Root mean square errors of `method` over roughness.
-pub(super) fn over_roughness(name: &str, method: Method, settings: &Settings) -> Result<Figure> {
+pub(super) fn over_roughness(method: Method, settings: &Settings) -> Result<Figure> {
     let settings = Settings { methods: vec![method], regions: false, ..settings.clone() };
     let rows = measure(&settings, &default_environment()?, &|_, _| {})?;
     let series: Vec<Series> = rows
@@ -55,7 +55,7 @@ pub(super) fn over_roughness(name: &str, method: Method, settings: &Settings) ->
         y: Axis { label: "rms error, % of the mean".to_owned(), range, scale: Scale::Logarithmic },
         series,
     };
-    chart.figure(name)
+    chart.figure()
 }
 
 /// Roughness of [`over_sphere`].
@@ -65,7 +65,7 @@ const ROUGHNESS: f64 = 0.5;
 const TURNS: u32 = 8;
 
 /// Errors of the stack of boxes on the sphere, a globe a map.
-pub(super) fn over_sphere(name: String, settings: &Settings) -> Result<Figure> {
+pub(super) fn over_sphere(settings: &Settings) -> Result<Figure> {
     let title = format!("Errors of a stack of {STACK} boxes at roughness {ROUGHNESS}");
     let points = 2 * settings.directions;
     let settings = Settings {
@@ -115,5 +115,5 @@ pub(super) fn over_sphere(name: String, settings: &Settings) -> Result<Figure> {
     let bar =
         Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 40.0), body.high - DVec2::new(0.0, 40.0));
     colour_bar(&mut scene, &bar, &LOBE_ERROR, "rms error, % of the mean", extremes);
-    Ok(Figure::new(name, title, caption, scene))
+    Ok(Figure::new(title, caption, scene))
 }

@@ -55,7 +55,7 @@ fn shown(radiance: [f64; 3]) -> Colour {
 type Panel<'a> = (&'a str, &'a (dyn Fn(&Globe, DVec3) -> Colour + Sync));
 
 /// Two spheres seen from `eye`, with a label below each and the colour of each direction.
-fn pair(name: String, title: &str, caption: &str, eye: DVec3, panels: [Panel<'_>; 2]) -> Figure {
+fn pair(title: &str, caption: &str, eye: DVec3, panels: [Panel<'_>; 2]) -> Figure {
     let (mut scene, body) = page(WIDTH, 470.0, title, caption);
     let radius = 205.0;
     for (k, (label, colour)) in panels.into_iter().enumerate() {
@@ -66,13 +66,13 @@ fn pair(name: String, title: &str, caption: &str, eye: DVec3, panels: [Panel<'_>
         globe.axes(&mut scene);
         scene.text(DVec2::new(centre.x, body.high.y - 6.0), label, LABEL, Anchor::Middle, INK);
     }
-    Figure::new(name, title.to_owned(), caption.to_owned(), scene)
+    Figure::new(title.to_owned(), caption.to_owned(), scene)
 }
 
 /// Pixels along the diameter of the spheres of [`level`].
 const PIXELS: u32 = 110;
 
-pub(super) fn level(name: String) -> Figure {
+pub(super) fn level() -> Figure {
     let title = "Quadratic layout: the mip level of the mirrored cell";
     let caption = "A map of 256 texels with a border of 16, seen from below with 110 pixels across, at the \
                    level of equation 4 of Engelhardt and Dachsbacher 2008. Left: a pixel's cell that \
@@ -86,10 +86,10 @@ pub(super) fn level(name: String) -> Figure {
     };
     let without = |globe: &Globe, direction: DVec3| panel(globe, direction, &level_of_cell);
     let with = |globe: &Globe, direction: DVec3| panel(globe, direction, &quadratic_level);
-    pair(name, title, caption, BELOW, [("level of the cell", &without), ("with the mirrored cell", &with)])
+    pair(title, caption, BELOW, [("level of the cell", &without), ("with the mirrored cell", &with)])
 }
 
-pub(super) fn border(name: String) -> Figure {
+pub(super) fn border() -> Figure {
     let title = "Quadratic layout: the safety border";
     let caption = "A map of 64 texels at mip level 2, seen from below. Left: no border and wrap-around \
                    access, which reads the opposite edge. Right: a border of 8 texels, which shows the \
@@ -99,10 +99,10 @@ pub(super) fn border(name: String) -> Figure {
     let safe = OemMips::quadratic(&map_of(64, 8, |d| blocks(1.6, d)), Weights::SolidAngle);
     let without = |_: &Globe, d: DVec3| shown(bare.look_up(bare.place(d), 2.0, Addressing::Repeat));
     let with = |_: &Globe, d: DVec3| shown(safe.look_up(safe.place(d), 2.0, Addressing::Clamp));
-    pair(name, title, caption, BELOW, [("wrap-around access", &without), ("with a safety border", &with)])
+    pair(title, caption, BELOW, [("wrap-around access", &without), ("with a safety border", &with)])
 }
 
-pub(super) fn greatest(name: String) -> Figure {
+pub(super) fn greatest() -> Figure {
     let title = "Quadratic layout: the greatest correct mip level";
     let caption = "Mip level 5 of two textures of 256 texels, border included, seen from below. Left: 252 \
                    texels and a border of 2, whose greatest correct level is 2: texels of level 5 reach \
@@ -113,7 +113,6 @@ pub(super) fn greatest(name: String) -> Figure {
     let without = |_: &Globe, d: DVec3| shown(narrow.look_up(narrow.place(d), 5.0, Addressing::Clamp));
     let with = |_: &Globe, d: DVec3| shown(wide.look_up(wide.place(d), 5.0, Addressing::Clamp));
     pair(
-        name,
         title,
         caption,
         BELOW,
@@ -124,7 +123,7 @@ pub(super) fn greatest(name: String) -> Figure {
 /// The error of a mean shown in full colour.
 const FULL_ERROR: f64 = 0.2;
 
-pub(super) fn weights(name: String) -> Figure {
+pub(super) fn weights() -> Figure {
     let title = "Mip levels: weights by solid angle";
     let caption = "Relative error of the texels of mip level 5 of 128 texels, against the mean of 400,000 \
                    directions: blue is 20\u{a0}% too dark, white is right, red is 20\u{a0}% too bright. The \
@@ -158,10 +157,10 @@ pub(super) fn weights(name: String) -> Figure {
     };
     let without = |_: &Globe, direction: DVec3| panel(&equal, direction);
     let with = |_: &Globe, direction: DVec3| panel(&right, direction);
-    pair(name, title, caption, BESIDE, [("equal weights", &without), ("weighted by solid angle", &with)])
+    pair(title, caption, BESIDE, [("equal weights", &without), ("weighted by solid angle", &with)])
 }
 
-pub(super) fn rectangular(name: String) -> Figure {
+pub(super) fn rectangular() -> Figure {
     let title = "Rectangular layout: one array layer per hemisphere";
     let caption = "Layers of 64 texels at mip level 2, seen from the side. Left: clamped layers without a \
                    border; the hemispheres do not meet at the equator. Right: a border of 8 texels, which \
@@ -170,5 +169,5 @@ pub(super) fn rectangular(name: String) -> Figure {
         [0, 8].map(|border| OemMips::rectangular(64, border, Weights::SolidAngle, |d| blocks(1.6, d)));
     let without = |_: &Globe, d: DVec3| shown(bare.look_up(bare.place(d), 2.0, Addressing::Clamp));
     let with = |_: &Globe, d: DVec3| shown(safe.look_up(safe.place(d), 2.0, Addressing::Clamp));
-    pair(name, title, caption, BESIDE, [("no border", &without), ("with a safety border", &with)])
+    pair(title, caption, BESIDE, [("no border", &without), ("with a safety border", &with)])
 }

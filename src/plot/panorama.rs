@@ -13,7 +13,7 @@ use crate::sphere::map::Texel;
 use crate::sphere::registry::NamedMap;
 use glam::DMat3;
 
-pub(super) fn panorama(name: String, map: &'static NamedMap, content: &FigureContent) -> Figure {
+pub(super) fn panorama(map: &'static NamedMap, content: &FigureContent) -> Figure {
     let title = format!("{}: {}", map.title, content.panorama_name);
     let caption = format!(
         "{} resampled to the map by overlaps of texels, and shown at the exposure that brings its \
@@ -34,5 +34,5 @@ pub(super) fn panorama(name: String, map: &'static NamedMap, content: &FigureCon
     });
     sheet.frames(&mut scene);
     sheet.axes(&mut scene);
-    Figure::new(name, title, caption, scene)
+    Figure::new(title, caption, scene)
 }

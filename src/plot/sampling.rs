@@ -5,7 +5,7 @@ use super::figure::Figure;
 use crate::analysis::map_table::rows;
 use crate::error::Result;
 
-pub(super) fn sampling(name: &str) -> Result<Figure> {
+pub(super) fn sampling() -> Result<Figure> {
     let rows = rows();
     let all = rows.iter().map(|row| ([row.metrics.sampling, row.metrics.anisotropy], row.title));
     let (y_points, y_labels) = grouped(all);
@@ -40,7 +40,7 @@ pub(super) fn sampling(name: &str) -> Result<Figure> {
         y: Axis { label: "greatest anisotropy".to_owned(), range: Some([0.9, 3.3]), scale: Scale::Linear },
         series: vec![m, y],
     };
-    chart.figure(name)
+    chart.figure()
 }
 
 /// Whether both are drawn at the same position.

@@ -24,7 +24,7 @@ fn half_circle(k: u32) -> Vec<DVec3> {
     (0..=STEPS).map(|step| seam_point((f64::from(k) + share(step)) / 4.0)).collect()
 }
 
-pub(super) fn seam(name: String) -> Figure {
+pub(super) fn seam() -> Figure {
     let title = "Tennis-ball: the seam on the sphere and around both panels".to_owned();
     let caption = "The seam is four half circles, in the half planes y\u{a0}=\u{a0}\u{b1}\u{221a}\u{bd} \
                    where z is positive and x\u{a0}=\u{a0}\u{b1}\u{221a}\u{bd} where it is negative (Herron, \
@@ -65,7 +65,7 @@ pub(super) fn seam(name: String) -> Figure {
         draw_on_panels(&mut scene, &sheet, half, colour);
     }
     sheet.axes(&mut scene);
-    Figure::new(name, title, caption.to_owned(), scene)
+    Figure::new(title, caption.to_owned(), scene)
 }
 
 /// Draws the seam's curve `points` in both panels.

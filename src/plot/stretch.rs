@@ -41,7 +41,7 @@ fn shown(value: f64) -> String {
     if value.is_finite() { format!("{value:.2}") } else { "\u{221e}".to_owned() }
 }
 
-pub(super) fn solid_angle(name: String, map: &'static NamedMap) -> Figure {
+pub(super) fn solid_angle(map: &'static NamedMap) -> Figure {
     let [least, greatest] = measure(map.map).relative_solid_angle;
     let caption = format!(
         "Solid angle of a texel over the mean of all texels, from {} to {}. Purple texels are larger than \
@@ -56,10 +56,10 @@ pub(super) fn solid_angle(name: String, map: &'static NamedMap) -> Figure {
         Scale { colours: &RELATIVE_SOLID_ANGLE, name: "solid angle / mean", range: [least, greatest] };
     let value = |direction: DVec3| relative_solid_angle(map.map, direction);
     let scene = two_views(&title, &caption, map, &scale, value);
-    Figure::new(name, title, caption, scene)
+    Figure::new(title, caption, scene)
 }
 
-pub(super) fn anisotropy(name: String, map: &'static NamedMap) -> Figure {
+pub(super) fn anisotropy(map: &'static NamedMap) -> Figure {
     let greatest = measure(map.map).anisotropy;
     let caption = format!(
         "Greater over lesser stretch of a texel, up to {}; 1 is conformal. Dark lines: rims of the map's \
@@ -70,7 +70,7 @@ pub(super) fn anisotropy(name: String, map: &'static NamedMap) -> Figure {
     let title = format!("{}: anisotropy", map.title);
     let scale = Scale { colours: &ANISOTROPY, name: "greater / lesser stretch", range: [1.0, greatest] };
     let scene = two_views(&title, &caption, map, &scale, |direction| anisotropy_at(map.map, direction));
-    Figure::new(name, title, caption, scene)
+    Figure::new(title, caption, scene)
 }
 
 /// A colour scale, its name, and the range of values shown.
@@ -102,7 +102,7 @@ fn two_views(
 }
 
 /// Figure 5 of the octahedron paper.
-pub(super) fn compared(name: String) -> Figure {
+pub(super) fn compared() -> Figure {
     let title = "Relative solid angle: planar octahedral, perspective octahedral, cube".to_owned();
     let caption = "As figure 5 of Engelhardt and Dachsbacher 2008, in its range of 1/4 to 4: solid angle of \
                    a texel over the mean of all texels. Purple: undersampled, green: oversampled. The \
@@ -130,5 +130,5 @@ pub(super) fn compared(name: String) -> Figure {
     let bar =
         Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 40.0), body.high - DVec2::new(0.0, 4.0));
     colour_bar(&mut scene, &bar, &RELATIVE_SOLID_ANGLE, "solid angle / mean", extremes);
-    Figure::new(name, title, caption.to_owned(), scene)
+    Figure::new(title, caption.to_owned(), scene)
 }

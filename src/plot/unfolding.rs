@@ -11,7 +11,7 @@ use crate::sphere::registry::named;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-pub(super) fn unfolding(name: String) -> Figure {
+pub(super) fn unfolding() -> Figure {
     let title = "The octahedron and its unfolding".to_owned();
     let caption = "As figure 1 of Engelhardt and Dachsbacher 2008. The upper faces are flattened onto the \
                    plane y\u{a0}=\u{a0}0; the edges at \u{2212}Y are cut, and the lower faces turn outwards \
@@ -49,7 +49,7 @@ pub(super) fn unfolding(name: String) -> Figure {
         let below = DVec2::new((own.low.x + own.high.x) / 2.0, own.high.y + 42.0);
         scene.text(below, label, LABEL, Anchor::Middle, INK);
     }
-    Figure::new(name, title, caption.to_owned(), scene)
+    Figure::new(title, caption.to_owned(), scene)
 }
 
 /// The octahedron with its upper faces flattened and its lower ones rotated by the fraction `share`.

@@ -1,5 +1,4 @@
-//! The tier for shaders: fitted tables, their fit, and point emitters.
+//! The tier for shaders: fitted tables and point emitters.
 
 pub mod emitters;
-pub mod fit;
 pub mod tables;

@@ -5,10 +5,12 @@
 //! whose pole is z: L_lm is at l^2 + l + m. Coefficients are of radiance: c_k is the integral of L * Y_k over
 //! the sphere, and L(d) is about the sum of c_k Y_k(d).
 
-use crate::analysis::oracle::{SourceTexels, gauss_legendre};
 use crate::environment::{Environment, Layout, Rgb};
+use crate::error::{Error, Result};
+use crate::geometry::exact::ExactTexels;
 use crate::sat::Sat;
 use crate::sphere::octahedral::{direction_from_oct, texel_centre};
+use crate::sphere::quadrature::gauss_legendre;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -146,23 +148,24 @@ pub fn table_harmonics(sat: &Sat) -> [[f64; 4]; MAX_COUNT] {
     total
 }
 
-/// Coefficients of `environment`'s radiance up to band `order` (at most [`MAX_ORDER`]), red, green and blue.
+/// Coefficients of `environment`'s radiance up to band `order`, red, green and blue.
 ///
 /// The basis functions are integrated over each texel to rounding; up to L2 the integrals follow from the
 /// exact moments of the direction.
 ///
-/// # Panics
-/// If `order` is above [`MAX_ORDER`].
-#[must_use]
-pub fn spherical_harmonics(environment: &Environment, order: u32) -> Vec<[f64; 3]> {
-    assert!(order <= MAX_ORDER, "bands up to L{MAX_ORDER}");
-    let texels = SourceTexels::new(environment.layout());
+/// # Errors
+/// [`Error::Parameter`] if `order` is above [`MAX_ORDER`].
+pub fn spherical_harmonics(environment: &Environment, order: u32) -> Result<Vec<[f64; 3]>> {
+    if order > MAX_ORDER {
+        return Err(Error::Parameter(format!("`order` is {order}; it must be 0 to {MAX_ORDER}")));
+    }
+    let texels = ExactTexels::new(environment.layout());
     let coefficients = match (environment.layout(), order) {
         (Layout::Panorama { width, .. }, 0..=2) => panorama::<5>(environment, &texels, width as usize, order),
         (Layout::Panorama { width, .. }, _) => panorama::<9>(environment, &texels, width as usize, order),
         _ => blocks(environment, &texels, order),
     };
-    turned(&coefficients, environment.source_from_world())
+    Ok(turned(&coefficients, environment.source_from_world()))
 }
 
 type Coefficients = Vec<[f64; 3]>;
@@ -171,7 +174,7 @@ type Coefficients = Vec<[f64; 3]>;
 /// along the row suffice. Rotations about y are simple with y as the pole: exchange y and z before and after.
 fn panorama<const WAVES: usize>(
     environment: &Environment,
-    texels: &SourceTexels,
+    texels: &ExactTexels,
     width: usize,
     order: u32,
 ) -> Coefficients {
@@ -231,7 +234,7 @@ impl<const WAVES: usize> pulp::NullaryFnOnce for RowSums<'_, WAVES> {
 
 /// Coefficients of cubes and octahedral squares, accumulated in each frame's space from the integrals over
 /// every block.
-fn blocks(environment: &Environment, texels: &SourceTexels, order: u32) -> Coefficients {
+fn blocks(environment: &Environment, texels: &ExactTexels, order: u32) -> Coefficients {
     let indices = 0..texels.blocks().len();
     let integrals: Vec<[f64; MAX_COUNT]> =
         indices.into_par_iter().map(|block| block_integrals(texels, block, DMat3::IDENTITY, order)).collect();
@@ -252,7 +255,7 @@ fn blocks(environment: &Environment, texels: &SourceTexels, order: u32) -> Coeff
 }
 
 /// Integrals of the basis functions over a block, with its directions transformed by `map`.
-fn block_integrals(texels: &SourceTexels, block: usize, map: DMat3, order: u32) -> [f64; MAX_COUNT] {
+fn block_integrals(texels: &ExactTexels, block: usize, map: DMat3, order: u32) -> [f64; MAX_COUNT] {
     let texel = &texels.blocks()[block];
     let mut integrals = [0.0; MAX_COUNT];
     if order <= 2 {

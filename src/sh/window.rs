@@ -41,18 +41,14 @@ impl ShWindow {
         }
     }
 
-    /// The factor of band `l`.
-    ///
-    /// # Panics
-    /// For [`ShWindow::Nonnegative`], which depends on the coefficients; see [`ShWindow::settled`].
-    #[must_use]
-    pub fn factor(self, l: usize) -> f64 {
+    /// The factor of band `l`, of a window of known width.
+    fn factor(self, l: usize) -> f64 {
         let (width, window): (f64, fn(f64) -> f64) = match self {
             Self::None => return 1.0,
             Self::Hanning(width) => (width, |x| (1.0 + x.cos()) / 2.0),
             Self::Lanczos(width) => (width, |x| x.sin() / x),
             Self::Sinc4(width) => (width, |x| (x.sin() / x).powi(4)),
-            Self::Nonnegative => panic!("its width depends on the coefficients"),
+            Self::Nonnegative => unreachable!("`settled` replaces it"),
         };
         let l = l as f64;
         match l {
@@ -62,18 +58,26 @@ impl ShWindow {
         }
     }
 
-    /// Multiplies `coefficients` by the window, which must not be [`ShWindow::Nonnegative`].
-    #[must_use]
-    pub fn apply(self, coefficients: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    /// Multiplies `coefficients` of radiance by the window.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if its width is not finite and above 0.
+    pub fn apply(self, coefficients: &[[f64; 3]]) -> Result<Vec<[f64; 3]>> {
+        self.check()?;
+        Ok(self.settled(coefficients).applied(coefficients))
+    }
+
+    /// Multiplies `coefficients` by the window, which must have been settled.
+    pub(crate) fn applied(self, coefficients: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let windowed = |(index, rgb): (usize, &[f64; 3])| rgb.map(|value| value * self.factor(band(index)));
         coefficients.iter().enumerate().map(windowed).collect()
     }
 
     /// Replaces [`ShWindow::Nonnegative`] by the window whose width the `coefficients` of radiance require.
     #[must_use]
-    pub fn settled(self, coefficients: &[[f64; 3]]) -> Self {
+    pub(crate) fn settled(self, coefficients: &[[f64; 3]]) -> Self {
         let holds =
-            |window: Self| least_irradiance(&window.apply(coefficients)).iter().all(|least| *least >= 0.0);
+            |window: Self| least_irradiance(&window.applied(coefficients)).iter().all(|least| *least >= 0.0);
         if self != Self::Nonnegative {
             return self;
         }
@@ -180,7 +184,7 @@ mod tests {
         let mut texels = vec![[1.0; 3]; layout.texel_count()];
         texels[2 * 256 + 5 * 16 + 9] = [sun, 0.5 * sun, 1.0];
         let environment = Environment::new(layout, texels).expect("valid");
-        spherical_harmonics(&environment, order)
+        spherical_harmonics(&environment, order).expect("an order")
     }
 
     /// The least value on a grid of a degree, of radiance or of irradiance.
@@ -210,19 +214,19 @@ mod tests {
             assert!(irradiance(&sun) < -0.1 * mean, "order {order}: and so does irradiance");
             let width = f64::from(order) + 1.0;
             for (window, share) in [(ShWindow::Hanning(width), 0.25), (ShWindow::Lanczos(width), 0.5)] {
-                let left = least_on_a_grid(&window.apply(&sun));
+                let left = least_on_a_grid(&window.applied(&sun));
                 assert!(left > share * least_on_a_grid(&sun), "order {order}: {window} leaves {left}");
             }
             let window = ShWindow::Nonnegative.settled(&sun);
             let ShWindow::Sinc4(width) = window else { panic!("{window}") };
-            let least = irradiance(&window.apply(&sun));
+            let least = irradiance(&window.applied(&sun));
             assert!(
                 (0.0..0.01 * mean).contains(&(least + 1e-9 * mean)),
                 "order {order}: {window} leaves {least}"
             );
-            let wider = ShWindow::Sinc4(1.01 * width).apply(&sun);
+            let wider = ShWindow::Sinc4(1.01 * width).applied(&sun);
             assert!(irradiance(&wider) < 0.0, "order {order}: no wider one will do");
-            assert_eq!(window.apply(&sun)[0], sun[0], "the mean stays");
+            assert_eq!(window.applied(&sun)[0], sun[0], "the mean stays");
         }
         let even = sky_with(2.0, 4);
         assert_eq!(ShWindow::Nonnegative.settled(&even), ShWindow::None);
@@ -246,6 +250,6 @@ mod tests {
             assert!(factors.windows(2).all(|pair| pair[0] > pair[1]), "{window}: {factors:?}");
         }
         let sun = sky_with(1e4, 4);
-        assert_eq!((ShWindow::None.apply(&sun), sun.len()), (sun.clone(), count(4)));
+        assert_eq!((ShWindow::None.applied(&sun), sun.len()), (sun.clone(), count(4)));
     }
 }

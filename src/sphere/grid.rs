@@ -2,7 +2,7 @@
 
 use super::map::{Component, Place, SphereMap, Texel};
 use crate::error::{Error, Result};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// A map whose images are divided into texels. Texels are numbered component by component, row by row.
 #[derive(Clone, Copy, Debug)]
@@ -100,15 +100,17 @@ impl Grid {
     }
 
     /// Unit direction of the centre of `texel`.
+    #[cfg(any(test, feature = "internals"))]
     #[must_use]
-    pub fn direction_from_texel(&self, texel: Texel) -> DVec3 {
+    pub fn direction_from_texel(&self, texel: Texel) -> glam::DVec3 {
         let uv = self.uv(texel.component, f64::from(texel.x) + 0.5, f64::from(texel.y) + 0.5);
         self.map.direction(texel.component, uv)
     }
 
     /// The texel that `direction` (any length but zero) falls into.
+    #[cfg(any(test, feature = "internals"))]
     #[must_use]
-    pub fn texel_from_direction(&self, direction: DVec3) -> Texel {
+    pub fn texel_from_direction(&self, direction: glam::DVec3) -> Texel {
         let place = self.map.locate(direction);
         let component = self.map.component(place.component);
         let at = (place.uv - component.low) / self.step(&component);

@@ -20,7 +20,7 @@ pub mod octahedral_perspective;
 pub mod octahedral_rectangular;
 pub mod oem_lookup;
 pub mod polar_capped;
-pub(crate) mod quadrature;
+pub mod quadrature;
 pub mod registry;
 pub mod rhombic_dodecahedron;
 pub mod sphere_map;

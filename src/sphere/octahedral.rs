@@ -54,7 +54,7 @@ impl SphereMap for Octahedral {
 
 /// Point on the octahedron |x| + |y| + |z| = 1 at `uv` in [-1, 1]^2.
 #[must_use]
-pub(crate) fn octahedron_from_oct(uv: DVec2) -> DVec3 {
+pub fn octahedron_from_oct(uv: DVec2) -> DVec3 {
     let y = 1.0 - uv.x.abs() - uv.y.abs();
     if y >= 0.0 {
         DVec3::new(uv.x, y, uv.y)

@@ -32,20 +32,6 @@ impl OctahedralPerspective {
         assert!(normal.x > 0.0 && normal.y > 0.0 && normal.z > 0.0, "the image plane crosses the frustum");
         Self { normal }
     }
-
-    /// Minimum and maximum solid angle of a texel over the mean.
-    ///
-    /// With (a, b, c) the normal and q barycentric, direction is (q1/a, q2/b, q3/c) and the density is 1 /
-    /// (abc |(q1/a, q2/b, q3/c)|^3): at the vertices a^2/(bc), b^2/(ac) and c^2/(ab), greatest where q is
-    /// as (a^2, b^2, c^2): ((a^2 + b^2 + c^2)^3)^(1/2) / (abc). The mean is pi.
-    #[must_use]
-    pub fn relative_solid_angles(&self) -> [f64; 2] {
-        let m = self.normal;
-        let product = m.x * m.y * m.z;
-        let squared = m.length_squared();
-        [m.min_element().powi(3) / product, squared * squared.sqrt() / product]
-            .map(|d| d / std::f64::consts::PI)
-    }
 }
 
 impl SphereMap for OctahedralPerspective {

@@ -52,31 +52,6 @@ pub fn rectangular_place(direction: DVec3) -> (u32, DVec2) {
     if p.y >= 0.0 { (0, DVec2::new(p.x - p.z, p.x + p.z)) } else { (1, DVec2::new(p.z - p.x, p.x + p.z)) }
 }
 
-/// The mip level of `cell` in layers of `inner` texels along an edge.
-///
-/// A hemisphere is contiguous in its layer. A corner in the other layer is moved to where that layer
-/// continues the pixel's own: beside it by two units, or turned by 180 degrees above and below it.
-#[must_use]
-pub fn rectangular_level(cell: Cell, inner: u32) -> f64 {
-    let (layer, own) = rectangular_place(cell[0]);
-    let corner = |direction: DVec3| {
-        let (other, at) = rectangular_place(direction);
-        if other == layer {
-            return at;
-        }
-        let continued = [
-            DVec2::new(at.x + 2.0, at.y),
-            DVec2::new(at.x - 2.0, at.y),
-            DVec2::new(-at.x, 2.0 - at.y),
-            DVec2::new(-at.x, -2.0 - at.y),
-        ];
-        let nearest =
-            continued.into_iter().min_by(|a, b| a.distance_squared(own).total_cmp(&b.distance_squared(own)));
-        nearest.expect("four places")
-    };
-    level_of_corners([own, corner(cell[1]), corner(cell[2])].map(|at| at * (f64::from(inner) / 2.0)))
-}
-
 /// The greatest mip level whose bilinear look-ups are right in a texture of `inner` texels with a safety
 /// border of `border` texels on every side; `None` without a border, where not even level 0 is.
 ///

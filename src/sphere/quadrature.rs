@@ -2,8 +2,15 @@
 
 use std::f64::consts::PI;
 
+/// Nodes in (0, 1) and weights of the rules of two and three points.
+pub(crate) const TWO_NODES: [(f64, f64); 2] =
+    [(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)];
+pub(crate) const THREE_NODES: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+
 /// Nodes in (0, 1) and weights of the Gauss-Legendre rule of `order` points.
-pub(crate) fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
+#[must_use]
+pub fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
     let n = f64::from(order);
     (0..order)
         .map(|k| {

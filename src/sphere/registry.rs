@@ -5,7 +5,7 @@ use super::dual;
 use super::equirect::Equirect;
 use super::healpix::Healpix;
 use super::low_distortion::LowDistortion;
-use super::map::SphereMap;
+use super::map::{Component, Place, SphereMap};
 use super::octahedral::Octahedral;
 use super::octahedral_perspective;
 use super::octahedral_rectangular::OctahedralRectangular;
@@ -13,6 +13,9 @@ use super::polar_capped;
 use super::rhombic_dodecahedron::RhombicDodecahedron;
 use super::sphere_map::MirrorBall;
 use super::tennis_ball::TennisBall;
+use crate::direction::units;
+use crate::error::{Error, Result};
+use glam::DVec3;
 
 /// A row of the table of maps.
 #[derive(Clone, Copy, Debug)]
@@ -23,8 +26,71 @@ pub struct NamedMap {
     pub title: &'static str,
     /// Publication.
     pub source: &'static str,
+    pub(crate) map: &'static dyn SphereMap,
+}
+
+impl NamedMap {
     /// The map.
-    pub map: &'static dyn SphereMap,
+    #[cfg(feature = "internals")]
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn map(&self) -> &'static dyn SphereMap {
+        self.map
+    }
+
+    /// Number of components, at least 1.
+    #[must_use]
+    pub fn components(&self) -> u32 {
+        self.map.components()
+    }
+
+    /// Rectangle and image of component `index`, from 0.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a component that there is not.
+    pub fn component(&self, index: u32) -> Result<Component> {
+        if index < self.components() {
+            return Ok(self.map.component(index));
+        }
+        let last = self.components() - 1;
+        Err(Error::Parameter(format!("`component` is {index}; {} has 0 to {last}", self.name)))
+    }
+
+    /// The place of `direction`, of any length but zero.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a direction that is zero or not finite.
+    pub fn place(&self, direction: DVec3) -> Result<Place> {
+        Ok(self.map.locate(units(&[direction])?[0]))
+    }
+
+    /// Unit direction at `place`. In the parts of its rectangle that show no direction it is continued from
+    /// the others.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a component that there is not, and a point outside its rectangle.
+    pub fn direction(&self, place: Place) -> Result<DVec3> {
+        self.check(place)?;
+        Ok(self.map.direction(place.component, place.uv))
+    }
+
+    /// Steradians per unit of area at `place`; 0 where the map shows no direction.
+    ///
+    /// # Errors
+    /// Those of [`Self::direction`].
+    pub fn density(&self, place: Place) -> Result<f64> {
+        self.check(place)?;
+        let Place { component, uv } = place;
+        Ok(if self.map.contains(component, uv) { self.map.density(component, uv) } else { 0.0 })
+    }
+
+    fn check(&self, Place { component, uv }: Place) -> Result<()> {
+        let Component { low, high, .. } = self.component(component)?;
+        if uv.cmpge(low).all() && uv.cmple(high).all() {
+            return Ok(());
+        }
+        Err(Error::Parameter(format!("the point {uv} is outside the rectangle from {low} to {high}")))
+    }
 }
 
 /// All maps.

@@ -30,40 +30,40 @@ impl Flip {
             Self::Z => DVec3::new(direction.x, direction.y, -direction.z),
         }
     }
+}
 
-    /// Flips `level`: its content at a direction moves to the flipped direction. Texels are permuted, not
-    /// resampled.
-    #[must_use]
-    pub fn level(self, level: &Level) -> Level {
-        if self == Self::None {
-            return level.clone();
-        }
-        let n = level.size() as usize;
-        // A face maps to one face, and rows and columns to rows and columns; texel centres give the mapping.
-        let coordinate = |k: usize| (2 * k + 1) as f64 / n as f64 - 1.0;
-        let texel = |c: f64| ((c + 1.0) / 2.0 * n as f64) as usize;
-        let sources: Vec<usize> = Face::ALL
-            .into_iter()
-            .flat_map(|face| (0..n * n).map(move |at| (face, at % n, at / n)))
-            .map(|(face, i, j)| {
-                let place = self.apply(cube_point(face, coordinate(i), coordinate(j)));
-                let (face, s, t) = cube_from_direction(place);
-                (face.index() * n + texel(t)) * n + texel(s)
-            })
-            .collect();
-        Level {
-            layout: level.layout,
-            roughness: level.roughness,
-            texels: sources.iter().map(|at| level.texels[*at]).collect(),
-            bounds: level.bounds.as_ref().map(|bounds| sources.iter().map(|at| bounds[*at]).collect()),
-        }
+/// Flips `level`: its content at a direction moves to the flipped direction. Texels are permuted, not
+/// resampled.
+#[must_use]
+pub fn flipped(level: &Level, flip: Flip) -> Level {
+    if flip == Flip::None {
+        return level.clone();
     }
+    let n = level.size() as usize;
+    // A face maps to one face, and rows and columns to rows and columns; texel centres give the mapping.
+    let coordinate = |k: usize| (2 * k + 1) as f64 / n as f64 - 1.0;
+    let texel = |c: f64| ((c + 1.0) / 2.0 * n as f64) as usize;
+    let sources: Vec<usize> = Face::ALL
+        .into_iter()
+        .flat_map(|face| (0..n * n).map(move |at| (face, at % n, at / n)))
+        .map(|(face, i, j)| {
+            let place = flip.apply(cube_point(face, coordinate(i), coordinate(j)));
+            let (face, s, t) = cube_from_direction(place);
+            (face.index() * n + texel(t)) * n + texel(s)
+        })
+        .collect();
+    Level {
+        layout: level.layout,
+        roughness: level.roughness,
+        texels: sources.iter().map(|at| level.texels[*at]).collect(),
+        bounds: level.bounds.as_ref().map(|bounds| sources.iter().map(|at| bounds[*at]).collect()),
+    }
+}
 
-    /// Flips every level of `chain`.
-    #[must_use]
-    pub fn chain(self, chain: &Chain) -> Chain {
-        Chain { levels: chain.levels.iter().map(|level| self.level(level)).collect() }
-    }
+/// Flips every level of `chain`.
+#[must_use]
+pub fn flipped_chain(chain: &Chain, flip: Flip) -> Chain {
+    Chain { levels: chain.levels.iter().map(|level| flipped(level, flip)).collect() }
 }
 
 #[cfg(test)]
@@ -80,7 +80,7 @@ mod tests {
             let texels = (0..6 * size * size).map(|k| direction(k).as_vec3().to_array()).collect();
             let level = Level::cube(size, 0.0, texels);
             for flip in [Flip::None, Flip::X, Flip::Z] {
-                let flipped = flip.level(&level);
+                let flipped = flipped(&level, flip);
                 for (k, texel) in (0..).zip(&flipped.texels) {
                     let expected = flip.apply(direction(k)).as_vec3();
                     assert!(
@@ -88,7 +88,7 @@ mod tests {
                         "{flip:?} {size} {k}"
                     );
                 }
-                assert_eq!(flip.level(&flipped), level, "twice is none");
+                assert_eq!(self::flipped(&flipped, flip), level, "twice is none");
             }
         }
     }

@@ -6,7 +6,7 @@
 mod flip;
 pub(crate) mod sizes;
 
-pub use flip::Flip;
+pub use flip::{Flip, flipped, flipped_chain};
 
 use crate::chain::ChainKind;
 use crate::environment::Map;
@@ -526,7 +526,7 @@ impl TargetPlan {
         let target =
             if self.is_targeted() { format!("target {}: ", self.target.name) } else { String::new() };
         Err(Error::Parameter(format!(
-            "{target}{} files cannot hold {}; use another `pixel` or `container`",
+            "{target}{} files cannot hold {}; use another `pixel` or `format`",
             self.container.name(),
             self.pixel.name()
         )))
@@ -546,13 +546,6 @@ impl TargetPlan {
             Atlas => sizes::check_atlas(size, levels),
             _ => Ok(()),
         })
-    }
-
-    /// Format name of the files with the levels.
-    #[must_use]
-    pub fn format_name(&self) -> &'static str {
-        let own = self.target.files[0].path.rsplit('.').next().unwrap_or_default();
-        if self.target.has_container() { self.container.name() } else { own }
     }
 
     /// Whether this is the plan of a target.

@@ -1,9 +1,8 @@
 //! Uniforms shared by every pixel of a picture, in the shaders' layout.
 
 use super::camera::Frame;
-use super::look::{Ball, Look, ROW};
+use super::look::{self, Ball, Look};
 use crate::environment::Environment;
-use crate::gpu::device::shader;
 use crate::gpu::lamp::Lamp;
 use crate::sh;
 use glam::{DMat3, DVec3};
@@ -20,7 +19,6 @@ pub(super) struct BallUniform {
     roughness: f32,
     pad: [f32; 3],
 }
-shader::members!(BallUniform { centre, radius, roughness, pad });
 
 /// Height of a ground so far below that nothing casts a shadow on it.
 const NO_FLOOR: f64 = -1e6;
@@ -48,30 +46,8 @@ pub(super) struct ViewFrame {
     levels_from_source: [[f32; 4]; 3],
     clip_from_world: [[f32; 4]; 4],
     ladder: [[f32; 4]; MAX_LEVELS / 4],
-    ball: [BallUniform; ROW as usize],
+    ball: [BallUniform; look::ROW as usize],
 }
-shader::members!(ViewFrame {
-    eye,
-    exposure,
-    right,
-    roughness,
-    up,
-    backdrop,
-    forward,
-    levels,
-    metal,
-    levels_scale,
-    tint,
-    roughness_factor,
-    size,
-    floor,
-    pad_floor,
-    source_from_world,
-    levels_from_source,
-    clip_from_world,
-    ladder,
-    ball
-});
 
 /// Parameters of the prefiltered cube.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +92,7 @@ impl ViewFrame {
         size: [u32; 2],
         ladder: &LadderUniform,
     ) -> Self {
-        let mut ball = [BallUniform::default(); ROW as usize];
+        let mut ball = [BallUniform::default(); look::ROW as usize];
         for (uniform, Ball { centre, radius, roughness }) in ball.iter_mut().zip(look.balls()) {
             *uniform = BallUniform {
                 centre: centre.map(|c| c as f32),
@@ -159,7 +135,6 @@ pub(super) struct Diffuse {
     /// Direction of the lamp, and its energy over pi.
     lamp: [f32; 4],
 }
-shader::members!(Diffuse { harmonics, lamp });
 
 impl Diffuse {
     /// The light of `environment`, without a lamp.
@@ -167,7 +142,7 @@ impl Diffuse {
         // Convolution factors of cosine over pi per band (Ramamoorthi and Hanrahan 2001, equation 8).
         const BANDS: [f64; 5] = [1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0];
         let mut harmonics = [[0.0; 4]; sh::MAX_COUNT];
-        let coefficients = sh::spherical_harmonics(environment, sh::MAX_ORDER);
+        let coefficients = sh::spherical_harmonics(environment, sh::MAX_ORDER).expect("the highest");
         for (index, (uniform, coefficient)) in harmonics.iter_mut().zip(coefficients).enumerate() {
             let [red, green, blue] = coefficient.map(|c| (BANDS[sh::band(index)] * c) as f32);
             *uniform = [red, green, blue, 0.0];

@@ -58,7 +58,7 @@ pub(super) fn legend(look: &Look, light: &Light, size: [u32; 2], shown: Shown) -
     if size[0] < MIN[0] || size[1] < MIN[1] {
         return None;
     }
-    legend_scene(look, light.oem(), look.exposure.ev(light.exposure()), shown).map(|scene| scene.picture())
+    legend_scene(look, light.oem, look.exposure.ev(light.exposure()), shown).map(|scene| scene.picture())
 }
 
 /// The legend as a drawing; `ev` is the picture's exposure.

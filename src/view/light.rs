@@ -3,17 +3,14 @@
 use super::frame::Diffuse;
 use super::levels::{self, Cube, Levels};
 use crate::bake::{self, BakeSettings, bake};
-use crate::environment::{Environment, luminance};
+use crate::environment::{Environment, luminance, of_sound};
 use crate::error::Result;
 use crate::filter::Filter;
-use crate::gpu::box_filter::{BoxFilter, SatTextures};
-use crate::gpu::build_fitted::BuildFitted;
+use crate::gpu::box_filter::{self, SatTextures};
 use crate::gpu::fitted::FittedTables;
-use crate::gpu::fixed_point::FixedPoint;
-use crate::gpu::lamp::{Lamp, LampPass};
-use crate::gpu::reparameterise::{Reparameterise, upload};
-use crate::gpu::table_scan::TableScan;
-use crate::gpu::{Context, OemPlanes, SatPlanes, Stage};
+use crate::gpu::lamp::{self, Lamp};
+use crate::gpu::reparameterise::{self, upload};
+use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, build_fitted, fixed_point, table_scan};
 use crate::image::exposure;
 use crate::light_scale::LightScale;
 use crate::lobe::Lobe;
@@ -23,31 +20,6 @@ use crate::table_bytes::{LIMIT, LobeRequest};
 use glam::{DMat3, DVec3};
 use std::cell::OnceCell;
 use std::f64::consts::{FRAC_PI_2, PI};
-
-/// Pipelines that build tables.
-#[derive(Debug)]
-pub(super) struct Passes {
-    reparameterise: Reparameterise,
-    lamp: LampPass,
-    fixed_point: FixedPoint,
-    sat_scan: TableScan,
-    box_filter: BoxFilter,
-    build_fitted: BuildFitted,
-}
-
-impl Passes {
-    pub(super) fn new(context: &Context) -> Self {
-        let build_fitted = BuildFitted::new(context);
-        Self {
-            reparameterise: Reparameterise::new(context),
-            lamp: LampPass::new(context),
-            fixed_point: build_fitted.fixed_point.clone(),
-            sat_scan: build_fitted.sat_scan.clone(),
-            build_fitted,
-            box_filter: BoxFilter::new(context),
-        }
-    }
-}
 
 /// An environment and its tables on the GPU.
 #[derive(Debug)]
@@ -61,13 +33,15 @@ pub struct Light {
     mean_luminance: f64,
     /// The automatic exposure of the source, in powers of two.
     exposure: f64,
-    diffuse: wgpu::Buffer,
+    pub(super) diffuse: wgpu::Buffer,
     /// The levels of a bake, or built on first use.
     levels: OnceCell<Cube>,
-    own_levels: bool,
-    boxes: SatTextures,
-    fitted: FittedTables,
-    oem: OemSize,
+    /// Whether the levels are those of a bake.
+    pub(super) own_levels: bool,
+    pub(super) boxes: SatTextures,
+    pub(super) fitted: FittedTables,
+    /// Texels of the octahedral map.
+    pub(super) oem: OemSize,
     /// Stages from texels to tables, in order.
     stages: Vec<Stage>,
 }
@@ -99,14 +73,13 @@ impl Light {
     /// [`crate::bake::memory::LIMIT`] or do not fit the device.
     pub(super) fn new(
         context: &Context,
-        passes: &Passes,
         environment: &Environment,
         table: &ReflectorSettings,
     ) -> Result<Self> {
         let source_from_world = environment.source_from_world();
-        let scale = LightScale::of(environment);
+        let scale = LightScale::new(environment);
         let texels = scale.scaled(environment).texels().to_vec();
-        let environment = Environment::of_sound(environment.layout(), texels)?;
+        let environment = of_sound(environment.layout(), texels)?;
         let settings = ReflectorSettings { fitted: true, ..*table };
         let (mut size, _) = settings.plan(environment.layout())?;
         if table.oem_size.is_none() {
@@ -120,21 +93,19 @@ impl Light {
         let settled = ReflectorSettings { oem_size: Some(size.inner), ..settings };
         settled.check_memory("this viewer", environment.layout(), &served, LIMIT)?;
         let texture = upload(context, &environment)?;
-        let lamp = Lamp::default().buffer(context);
+        let lamp_buffer = Lamp::default().buffer(context);
         let planes = OemPlanes::new(context, size)?;
         let sat = SatPlanes::new(context, size)?;
         let boxes = SatTextures::new(context, &sat)?;
         let fitted = FittedTables::new(context, size.inner, 4)?;
-        let scan = passes.sat_scan.or_of(context, settings.scan)?;
         let mut stages = vec![
-            passes.reparameterise.stage(context, environment.layout(), &texture, &planes)?,
-            passes.lamp.stage(context, &lamp, &planes),
-            passes.fixed_point.stage(context, &planes, &sat),
-            scan.stage(context, &planes, &sat),
-            passes.box_filter.pack(context, &sat, &boxes),
+            reparameterise::stage(context, environment.layout(), &texture, &planes)?,
+            lamp::stage(context, &lamp_buffer, &planes),
+            fixed_point::stage(context, &planes, &sat),
+            table_scan::stage(context, settings.scan, &planes, &sat)?,
+            box_filter::pack(context, &sat, &boxes),
         ];
-        let build_fitted = passes.build_fitted.scanned_by(context, settings.scan)?;
-        stages.extend(build_fitted.stages(context, &planes, &fitted)?);
+        stages.extend(build_fitted::stages(context, settings.scan, &planes, &fitted)?);
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         context.check()?;
         let mut sum = 0.0;
@@ -147,7 +118,7 @@ impl Light {
             environment,
             scale,
             source_from_world,
-            lamp,
+            lamp: lamp_buffer,
             mean_luminance,
             exposure,
             diffuse,
@@ -194,14 +165,6 @@ impl Light {
         context.submit(|encoder| self.stages.iter().for_each(|stage| stage.record(encoder)));
     }
 
-    pub(super) const fn boxes(&self) -> &SatTextures {
-        &self.boxes
-    }
-
-    pub(super) const fn fitted(&self) -> &FittedTables {
-        &self.fitted
-    }
-
     /// The automatic exposure, in powers of two.
     #[must_use]
     pub const fn exposure(&self) -> f64 {
@@ -213,19 +176,10 @@ impl Light {
         (ev - f64::from(self.scale.exponent())).clamp(-100.0, 100.0)
     }
 
-    /// Texels of the octahedral map.
-    pub(super) const fn oem(&self) -> OemSize {
-        self.oem
-    }
-
     /// Angle of a texel of the environment or of its map, the coarser, in radians.
     pub(super) fn texel_angle(&self) -> f64 {
         let quarter = self.environment.layout().face_edge().min(self.oem.inner.div_ceil(2));
         FRAC_PI_2 / f64::from(quarter)
-    }
-
-    pub(super) const fn diffuse(&self) -> &wgpu::Buffer {
-        &self.diffuse
     }
 
     /// Sets the levels of the bake whose level 0 is the environment.
@@ -237,12 +191,6 @@ impl Light {
         self.levels = OnceCell::from(cube.scaled(self.scale.exponent()));
         self.own_levels = true;
         Ok(())
-    }
-
-    /// Whether the levels are those of a bake.
-    #[must_use]
-    pub(crate) const fn has_own_levels(&self) -> bool {
-        self.own_levels
     }
 
     /// The levels of the bake, or of a default bake of the environment.

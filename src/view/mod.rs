@@ -30,8 +30,6 @@ mod resources;
 mod roughness_map;
 pub mod scene;
 mod screenshot;
-#[doc(hidden)]
-pub mod shared;
 mod truth;
 mod viewer;
 #[cfg(target_arch = "wasm32")]
@@ -40,7 +38,7 @@ mod window;
 
 pub use crate::mesh::{Image, Material, Mesh, SubMesh, Texture, Vertex, Wrap};
 pub(crate) use camera::FRONT;
-pub use camera::{Camera, field_around};
+pub use camera::{Camera, Frame, field_around};
 pub use levels::Levels;
 pub use light::Light;
 pub use look::{Ground, Look, Object, Paint, Show, Technique, Tone};

@@ -4,7 +4,6 @@ use super::mip_levels::{Space, halved};
 use super::resources::{filled_texture, texture_of, write_level};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
-use crate::gpu::device::shader;
 use crate::mesh::{Image, Material, Mesh, SubMesh, Texture, Wrap};
 use std::collections::HashMap;
 
@@ -18,7 +17,6 @@ pub(super) struct MaterialUniform {
     cutoff: f32,
     own: f32,
 }
-shader::members!(MaterialUniform { base, metallic, roughness, cutoff, own });
 
 /// Origin of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,14 +105,7 @@ pub(super) fn filled_buffer(
             remedy: format!("use a {whole} of fewer triangles"),
         });
     }
-    let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
-        label: Some(content),
-        size: bytes.len() as u64,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    context.queue().write_buffer(&buffer, 0, bytes);
-    Ok(buffer)
+    Ok(context.buffer_of(content, bytes, usage))
 }
 
 impl Model {

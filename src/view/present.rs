@@ -1,9 +1,9 @@
 //! Tone-maps a linear picture for the display.
 
 use super::look::{Look, Tone};
-use super::resources::{Draw, draw_pass, group};
+use super::resources::draw_pass;
 use crate::gpu::Context;
-use crate::gpu::device::shader;
+use crate::gpu::device::resources::{Draw, group};
 use std::collections::HashMap;
 
 /// Uniform of the pass.
@@ -16,7 +16,6 @@ pub(super) struct Present {
     tone: u32,
     pad: u32,
 }
-shader::members!(Present { origin, size, source, tone, pad });
 
 /// Position of a picture in its target, in pixels from the upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +59,7 @@ impl Presenter {
     pub(super) fn present(&mut self, picture: &wgpu::TextureView, display: Display<'_>, look: &Look) {
         let Display { encoder, view, format, viewport } = display;
         let pipeline = self.pipelines.entry(format).or_insert_with(|| {
-            let module = shader::module(&self.context, "view/present.wgsl");
+            let module = self.context.module("view/present.wgsl");
             let entries = ["cover", "show"];
             let target = format.into();
             Draw { module: &module, entries, layout: None, corners: None, target, depth: None }

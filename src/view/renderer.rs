@@ -2,14 +2,11 @@
 //! form.
 
 use super::frame::{LadderUniform, ViewFrame};
-use super::light::{Light, Passes};
+use super::light::Light;
 use super::look::{Look, Object, Show, Technique};
 use super::model::{Model, Surface};
 use super::present::{Display, Presenter};
-use super::resources::{
-    Draw, PICTURE, SAMPLER, Targets, UNIFORM, draw_pass, group, group_layout, pipeline_layout, target,
-    texture_binding, texture_of,
-};
+use super::resources::{PICTURE, Targets, draw_pass, target, texture_of};
 use super::roughness_map::{self, roughness_map};
 use super::truth::PixelQuery;
 use crate::bake::dfg::{DfgBlue, DfgForm, dfg_table};
@@ -17,11 +14,15 @@ use crate::environment::Environment;
 use crate::error::Result;
 use crate::gpu::Context;
 use crate::gpu::box_filter::SatTextures;
+use crate::gpu::device::readback;
+use crate::gpu::device::resources::{
+    Draw, SAMPLER, UNIFORM, group, group_layout, pipeline_layout, texture_binding,
+};
 use crate::gpu::device::timer::Timer;
-use crate::gpu::device::{readback, shader};
 use crate::gpu::fitted::FittedTables;
 use crate::mesh::{Mesh, SubMesh, Vertex};
 use crate::reflector::ReflectorSettings;
+use bytemuck::Zeroable as _;
 use half::f16;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -81,7 +82,6 @@ impl PassOutput {
 #[derive(Debug)]
 pub struct Renderer {
     context: Context,
-    passes: Passes,
     frame: wgpu::Buffer,
     frame_layout: wgpu::BindGroupLayout,
     levels_layout: wgpu::BindGroupLayout,
@@ -113,16 +113,12 @@ impl Renderer {
     /// [`crate::Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context) -> Result<Self> {
         let device = context.device();
-        let frame = wgpu::BufferDescriptor {
-            label: Some("view frame"),
-            size: size_of::<ViewFrame>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        };
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let flat = texture_binding(false, wgpu::TextureViewDimension::D2);
-        let image = texture_binding(true, wgpu::TextureViewDimension::D2);
-        let cube = texture_binding(true, wgpu::TextureViewDimension::Cube);
+        let texture =
+            |filterable, dimension| texture_binding(wgpu::TextureSampleType::Float { filterable }, dimension);
+        let flat = texture(false, wgpu::TextureViewDimension::D2);
+        let image = texture(true, wgpu::TextureViewDimension::D2);
+        let cube = texture(true, wgpu::TextureViewDimension::Cube);
         // Entries of the picture, then those of the material.
         let frame_entries = [UNIFORM, flat, flat, flat, UNIFORM, UNIFORM, image, SAMPLER, image, SAMPLER];
         let roughness = |size, texels: &[u8]| {
@@ -131,11 +127,10 @@ impl Renderer {
         let table = dfg_table(SPLIT_SUM, DfgForm::SplitSum, DfgBlue::Empty)?;
         let split_sum: Vec<[f32; 2]> = table.texels.iter().map(|[scale, bias, _]| [*scale, *bias]).collect();
         let renderer = Self {
-            passes: Passes::new(&context),
-            frame: device.create_buffer(&frame),
+            frame: context.uniform("view frame", &ViewFrame::zeroed()),
             frame_layout: group_layout(&context, "view frame", stages, &frame_entries),
             levels_layout: group_layout(&context, "prefiltered cube", stages, &[cube, SAMPLER]),
-            boxes_layout: SatTextures::bind_group_layout(device, wgpu::ShaderStages::FRAGMENT),
+            boxes_layout: SatTextures::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
             fitted_layout: FittedTables::bind_group_layout(device, wgpu::ShaderStages::FRAGMENT),
             pipelines: HashMap::new(),
             split_sum: texture_of(
@@ -173,21 +168,13 @@ impl Renderer {
         &self.context
     }
 
-    /// Prepares `environment` on an OEM of `inner` texels along an edge, or a suitable default.
+    /// Prepares `environment` on an OEM of the size, border and scan of `table`.
     ///
     /// # Errors
     /// [`crate::Error::Parameter`] for an OEM of no texels, [`crate::Error::Limit`] if the tables do not fit
-    /// the device.
-    pub fn light(&mut self, environment: &Environment, inner: Option<u32>) -> Result<Light> {
-        self.light_with(environment, &ReflectorSettings { oem_size: inner, ..ReflectorSettings::default() })
-    }
-
-    /// [`Renderer::light`] with the OEM's size, border and scan of `table`.
-    ///
-    /// # Errors
-    /// Those of [`Renderer::light`], and [`crate::Error::Unsupported`] for a scan that runs on the CPU only.
-    pub fn light_with(&mut self, environment: &Environment, table: &ReflectorSettings) -> Result<Light> {
-        Light::new(&self.context, &self.passes, environment, table)
+    /// the device, [`crate::Error::Unsupported`] for a scan that runs on the CPU only.
+    pub fn light(&mut self, environment: &Environment, table: &ReflectorSettings) -> Result<Light> {
+        Light::new(&self.context, environment, table)
     }
 
     /// Sets the mesh of [`Object::Mesh`].
@@ -228,7 +215,7 @@ impl Renderer {
         self.make_next(size)?;
         let source = if look.show.is_of_scene() { source_of(look.filter) } else { RadianceSource::Box };
         if let Technique::Fitted(count) = look.filter {
-            light.fitted().set_count(&self.context, count)?;
+            light.fitted.set_count(&self.context, count)?;
         }
         let picture = self.next.as_ref().expect("made").picture.clone();
         let done = rows.end >= size.1;
@@ -353,8 +340,8 @@ impl Renderer {
             .collect();
         let device = self.context.device();
         let answers = match (source, cube) {
-            (RadianceSource::Box, _) => Some(light.boxes().bind_group(device, &self.boxes_layout)),
-            (RadianceSource::Fitted, _) => Some(light.fitted().bind_group(device, &self.fitted_layout)),
+            (RadianceSource::Box, _) => Some(light.boxes.bind_group(&self.context, &self.boxes_layout)),
+            (RadianceSource::Fitted, _) => Some(light.fitted.bind_group(device, &self.fitted_layout)),
             (RadianceSource::Levels, Some(cube)) => {
                 let view = wgpu::BindingResource::TextureView(&cube.view);
                 let sampler = wgpu::BindingResource::Sampler(&self.trilinear);
@@ -392,7 +379,7 @@ impl Renderer {
         let roughness = if look.textured { &self.roughness } else { &self.even };
         let textures = [&self.split_sum, roughness, &self.truth].map(wgpu::BindingResource::TextureView);
         let picture = std::iter::once(self.frame.as_entire_binding()).chain(textures);
-        let resources = picture.chain([light.diffuse().as_entire_binding()]).chain(surface.resources());
+        let resources = picture.chain([light.diffuse.as_entire_binding()]).chain(surface.resources());
         group(&self.context, "view frame", &self.frame_layout, resources)
     }
 
@@ -401,7 +388,7 @@ impl Renderer {
         if self.pipelines.contains_key(&(source, output, of_mesh)) {
             return;
         }
-        let module = shader::module(&self.context, source.file());
+        let module = self.context.module(source.file());
         let own = match source {
             RadianceSource::Box => Some(&self.boxes_layout),
             RadianceSource::Fitted => Some(&self.fitted_layout),

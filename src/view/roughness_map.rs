@@ -1,5 +1,7 @@
 //! The roughness map of plain surfaces.
 
+use crate::smoothstep::smoothstep;
+
 /// Texels along an edge.
 pub(super) const SIZE: u32 = 256;
 
@@ -13,15 +15,10 @@ pub(super) fn roughness_map() -> Vec<u8> {
         let cell = |x: f64, count: f64| (x * count).fract() - 0.5;
         let far = cell(u, 8.0).hypot(cell(v, 6.0));
         let odd = ((u * 8.0) as u32 + (v * 6.0) as u32) % 2 == 1;
-        let disc = if odd { smooth((0.4 - far) / 0.08) } else { 0.0 };
+        let disc = if odd { smoothstep((0.4 - far) / 0.08) } else { 0.0 };
         let band = 0.5 + 0.5 * (std::f64::consts::TAU * (3.0 * v + u)).sin();
         let factor = 0.35 + 0.65 * band;
         ((factor * (1.0 - disc) + 0.08 * disc) * 255.0).round() as u8
     };
     (0..SIZE * SIZE).map(texel).collect()
-}
-
-fn smooth(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }

@@ -77,10 +77,9 @@ impl Truth {
                         })
                         .collect();
                     let mut found = Vec::with_capacity(directions.len());
-                    lobes.evaluate(&directions, &mut Workspace::default(), &mut found);
-                    found
+                    lobes.evaluate(&directions, &mut Workspace::default(), &mut found).map(|()| found)
                 })
-                .collect();
+                .collect::<Result<_>>()?;
             for (index, answer) in pixels.iter().zip(found.iter().flatten()) {
                 answers[*index][..3].copy_from_slice(&answer.radiance);
             }

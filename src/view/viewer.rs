@@ -147,41 +147,6 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// The current look.
-    #[must_use]
-    pub const fn look(&self) -> &Look {
-        &self.look
-    }
-
-    /// The current look, for changes.
-    pub const fn look_mut(&mut self) -> &mut Look {
-        &mut self.look
-    }
-
-    /// The message to the user, if any.
-    #[must_use]
-    pub fn message(&self) -> Option<&str> {
-        self.message.as_deref()
-    }
-
-    /// Whether a mesh is loaded.
-    #[must_use]
-    pub const fn has_mesh(&self) -> bool {
-        self.has_mesh
-    }
-
-    /// Name of the environment.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Position of the roughness slider in the panel: left, top, right and bottom in points.
-    #[must_use]
-    pub fn roughness_slider(&self) -> Option<[f32; 4]> {
-        self.slider.map(|slider| [slider.left(), slider.top(), slider.right(), slider.bottom()])
-    }
-
     /// Samples of the current picture, columns and rows.
     #[must_use]
     pub fn picture_size(&self) -> (u32, u32) {
@@ -207,12 +172,12 @@ impl Viewer {
         path: &Path,
     ) -> Result<()> {
         let levels = chain.and_then(|chain| Levels::new(chain, DMat3::IDENTITY).transpose());
-        let mut light = self.renderer.light_with(environment, &self.table)?;
+        let mut light = self.renderer.light(environment, &self.table)?;
         // If the levels cannot be shown, still show the environment.
         let taken = levels.map(|levels| light.set_levels(self.renderer.context(), &levels?)).transpose();
-        if light.has_own_levels() {
+        if light.own_levels {
             self.look.filter = Technique::Levels;
-        } else if self.light.has_own_levels() && self.look.filter == Technique::Levels {
+        } else if self.light.own_levels && self.look.filter == Technique::Levels {
             self.look.filter = Look::default().filter;
         }
         self.light = light;
@@ -463,7 +428,7 @@ impl WindowContent for Viewer {
         });
         let size = self.picture_size();
         self.reported_size = size;
-        let (has_materials, has_levels) = (self.renderer.has_materials(), self.light.has_own_levels());
+        let (has_materials, has_levels) = (self.renderer.has_materials(), self.light.own_levels);
         let exposure = self.light.exposure();
         let half_height =
             self.look.camera.frame(f64::from(width) / f64::from(height), self.look.field()).up.length();
@@ -529,6 +494,7 @@ impl WindowContent for Viewer {
             || self.is_noting()
     }
 
+    #[cfg(target_arch = "wasm32")]
     fn open(&mut self, path: &Path, bytes: &[u8]) {
         let outcome = if is_mesh(path) {
             Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
@@ -563,6 +529,7 @@ impl WindowContent for Viewer {
         self.look.camera = self.look.first_camera();
     }
 
+    #[cfg(target_arch = "wasm32")]
     fn has_panel(&self) -> bool {
         !self.panel_hidden
     }
@@ -573,6 +540,7 @@ impl WindowContent for Viewer {
         self.drawn = None;
     }
 
+    #[cfg(target_arch = "wasm32")]
     fn show_message(&mut self, message: String) {
         self.message = Some(message);
     }
@@ -591,7 +559,7 @@ impl FromStart for Viewer {
         if let Some(mesh) = &mesh {
             renderer.set_mesh(mesh)?;
         }
-        let mut light = renderer.light_with(&environment, &table)?;
+        let mut light = renderer.light(&environment, &table)?;
         if let Some(levels) = &levels {
             light.set_levels(renderer.context(), levels)?;
         }
@@ -631,6 +599,45 @@ impl FromStart for Viewer {
 
     fn content(&mut self) -> &mut dyn WindowContent {
         self
+    }
+}
+
+/// What the page asks.
+#[cfg(any(feature = "internals", target_arch = "wasm32"))]
+impl Viewer {
+    /// The current look, for changes.
+    pub const fn look_mut(&mut self) -> &mut Look {
+        &mut self.look
+    }
+
+    /// The current look.
+    #[must_use]
+    pub const fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// The message to the user, if any.
+    #[must_use]
+    pub fn message(&self) -> Option<&str> {
+        self.message.as_deref()
+    }
+
+    /// Whether a mesh is loaded.
+    #[must_use]
+    pub const fn has_mesh(&self) -> bool {
+        self.has_mesh
+    }
+
+    /// Name of the environment.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Position of the roughness slider in the panel: left, top, right and bottom in points.
+    #[must_use]
+    pub fn roughness_slider(&self) -> Option<[f32; 4]> {
+        self.slider.map(|slider| [slider.left(), slider.top(), slider.right(), slider.bottom()])
     }
 }
 

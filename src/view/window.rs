@@ -57,7 +57,6 @@ pub(super) trait FromStart: Sized + 'static {
 }
 
 /// What a window shows: the viewer of an environment or of a scene.
-#[cfg_attr(not(target_arch = "wasm32"), expect(dead_code, reason = "only a page calls some of them"))]
 pub(super) trait WindowContent {
     /// The device.
     fn context(&self) -> &Context;
@@ -75,9 +74,10 @@ pub(super) trait WindowContent {
     fn is_busy(&self) -> bool;
 
     /// Opens `bytes`, a file named `path`. On failure sets the message and keeps the current content.
+    #[cfg(target_arch = "wasm32")]
     fn open(&mut self, path: &Path, bytes: &[u8]);
 
-    /// [`WindowContent::open`] for a file on disk.
+    /// Opens the file `path`. On failure sets the message and keeps the current content.
     fn open_file(&mut self, path: &Path);
 
     /// The camera.
@@ -87,12 +87,14 @@ pub(super) trait WindowContent {
     fn reset_camera(&mut self);
 
     /// Whether the panel is shown.
+    #[cfg(target_arch = "wasm32")]
     fn has_panel(&self) -> bool;
 
     /// Shows or hides the panel.
     fn toggle_panel(&mut self);
 
     /// Sets the message to the user.
+    #[cfg(target_arch = "wasm32")]
     fn show_message(&mut self, message: String);
 }
 
@@ -379,7 +381,7 @@ async fn adapter(
         };
         let found = adapters.into_iter().find(called);
         return found.ok_or_else(|| {
-            Error::Gpu(format!("no adapter named {name} can present to windows; see `gpu::adapters`"))
+            Error::Gpu(format!("no adapter named {name} can present to windows; choose another `adapter`"))
         });
     }
     let options = wgpu::RequestAdapterOptions {

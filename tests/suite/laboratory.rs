@@ -22,7 +22,7 @@ use std::sync::Mutex;
 
 /// A grid of `charts` whose texels, border included, are random.
 fn random_texels(charts: &dyn Charts, size: u32, random: &mut Random) -> Texels {
-    let grid = Grid::new(charts.named().map, size).expect("a size");
+    let grid = Grid::new(charts.named().map(), size).expect("a size");
     let border = charts.border(size, 1.0);
     let components = (0..grid.map().components())
         .map(|component| {
@@ -97,7 +97,7 @@ fn sum_of_parts(tables: &Tables, component: u32, low: [i64; 2], high: [i64; 2]) 
     let corner = |corner: [i64; 2]| DVec2::new(corner[0] as f64, corner[1] as f64);
     let mut sum = [0_u64; 4];
     let piece = Piece { component, low: corner(low), high: corner(high) };
-    tables.charts().split(tables.grid(), piece, &mut |part: Piece| {
+    tables.charts.split(&tables.grid, piece, &mut |part: Piece| {
         let integers = |corner: DVec2| {
             assert_eq!(corner, corner.round(), "whole texels stay whole");
             [corner.x as i64, corner.y as i64]
@@ -117,7 +117,7 @@ fn boxes_sum_their_texels_exactly_on_every_map() {
         for size in [1, 4, 7] {
             let texels = random_texels(charts, size, &mut random);
             let tables = Tables::new(charts, &texels);
-            let exponents = tables.fixed_point().exponents;
+            let exponents = tables.fixed.exponents;
             let components = texels.grid.map().components();
             let mut beyond = 0;
             for _ in 0..400 {
@@ -158,12 +158,12 @@ fn maps_without_borders_hold_the_sphere_once() {
     let environment = lamps(12).expect("texels");
     let light = Light::new(&environment, DMat3::from_rotation_x(0.4)).expect("2:1");
     for charts in CHARTS {
-        let grid = Grid::new(charts.named().map, 12).expect("a size");
+        let grid = Grid::new(charts.named().map(), 12).expect("a size");
         let tables = Tables::new(charts, &Texels::new(charts, grid, 0, &light));
         let mut all = 0.0;
         for component in 0..grid.map().components() {
             let sum = tables.sum(component, [0, 0], grid.sides(component).map(i64::from));
-            all += tables.fixed_point().values(sum)[3];
+            all += tables.fixed.values(sum)[3];
         }
         // Solid angles are rounded to float32 once.
         assert!((all / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-7, "{}: {all}", charts.name());
@@ -254,7 +254,7 @@ fn adaptive_error(
 ) -> f64 {
     let [filled, asked] = turns;
     let light = Light::new(environment, filled).expect("2:1");
-    let grid = Grid::new(charts.named().map, size).expect("a size");
+    let grid = Grid::new(charts.named().map(), size).expect("a size");
     let tables = Tables::new(charts, &Texels::new(charts, grid, 0, &light));
     let cells = Cells::new(grid);
     let (roughness, alpha) = (0.5, 0.25);
@@ -264,7 +264,7 @@ fn adaptive_error(
     let (mut squares, mut sum) = (0.0, 0.0);
     let all = directions(charts, &mut random);
     for direction in &all {
-        let truth = oracle.reflect(Lobe::Ggx, roughness, asked.transpose() * *direction)[0];
+        let truth = oracle.reflect(Lobe::Ggx, roughness, asked.transpose() * *direction).expect("valid")[0];
         squares += (adaptive.radiance(*direction).0.radiance[0] - truth).powi(2);
         sum += truth;
     }
@@ -276,7 +276,7 @@ fn adaptive_queries_converge_to_the_oracle_on_every_map() {
     let environment = lamps(12).expect("texels");
     let turn = DMat3::from_rotation_x(0.5) * DMat3::from_rotation_y(0.8);
     for charts in CHARTS {
-        let components = charts.named().map.components();
+        let components = charts.named().map().components();
         let size = |texels: f64| (texels / f64::from(components.min(6))).sqrt() as u32;
         let [coarse, fine] = [(256.0, 0.2), (16384.0, 1e-4)]
             .map(|(texels, error)| adaptive_error(charts, &environment, [turn; 2], size(texels), error));
@@ -293,7 +293,7 @@ fn adaptive_bounds_hold_and_shrink() {
     let environment = lamps(24).expect("texels");
     let light = Light::new(&environment, DMat3::from_rotation_x(1.1)).expect("2:1");
     for charts in CHARTS {
-        let grid = Grid::new(charts.named().map, 16).expect("a size");
+        let grid = Grid::new(charts.named().map(), 16).expect("a size");
         let tables = Tables::new(charts, &Texels::new(charts, grid, 0, &light));
         let cells = Cells::new(grid);
         let alpha = 0.3;
@@ -321,7 +321,7 @@ fn roughness_0_boxes_are_one_texel() {
     let light = Light::new(&environment, DMat3::IDENTITY).expect("2:1");
     let point = [octagloss::internals::cpu::box_filter::StackedBox { solid_angle: 0.0, weight: 1.0 }];
     for charts in CHARTS {
-        let grid = Grid::new(charts.named().map, 12).expect("a size");
+        let grid = Grid::new(charts.named().map(), 12).expect("a size");
         let texels = Texels::new(charts, grid, charts.border(12, 0.1), &light);
         let tables = Tables::new(charts, &texels);
         let boxes = Boxes::new(&tables, &point);
@@ -490,7 +490,7 @@ fn seams_are_found_all_over_the_map() {
     for charts in CHARTS {
         let sites = seam_sites(charts, 64);
         assert_eq!(sites.len(), 64, "{}", charts.name());
-        let map = charts.named().map;
+        let map = charts.named().map();
         for (site, region) in sites {
             assert_eq!(region, Region::Seams);
             // Around a point of a seam lie places that are far apart.

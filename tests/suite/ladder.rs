@@ -85,7 +85,7 @@ fn delivered(world: &Environment, levels: Option<u32>, roughness: f64) -> f64 {
     let (mut errors, mut sum) = (0.0, 0.0);
     for _ in 0..200 {
         let direction = random.direction();
-        let exact: f64 = oracle.reflect(Lobe::Ggx, roughness, direction).iter().sum();
+        let exact: f64 = oracle.reflect(Lobe::Ggx, roughness, direction).expect("valid").iter().sum();
         let found = lookup.read(direction, place).iter().sum::<f64>();
         errors += (found - exact).powi(2);
         sum += exact;

@@ -21,6 +21,7 @@ mod oem;
 mod plot;
 mod pyramid;
 mod realtime;
+mod recipe;
 mod sat;
 mod sphere;
 mod support;

@@ -1,7 +1,7 @@
 //! Mesh files: reading and refusals.
 
 use octagloss::Error;
-use octagloss::internals::mesh::{self, Material, Mesh, Texture, Wrap};
+use octagloss::internals::mesh::{Material, Mesh, Texture, Wrap};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
 ";
 
 fn read(name: &str, bytes: &[u8]) -> Result<Mesh, Error> {
-    mesh::parse(name, bytes)
+    Mesh::read_from_memory(Path::new(name), bytes)
 }
 
 #[test]

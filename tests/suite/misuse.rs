@@ -1,11 +1,15 @@
 //! Calls of the library that break its preconditions: each is an error that says what is wrong.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use octagloss::harmonics::{ShScale, ShWindow, scaled, spherical_harmonics};
 use octagloss::internals::bake::query::Query;
-use octagloss::internals::sh::window::ShWindow;
+use octagloss::maps::{MAPS, Place};
+use octagloss::recipes::{Baked, InputOptions, Recipe, Source, produce, products};
+use octagloss::suns::{Suns, extract};
+use octagloss::targets::Target;
 use octagloss::{
-    Bake, BakeSettings, Environment, Error, Filter, Ladder, Layout, Lobe, Reflector, ReflectorSettings, Rgb,
-    WriteOptions, bake,
+    Bake, BakeSettings, Environment, Error, Filter, Ladder, Layout, Lobe, Map, Oracle, Reflector,
+    ReflectorSettings, Rgb, Workspace, WriteOptions, bake,
 };
 
 const GREY: Layout = Layout::Panorama { width: 16, height: 8 };
@@ -120,11 +124,8 @@ fn environments_name_what_their_texels_lack() {
 #[test]
 fn rotations_by_no_number_are_refused() {
     for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let environment = grey().rotated_y(wrong);
-        let message = refusal(Reflector::new(&environment, &ReflectorSettings::default()));
+        let message = refusal(grey().rotated_y(wrong));
         assert!(message.contains("not finite"), "{message}");
-        let settings = BakeSettings { size: 4, ..BakeSettings::default() };
-        assert!(refusal(bake(&environment, &settings)).contains("not finite"));
     }
 }
 
@@ -207,4 +208,126 @@ fn bakes_that_were_changed_are_checked_before_they_are_written() {
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is written");
     sound.write(folder.path().join("a.ktx2"), &WriteOptions::default()).unwrap();
+}
+
+#[test]
+fn lobes_refuse_directions_that_are_no_unit_vectors() {
+    let environment = grey();
+    let reflector = Reflector::new(&environment, &ReflectorSettings::default()).unwrap();
+    for filter in [Filter::Adaptive(0.01), Filter::Box, Filter::Reference] {
+        let lobes = reflector.lobes(Lobe::Ggx, 0.5, filter).unwrap();
+        for wrong in NONE.into_iter().chain([DVec3::Y * 1.001]) {
+            let mut answers = Vec::new();
+            let outcome = lobes.evaluate(&[DVec3::Y, wrong], &mut Workspace::default(), &mut answers);
+            assert!(refusal(outcome).contains("no unit vector") && answers.is_empty());
+        }
+    }
+}
+
+#[test]
+fn the_oracle_refuses_a_roughness_out_of_range_and_no_direction() {
+    let environment = grey();
+    let oracle = Oracle::new(&environment);
+    for roughness in [-0.1, 1.1, f64::NAN] {
+        assert!(refusal(oracle.reflect(Lobe::Ggx, roughness, DVec3::Y)).contains("outside [0, 1]"));
+    }
+    for wrong in NONE {
+        assert!(refusal(oracle.reflect(Lobe::Ggx, 0.5, wrong)).contains("not all 0"));
+    }
+    for length in [1e-300, 1e-8, 3.0, 1e300] {
+        let [red, ..] = oracle.reflect(Lobe::Ggx, 0.5, DVec3::new(1.0, 2.0, 3.0) * length).unwrap();
+        assert!((red - 0.5).abs() < 1e-6, "{length}: {red}");
+    }
+}
+
+#[test]
+fn harmonics_refuse_bands_and_windows_that_there_are_not() {
+    assert!(refusal(spherical_harmonics(&grey(), 5)).contains("`order` is 5"));
+    let coefficients = spherical_harmonics(&grey(), 4).unwrap();
+    for width in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for window in [ShWindow::Hanning(width), ShWindow::Lanczos(width), ShWindow::Sinc4(width)] {
+            assert!(refusal(window.apply(&coefficients)).contains("`sh_window`"));
+        }
+    }
+    // A grey sky has no ringing.
+    assert_eq!(ShWindow::Nonnegative.apply(&coefficients).unwrap(), coefficients);
+    let many = vec![[1.0; 3]; 36];
+    assert_eq!(scaled(&many, ShScale::Irradiance).len(), 25);
+    assert_eq!(scaled(&many, ShScale::Filament).len(), 9);
+}
+
+#[test]
+fn maps_refuse_places_that_they_have_not() {
+    for map in &MAPS {
+        let count = map.components();
+        assert!(refusal(map.component(count)).contains(&format!("has 0 to {}", count - 1)));
+        for wrong in NONE {
+            assert!(refusal(map.place(wrong)).contains("not all 0"));
+        }
+        let high = map.component(0).unwrap().high;
+        for (component, uv) in [(count, high), (0, high + 0.1), (0, DVec2::NAN)] {
+            refusal(map.direction(Place { component, uv }));
+            refusal(map.density(Place { component, uv }));
+        }
+        let up = map.place(DVec3::Y * 3.0).unwrap();
+        assert!(map.direction(up).unwrap().distance(DVec3::Y) < 1e-6, "{}", map.name);
+        assert!(map.density(up).unwrap() >= 0.0, "{}", map.name);
+    }
+}
+
+#[test]
+fn texels_beyond_the_last_are_the_last() {
+    for (layout, last) in [
+        (Layout::Panorama { width: 4, height: 2 }, (3, 1)),
+        (Layout::Cube { size: 3 }, (2, 2)),
+        (Layout::Octahedral { size: 3 }, (2, 2)),
+    ] {
+        let (i, j) = last;
+        assert_eq!(layout.texel_solid_angle(u32::MAX, u32::MAX), layout.texel_solid_angle(i, j));
+        let direction = layout.direction_from_texel(9, u32::MAX, u32::MAX);
+        assert_eq!(direction, layout.direction_from_texel(5, i, j));
+    }
+    assert!(Layout::Cube { size: 0 }.texel_solid_angle(0, 0).is_nan());
+}
+
+#[test]
+fn ladders_take_any_roughness_and_size() {
+    for ladder in Ladder::ALL {
+        for (wrong, right) in [(-1.0, 0.0), (2.0, 1.0), (f64::INFINITY, 1.0), (f64::NAN, 0.0)] {
+            assert_eq!(ladder.lod(wrong, 7, 64), ladder.lod(right, 7, 64), "{} {wrong}", ladder.name());
+        }
+        for map in [Map::Cube, Map::Panorama, Map::Octahedral] {
+            assert!(ladder.default_levels(map, 0) >= 1, "{}", ladder.name());
+        }
+    }
+}
+
+#[test]
+fn suns_towards_no_direction_are_refused() {
+    for wrong in NONE {
+        let message = refusal(extract(&grey(), &Suns::Towards(vec![DVec3::Y, wrong])));
+        assert!(message.starts_with("direction 1 is "), "{message}");
+    }
+}
+
+#[test]
+fn products_need_a_bake_for_each_plan() {
+    let source = Source::new(grey(), "grey".to_owned(), "a panorama");
+    let target = vec![Target::named("bevy").unwrap()];
+    let recipe = Recipe { target, size: Some(64), ..Recipe::default() };
+    let start = std::time::Instant::now();
+    let none = produce(&recipe, &source, start, |_| Ok(Baked::on_cpu(Vec::new())));
+    assert!(refusal(none.map(drop)).starts_with("0 bakes for 1 plans"));
+    assert!(
+        refusal(products(&[], &source, Baked::on_cpu(Vec::new()), "a", start).map(drop)).contains("0 plans")
+    );
+    let changed = |settings: &[BakeSettings]| {
+        let mut bake = bake(&grey(), &settings[0])?;
+        bake.sh.clear();
+        Ok(Baked::on_cpu(vec![bake]))
+    };
+    assert!(refusal(produce(&recipe, &source, start, changed).map(drop)).contains("harmonics"));
+    assert!(refusal(source.turned(false, f64::NAN)).contains("not finite"));
+    let strict = InputOptions { scale: Some(-1.0), ..InputOptions::default() };
+    assert!(refusal(strict.open(&[])).contains("`scale`"));
 }

@@ -4,6 +4,7 @@
 use crate::io::containers::{colours, parse_dds, parse_ktx1, texel_length};
 use crate::io::oem_file::read_ktx2;
 use crate::support::common::{Random, sweep};
+use crate::support::written::rgb_from_rgbp;
 use glam::DVec3;
 use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::bake::{Bake, BakeSettings, bake, bake_all, unwatched};
@@ -11,14 +12,15 @@ use octagloss::internals::chain::ChainKind;
 use octagloss::internals::export::files::{Made, files};
 use octagloss::internals::format::Pixel;
 use octagloss::internals::format::container::Container;
-use octagloss::internals::format::rgbp::rgb_from_rgbp;
 use octagloss::internals::io::{ReadOptions, read_from_memory};
-use octagloss::internals::lobe::{LOBE_KEY, Lobe};
+use octagloss::internals::lobe::Lobe;
 use octagloss::internals::sh::scale::{ShScale, filament_irradiance, scaled};
 use octagloss::internals::sphere::cube::{Face, direction_from_texel};
 use octagloss::internals::sphere::octahedral;
 use octagloss::internals::synth::synth;
-use octagloss::internals::target::{Content, Diffuse, Flip, TARGETS, Target, TargetPlan, is_target_file};
+use octagloss::internals::target::{
+    Content, Diffuse, Flip, Naming, TARGETS, Target, TargetPlan, flipped, is_target_file,
+};
 use octagloss::{Map, Rgb};
 use std::ops::ControlFlow;
 
@@ -104,9 +106,16 @@ fn parse_glb(bytes: &[u8]) -> (Vec<Vec<Rgb>>, serde_json::Value) {
     (levels.iter().map(level).collect(), root.clone())
 }
 
+/// The file with `content` among those `made` for `plan`.
+fn file_with<'a>(plan: &TargetPlan, made: &'a [Made], content: Content) -> Option<&'a Made> {
+    let planned = plan.files(&Naming { name: "any", levels: 1, bounded: &[] });
+    assert_eq!(planned.len(), made.len(), "one for one");
+    planned.iter().zip(made).find(|((_, planned), _)| *planned == content).map(|(_, file)| file)
+}
+
 /// Reads the levels of a target's cube from its file of any format.
 fn stored_levels(plan: &TargetPlan, made: &[Made]) -> Vec<Vec<Rgb>> {
-    let file = |content| made.iter().find(|file| file.content == content);
+    let file = |content| file_with(plan, made, content);
     match (file(Content::Specular), file(Content::Env), file(Content::Glb)) {
         (Some(file), ..) => levels(plan.container, plan.pixel, &file.bytes),
         (_, Some(file), _) => parse_env(&file.bytes).0,
@@ -117,7 +126,7 @@ fn stored_levels(plan: &TargetPlan, made: &[Made]) -> Vec<Vec<Rgb>> {
 
 /// Reads the levels of an octahedral map without their borders.
 fn octahedral_levels(made: &[Made]) -> Vec<Vec<Rgb>> {
-    let (levels, _) = read_ktx2(&made.iter().find(|file| file.content == Content::Oem).unwrap().bytes);
+    let (levels, _) = read_ktx2(&made.iter().find(|file| file.path.ends_with(".ktx2")).unwrap().bytes);
     let count = levels.len();
     let inside = |(index, (side, texels)): (usize, &(u32, Vec<[half::f16; 4]>))| {
         let border = 1_usize << (count - 1 - index);
@@ -274,7 +283,7 @@ fn playcanvas_looks_up_every_level_and_the_irradiance_in_the_atlas() {
     let atlas_of = |plan: &TargetPlan| -> Vec<Rgb> {
         let made = files(plan, "labelled", &bake, &[]).unwrap();
         let [file] = &made[..] else { panic!("one file") };
-        assert_eq!((file.path.as_str(), file.content), ("labelled_envatlas.png", Content::Atlas));
+        assert_eq!(file.path, "labelled_envatlas.png");
         let image = image::load_from_memory(&file.bytes).unwrap().into_rgba8();
         assert_eq!(image.dimensions(), (512, 512));
         image.pixels().map(|pixel| rgb_from_rgbp(pixel.0)).collect()
@@ -288,7 +297,8 @@ fn playcanvas_looks_up_every_level_and_the_irradiance_in_the_atlas() {
     let error = |atlas: &[Rgb], rect: (f64, f64, f64), lobe: Lobe, roughness: f64| {
         let (mut sum, mut power) = (0.0, 0.0);
         for d in &directions {
-            let (shown, exact) = (atlas_look_up(atlas, rect, *d), oracle.reflect(lobe, roughness, *d));
+            let (shown, exact) =
+                (atlas_look_up(atlas, rect, *d), oracle.reflect(lobe, roughness, *d).expect("valid"));
             for c in 0..3 {
                 sum += (shown[c] - exact[c]).powi(2);
                 power += exact[c].powi(2);
@@ -354,7 +364,7 @@ fn every_letter_is_upright_in_every_square_and_panorama() {
         } else {
             let [file] = &made[..] else { panic!("one file") };
             // Engines ignore the key by which this program turns the panorama back.
-            let bytes = renamed(&file.bytes, b"octaglossQuarterTurns", b"octaglossQuarterXurns");
+            let bytes = renamed(&file.bytes, b"quarter_turns", b"quarter_xurns");
             let loaded = read_from_memory(file.path.as_ref(), &bytes, &ReadOptions::default()).unwrap();
             (256, 128, loaded.environment.texels().to_vec())
         };
@@ -424,7 +434,7 @@ fn irradiance_cubes_and_spherical_harmonics_agree_in_the_engines_world() {
     let (plan, settings) = small(bevy);
     let bake = bake(&sky, &settings).unwrap();
     let made = files(&plan, "sky", &bake, &[]).unwrap();
-    let diffuse = made.iter().find(|file| file.content == Content::Irradiance).unwrap();
+    let diffuse = file_with(&plan, &made, Content::Irradiance).unwrap();
     let level = &levels(plan.container, plan.pixel, &diffuse.bytes)[0];
     let sh = scaled(&bake.sh, ShScale::Filament);
     for direction in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
@@ -495,13 +505,15 @@ fn the_sheen_cube_holds_the_charlie_lobe() {
     let studio = synth("studio").unwrap();
     let (plan, settings) = small(Target::named("khronos").unwrap());
     let baked = bake(&studio, &settings).unwrap();
-    let made = files(&plan, "a", &baked, &[(LOBE_KEY.to_owned(), "ggx".to_owned())]).unwrap();
+    let made =
+        files(&plan, "a", &baked, &[("octaglossRecipe".to_owned(), r#"{"lobe":"ggx"}"#.to_owned())]).unwrap();
     let paths: Vec<&str> = made.iter().map(|file| file.path.as_str()).collect();
     assert_eq!(paths, ["ggx/specular.ktx2", "charlie/sheen.ktx2", "lambertian/diffuse.ktx2"]);
     for (file, lobe) in made.iter().zip(["ggx", "charlie", "cosine"]) {
         let reader = ktx2::Reader::new(&file.bytes).unwrap();
-        let (_, value) = reader.key_value_data().find(|(key, _)| *key == LOBE_KEY).unwrap();
-        assert_eq!(value, format!("{lobe}\0").as_bytes(), "{}", file.path);
+        let (_, value) = reader.key_value_data().find(|(key, _)| *key == "octaglossRecipe").unwrap();
+        let record: serde_json::Value = serde_json::from_slice(&value[..value.len() - 1]).unwrap();
+        assert_eq!(record["lobe"], lobe, "{}", file.path);
     }
     let stored = levels(plan.container, plan.pixel, &made[1].bytes);
     let sheen = baked.sheen.as_ref().unwrap();
@@ -520,7 +532,7 @@ fn the_sheen_cube_holds_the_charlie_lobe() {
                 place % level.size(),
                 place / level.size(),
             );
-            let exact = oracle.reflect(Lobe::Charlie, level.roughness, direction)[1];
+            let exact = oracle.reflect(Lobe::Charlie, level.roughness, direction).expect("valid")[1];
             error += (f64::from(stored[at][1]) - exact).powi(2);
             power += exact * exact;
         }
@@ -593,7 +605,8 @@ fn beside<'a>(plan: &TargetPlan, bake: &'a Bake) -> Vec<Stored<'a>> {
     let levels = bake.chain.levels.iter().zip(stored_levels(plan, &made));
     let beside = |(level, stored): (&'a octagloss::internals::chain::Level, Vec<Rgb>)| {
         let stored =
-            plan.flip.level(&octagloss::internals::chain::Level { texels: stored, ..level.clone() }).texels;
+            flipped(&octagloss::internals::chain::Level { texels: stored, ..level.clone() }, plan.flip)
+                .texels;
         let n = level.size();
         let direction =
             move |at: u32| direction_from_texel(Face::ALL[(at / (n * n)) as usize], n, at % n, at / n % n);
@@ -614,7 +627,7 @@ fn errors(plan: &TargetPlan, bake: &Bake, oracle: &Oracle<'_>) -> [f64; 2] {
         }
         for _ in 0..60 {
             let at = random.below(level.baked.len() as u32);
-            let exact = oracle.reflect(Lobe::Ggx, level.roughness, (level.direction)(at));
+            let exact = oracle.reflect(Lobe::Ggx, level.roughness, (level.direction)(at)).expect("valid");
             let luminance = |rgb: [f64; 3]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
             power += luminance(exact).powi(2);
             let texels = [level.baked[at as usize], level.stored[at as usize]];

@@ -1,34 +1,10 @@
 //! The levels of every target, by the formula with which its engine looks roughness up.
 
 use octagloss::Error;
-use octagloss::internals::export::plan::{BakePlan, PlanOptions};
-use octagloss::internals::filter::Filter;
 use octagloss::internals::ladder::Ladder;
-use octagloss::internals::lobe::Lobe;
-use octagloss::internals::sh::window::ShWindow;
+use octagloss::internals::recipe::Recipe;
+use octagloss::internals::recipe::plan::BakePlan;
 use octagloss::internals::target::{TARGETS, Target};
-
-const NONE: PlanOptions = PlanOptions {
-    size: None,
-    levels: None,
-    ladder: None,
-    chain: None,
-    lobe: Lobe::Ggx,
-    filter: Filter::Adaptive(0.005),
-    container: None,
-    out_layout: None,
-    pixel: None,
-    irradiance: None,
-    skybox: None,
-    sh_order: 2,
-    sh_window: ShWindow::None,
-    flip: None,
-    diffuse: None,
-    bounds: false,
-    oem_size: None,
-    border: None,
-    scan: None,
-};
 
 /// The MIP level that `target`'s engine reads for perceptual roughness `r` from a chain of `levels` below
 /// `size` texels; `None` for readers that filter or read the report themselves. The sources are cited in
@@ -75,7 +51,7 @@ fn every_engine_finds_every_roughness_at_every_size_and_number_of_levels() {
             let few = [1, 2, 5, 6, 7, 8, 13].map(Some);
             let given = few.into_iter().filter(|_| size < 20 || size.is_power_of_two());
             for levels in std::iter::once(None).chain(given) {
-                let options = PlanOptions { size: Some(size), levels, ..NONE };
+                let options = Recipe { size: Some(size), levels, ..Recipe::default() };
                 match options.targeted(target) {
                     Ok(plan) => {
                         accepted += u32::from(levels.is_none());
@@ -99,7 +75,7 @@ fn every_engine_finds_every_roughness_at_every_size_and_number_of_levels() {
 #[test]
 fn unity_has_seven_levels_at_every_size_or_an_error() {
     let unity = Target::named("unity").unwrap();
-    let of = |size, levels| PlanOptions { size: Some(size), levels, ..NONE }.targeted(unity);
+    let of = |size, levels| Recipe { size: Some(size), levels, ..Recipe::default() }.targeted(unity);
     for size in [64, 100, 128, 256, 512, 1024, 4096] {
         let roughness: Vec<f64> =
             of(size, None).unwrap().settings.level_specs().unwrap().iter().map(|l| l.roughness).collect();
@@ -115,7 +91,7 @@ fn unity_has_seven_levels_at_every_size_or_an_error() {
 fn a_ladder_that_the_engine_does_not_look_up_is_refused() {
     for target in &TARGETS {
         for ladder in Ladder::ALL {
-            let plan = PlanOptions { ladder: Some(ladder), ..NONE }.targeted(target);
+            let plan = Recipe { ladder: Some(ladder), ..Recipe::default() }.targeted(target);
             let fits = ladder == target.ladder || target.name == "generic";
             assert_eq!(plan.is_ok(), fits, "{} {}", target.name, ladder.name());
         }
@@ -125,7 +101,7 @@ fn a_ladder_that_the_engine_does_not_look_up_is_refused() {
 #[test]
 fn a_wrong_number_of_levels_is_seen() {
     let unity = Target::named("unity").unwrap();
-    let mut plan = PlanOptions { size: Some(1024), ..NONE }.targeted(unity).unwrap();
+    let mut plan = Recipe { size: Some(1024), ..Recipe::default() }.targeted(unity).unwrap();
     assert_eq!(misread(unity, &plan), None);
     for wrong in [6, 8, 9] {
         plan.settings.levels = Some(wrong);

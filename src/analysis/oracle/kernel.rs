@@ -2,21 +2,40 @@
 
 use crate::lobe::{Lobe, MIN_CHARLIE_ROUGHNESS};
 use glam::DVec3;
-use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, SQRT_2};
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, SQRT_2};
 
 /// The lobe's profile.
 #[derive(Clone, Copy, Debug)]
-enum Profile {
-    Ggx { alpha_squared: f64 },
-    Phong { exponent: f64 },
-    Cone { half_angle: f64, cosine: f64 },
+pub enum Profile {
+    /// GGX.
+    Ggx {
+        /// Alpha^2.
+        alpha_squared: f64,
+    },
+    /// A power of the cosine.
+    Phong {
+        /// The exponent.
+        exponent: f64,
+    },
+    /// Constant up to an angle.
+    Cone {
+        /// The angle.
+        half_angle: f64,
+        /// Its cosine.
+        cosine: f64,
+    },
+    /// The cosine.
     Cosine,
-    Charlie { power: f64 },
+    /// A power of the versine, times the cosine.
+    Charlie {
+        /// The power.
+        power: f64,
+    },
 }
 
 /// Where a cap lies with respect to the boundary of a lobe's support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
+pub enum Side {
     /// The kernel vanishes on the whole cap.
     Outside,
     /// The boundary may run through the cap.
@@ -32,18 +51,21 @@ const FAINT: f64 = 18.4;
 
 /// The kernel of one query.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kernel {
-    pub(super) direction: DVec3,
-    profile: Profile,
+pub struct Kernel {
+    /// Its axis.
+    pub direction: DVec3,
+    /// Its profile.
+    pub profile: Profile,
     /// Chord of the support's half-angle.
-    pub(super) support: f64,
+    pub support: f64,
     /// Chord beyond which there is nothing: the support's, or less where the kernel has fallen to nothing.
-    pub(super) vanishes: f64,
+    pub vanishes: f64,
 }
 
 impl Kernel {
     /// `roughness` in (0, 1], `direction` of unit length.
-    pub(super) fn new(lobe: Lobe, roughness: f64, direction: DVec3) -> Self {
+    #[must_use]
+    pub fn new(lobe: Lobe, roughness: f64, direction: DVec3) -> Self {
         let alpha_squared = roughness.powi(4);
         let profile = match lobe {
             Lobe::Ggx => Profile::Ggx { alpha_squared },
@@ -71,12 +93,14 @@ impl Kernel {
     }
 
     /// The same profile around another direction.
-    pub(super) const fn around(self, direction: DVec3) -> Self {
+    #[must_use]
+    pub const fn around(self, direction: DVec3) -> Self {
         Self { direction, ..self }
     }
 
     /// Whether the support ends at a great circle.
-    pub(super) fn is_hemisphere(&self) -> bool {
+    #[must_use]
+    pub fn is_hemisphere(&self) -> bool {
         match self.profile {
             Profile::Cone { cosine, .. } => cosine < 1e-15,
             _ => true,
@@ -85,7 +109,8 @@ impl Kernel {
 
     /// Signed distance of `point` (any length) from the boundary of the support, positive inside, in units of
     /// the point's length times a slope: linear in `point` where the boundary is a great circle.
-    pub(super) fn depth(&self, point: DVec3) -> f64 {
+    #[must_use]
+    pub fn depth(&self, point: DVec3) -> f64 {
         let along = self.direction.dot(point);
         match self.profile {
             Profile::Cone { cosine, .. } => along - cosine * point.length(),
@@ -94,7 +119,8 @@ impl Kernel {
     }
 
     /// Where the cap of chord `radius` around the unit vector `centre` lies.
-    pub(super) fn side(&self, centre: DVec3, radius: f64) -> Side {
+    #[must_use]
+    pub fn side(&self, centre: DVec3, radius: f64) -> Side {
         let distance = centre.distance(self.direction);
         if distance - radius >= self.vanishes {
             Side::Outside
@@ -106,7 +132,8 @@ impl Kernel {
     }
 
     /// The kernel at `point` of squared length `length_squared`.
-    pub(super) fn at(&self, point: DVec3, length_squared: f64) -> f64 {
+    #[must_use]
+    pub fn at(&self, point: DVec3, length_squared: f64) -> f64 {
         let cosine = self.direction.dot(point) / length_squared.sqrt();
         if let Profile::Cone { cosine: edge, .. } = self.profile {
             return f64::from(u8::from(cosine >= edge));
@@ -129,7 +156,8 @@ impl Kernel {
     }
 
     /// The kernel as a function of the cosine, and its second derivative; inside the support.
-    pub(super) fn curve(&self, cosine: f64) -> (f64, f64) {
+    #[must_use]
+    pub fn curve(&self, cosine: f64) -> (f64, f64) {
         match self.profile {
             Profile::Ggx { alpha_squared } => {
                 let slope = (1.0 - alpha_squared) / 2.0;
@@ -154,7 +182,8 @@ impl Kernel {
 
     /// The kernel over a texel of `solid_angle`, across the edge of the support, as if cosines were spread
     /// evenly over `cosine` +- `half_width`; and how far off that may be.
-    pub(super) fn estimate_at_edge(&self, cosine: f64, half_width: f64, solid_angle: f64) -> (f64, f64) {
+    #[must_use]
+    pub fn estimate_at_edge(&self, cosine: f64, half_width: f64, solid_angle: f64) -> (f64, f64) {
         let (mean, doubt) = self.mean_at_edge(cosine, half_width);
         (mean * solid_angle, doubt * solid_angle)
     }
@@ -181,7 +210,8 @@ impl Kernel {
 
     /// How far the kernel is from its nearest complex pole, seen from a chord `distance` off its axis: the
     /// length over which quadrature must resolve it. At most 1, where the maps of the sphere have theirs.
-    pub(super) fn reach(&self, distance: f64) -> f64 {
+    #[must_use]
+    pub fn reach(&self, distance: f64) -> f64 {
         match self.profile {
             Profile::Ggx { alpha_squared } => (distance * distance + 4.0 * alpha_squared).sqrt().min(1.0),
             // An entire function: the length over which it changes by a factor e^3.
@@ -196,38 +226,11 @@ impl Kernel {
 
     /// The same for quadrature alone, which takes entire functions of larger pieces than second moments do:
     /// Gauss's rule of order 8 misses 1e-9 of a change by a factor e^7.
-    pub(super) fn panel(&self, distance: f64) -> f64 {
+    #[must_use]
+    pub fn panel(&self, distance: f64) -> f64 {
         match self.profile {
             Profile::Charlie { power } => charlie_reach(power, distance, 6.0),
             _ => self.reach(distance),
-        }
-    }
-
-    /// The kernel's integral over the sphere.
-    pub(super) fn integral(&self) -> f64 {
-        match self.profile {
-            Profile::Ggx { alpha_squared } => {
-                // 4 pi times the integral of the kernel over s in [0, 1/2]; s = a^2 (e^t - 1) makes it
-                // smooth, and panels of width below 1/4 leave Gauss's eighth order nothing to miss.
-                let end = (0.5 / alpha_squared).ln_1p();
-                let panels = (4.0 * end).ceil();
-                let rule = super::gauss_legendre(8);
-                let mut sum = 0.0;
-                for panel in 0..panels as u32 {
-                    for &(node, weight) in &rule {
-                        let t = (f64::from(panel) + node) * end / panels;
-                        let half = alpha_squared * t.exp_m1();
-                        let spread = alpha_squared + (1.0 - alpha_squared) * half;
-                        sum += weight * (1.0 - 2.0 * half) / (spread * spread) * (half + alpha_squared);
-                    }
-                }
-                4.0 * alpha_squared * sum * end / panels
-            }
-            Profile::Phong { exponent } => 2.0 * PI / (exponent + 1.0),
-            Profile::Cone { half_angle, .. } => 4.0 * PI * (half_angle / 2.0).sin().powi(2),
-            Profile::Cosine => PI,
-            // With x = 1 - cos: the integral of x^power - x^(power + 1) over [0, 1].
-            Profile::Charlie { power } => 2.0 * PI * (1.0 / (power + 1.0) - 1.0 / (power + 2.0)),
         }
     }
 }
@@ -241,4 +244,4 @@ fn charlie_reach(power: f64, distance: f64, change: f64) -> f64 {
 }
 
 /// Below this roughness a lobe is narrower than the rounding of a direction: the mirror.
-pub(crate) const MIRROR: f64 = 3e-5;
+pub const MIRROR: f64 = 3e-5;

@@ -1,35 +1,25 @@
 //! The oracle: exhaustive integration in plain double precision, slow and independent of the engines.
 //!
-//! Three questions, each answered by a sum over every texel there is:
-//! - [`Oracle::reflect`]: a lobe over the source environment, each texel constant over its exact solid angle,
-//!   divided by the same sum over the kernel alone. It audits a whole bake, the reparameterisation included.
-//! - [`reflect_oem`]: the lobe over the OEM's own texels, which the engines serve to their bilinear share.
-//! - [`irradiance`] and [`crate::sh::spherical_harmonics`]: smooth weights over the source.
+//! [`Oracle::reflect`] is a lobe over the source environment, each texel constant over its exact solid angle,
+//! divided by the same sum over the kernel alone. It audits a whole bake, the reparameterisation included.
+//! The tests have another for the lobe over the OEM's own texels, which the engines serve to their bilinear
+//! share.
 //!
-//! A certified bound is judged against the first, mixed with the second to the bilinear share.
-//!
-//! It shares the definitions of the maps with the engines (the directions of `sphere`) and nothing
-//! else: kernels, their integrals, quadrature and wrapping are its own.
+//! It shares with the engines the definitions of the maps (the directions of `sphere`) and nothing else:
+//! kernels, their integrals, quadrature and wrapping are its own.
 
-mod kernel;
-mod oem;
-mod patch;
-mod texels;
-mod triangles;
-
-pub(crate) use crate::sphere::quadrature::gauss_legendre;
-use kernel::MIRROR;
-pub use oem::{OemOracle, reflect_oem};
-pub(crate) use texels::SourceTexels;
-pub use triangles::{Cover, DOUBT, Hit, TriangleOracle};
+pub mod integrate;
+pub mod kernel;
 
 use crate::environment::{Environment, Layout, Rgb};
+use crate::error::{Error, Result};
+use crate::geometry::exact::ExactTexels;
+use crate::geometry::exact::patch::Accuracy;
 use crate::lobe::Lobe;
 use crate::sphere::{cube, equirect, octahedral};
 use glam::DVec3;
-use kernel::{Kernel, Side};
-use patch::Accuracy;
-use std::f64::consts::PI;
+use integrate::over_texel;
+use kernel::{Kernel, MIRROR, Side};
 
 /// Relative accuracy of the kernel's integral over a texel near the core of the lobe.
 const TEXEL_ACCURACY: f64 = 1e-7;
@@ -48,7 +38,7 @@ const EDGE_LEVELS: u32 = 10;
 #[derive(Debug)]
 pub struct Oracle<'a> {
     environment: &'a Environment,
-    texels: SourceTexels,
+    texels: ExactTexels,
 }
 
 /// A texel that the lobe's support ends in.
@@ -81,7 +71,7 @@ impl<'a> Oracle<'a> {
     /// Works out the texels' solid angles and moments, once for all queries.
     #[must_use]
     pub fn new(environment: &'a Environment) -> Self {
-        Self { environment, texels: SourceTexels::new(environment.layout()) }
+        Self { environment, texels: ExactTexels::new(environment.layout()) }
     }
 
     /// Radiance of `lobe` at `roughness` in [0, 1] around `direction` (of the world, any length but zero).
@@ -89,14 +79,35 @@ impl<'a> Oracle<'a> {
     /// Each channel is sum(L_i K_i) / sum(K_i), K_i the kernel's integral over texel i to a relative 1e-5 or
     /// better. At roughness 0 (below 3e-5) it is the radiance of the texel looked at, but for lobes that have
     /// no mirror.
-    #[must_use]
-    pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a roughness outside [0, 1], and a direction that is zero or not finite.
+    pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> Result<[f64; 3]> {
+        if !(0.0..=1.0).contains(&roughness) {
+            return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
+        }
+        // Scale first: squares of tiny and huge lengths exceed the range of floats.
+        let longest = direction.abs().max_element();
+        if !(direction.is_finite() && longest > 0.0) {
+            return Err(Error::Parameter(format!(
+                "the direction is {direction}; finite numbers that are not all 0 are needed"
+            )));
+        }
+        let direction = if (1e-100..1e100).contains(&longest) { direction } else { direction / longest };
+        Ok(self.reflected(lobe, roughness, direction))
+    }
+
+    /// [`Self::reflect`] of a checked roughness and direction.
+    pub(crate) fn reflected(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
         let direction = (self.environment.source_from_world() * direction).normalize();
         if roughness < MIRROR && lobe.has_mirror() {
             return self.texel_towards(direction).map(f64::from);
         }
         let kernel = Kernel::new(lobe, roughness, direction);
-        let accuracy = Accuracy::new(TEXEL_ACCURACY, 0);
+        let accuracy = Accuracy::new(TEXEL_ACCURACY);
+        let integral = |block, kernel: &Kernel, edge_levels| {
+            over_texel(self.environment.layout(), block, kernel, &accuracy, edge_levels)
+        };
         let radiance = self.environment.texels();
         let frames: Vec<DVec3> = self.texels.frames().iter().map(|f| *f * direction).collect();
         let mut sum = WeightedSum { radiance: [0.0; 3], kernel: 0.0 };
@@ -120,13 +131,13 @@ impl<'a> Oracle<'a> {
                     sum.add((value + curvature * variance / 2.0) * texel.solid_angle, radiance[index]);
                 }
                 Side::Inside => {
-                    sum.add(self.texels.integrate(block, &kernel, &accuracy), radiance[index]);
+                    sum.add(integral(block, &kernel, 0), radiance[index]);
                 }
                 Side::Across => {
                     let (mut estimate, mut doubt) =
                         kernel.estimate_at_edge(cosine, (3.0 * variance).sqrt(), texel.solid_angle);
                     if !smooth {
-                        estimate = self.texels.integrate(block, &kernel, &accuracy.with_edge_levels(2));
+                        estimate = integral(block, &kernel, 2);
                         doubt /= 8.0;
                     }
                     edge.push(EdgeTexel { block, frame, radiance: radiance[index], estimate, doubt });
@@ -154,7 +165,7 @@ impl<'a> Oracle<'a> {
             let value = if excess > 1.0 {
                 let levels = (2.0 + excess.log2() / 1.5).ceil().min(f64::from(EDGE_LEVELS)) as u32;
                 let kernel = kernel.around(frames[texel.frame]);
-                self.texels.integrate(texel.block, &kernel, &accuracy.with_edge_levels(levels))
+                integral(texel.block, &kernel, levels)
             } else {
                 texel.estimate
             };
@@ -165,12 +176,6 @@ impl<'a> Oracle<'a> {
             return self.texel_towards(direction).map(f64::from);
         }
         sum.radiance.map(|channel| channel / sum.kernel)
-    }
-
-    /// Irradiance on a surface that faces `direction`: the integral of L * max(cos(theta), 0).
-    #[must_use]
-    pub fn irradiance(&self, direction: DVec3) -> [f64; 3] {
-        self.reflect(Lobe::Cosine, 1.0, direction).map(|channel| PI * channel)
     }
 
     /// Radiance of the texel that `direction` (of the source, unit length) falls in.
@@ -192,51 +197,5 @@ impl<'a> Oracle<'a> {
             }
         };
         self.environment.texels()[index]
-    }
-}
-
-/// [`Oracle::reflect`] for a single question.
-#[must_use]
-pub fn reflect(environment: &Environment, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
-    Oracle::new(environment).reflect(lobe, roughness, direction)
-}
-
-/// [`Oracle::irradiance`] for a single question.
-#[must_use]
-pub fn irradiance(environment: &Environment, direction: DVec3) -> [f64; 3] {
-    Oracle::new(environment).irradiance(direction)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::lobe::LOBES;
-
-    #[test]
-    fn kernels_over_all_texels_sum_to_their_integral() {
-        let layouts = [
-            Layout::Panorama { width: 24, height: 12 },
-            Layout::Cube { size: 6 },
-            Layout::Octahedral { size: 8 },
-            Layout::Octahedral { size: 3 },
-        ];
-        let accuracy = Accuracy::new(1e-9, 8);
-        for layout in layouts {
-            let texels = SourceTexels::new(layout);
-            for lobe in LOBES {
-                for roughness in [0.03, 0.2, 0.6, 1.0] {
-                    let kernel = Kernel::new(lobe, roughness, DVec3::new(0.3, -0.5, 0.7).normalize());
-                    let frames: Vec<DVec3> = texels.frames().iter().map(|f| *f * kernel.direction).collect();
-                    let mut sum = 0.0;
-                    texels.for_each(|_, block, frame| {
-                        sum += texels.integrate(block, &kernel.around(frames[frame]), &accuracy);
-                    });
-                    // A cone's edge, where pieces are halved eight times and not cut, is the worst.
-                    let tolerance = if lobe == Lobe::Cone { 2e-3 / roughness } else { 2e-5 };
-                    let off = (sum / kernel.integral() - 1.0).abs();
-                    assert!(off < tolerance, "{layout:?} {lobe:?} {roughness}: off by {off:e}");
-                }
-            }
-        }
     }
 }

@@ -1,4 +1,4 @@
-//! What is carried to a target: parts of the sphere on a plane that is cut into texels.
+//! Pieces of a source that are resampled: parts of the sphere on a plane that is cut into texels.
 
 use crate::sphere::grid::Grid;
 use glam::{DMat3, DVec2, DVec3};

@@ -28,7 +28,7 @@ pub(super) enum Side {
 }
 
 impl Mirrors {
-    /// Those of both grids.
+    /// Mirrors that both grids have.
     pub(super) fn shared(source: &Grid, target: &Grid) -> Self {
         let is_mirror = |axis: &usize| has_mirror(source, *axis) && has_mirror(target, *axis);
         Self { axes: (0..3).filter(is_mirror).collect() }

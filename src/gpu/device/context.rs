@@ -1,14 +1,16 @@
 //! Adapters, devices and their errors.
 
+use super::compiled::Compiled;
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A device with its queue and the first error that occurred on it.
+/// A device with its queue, the compute pipelines compiled on it, and the first error that occurred on it.
 #[derive(Clone, Debug)]
 pub struct Context {
     device: wgpu::Device,
     queue: wgpu::Queue,
     failure: Arc<Mutex<Option<String>>>,
+    compiled: Arc<Compiled>,
 }
 
 /// Every adapter of the system, hardware first, in the system's order.
@@ -95,7 +97,7 @@ impl Context {
     /// A context over the caller's device; the caller handles its errors.
     #[must_use]
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, failure: Arc::default() }
+        Self { device, queue, compiled: Arc::default(), failure: Arc::default() }
     }
 
     /// The device.
@@ -127,6 +129,23 @@ impl Context {
         }
     }
 
+    /// The module of the shader `file`, compiled when it is first asked for.
+    pub(crate) fn module(&self, file: &str) -> wgpu::ShaderModule {
+        self.compiled.module(&self.device, file)
+    }
+
+    /// The pipeline of an entry point of the shader `file`, compiled when it is first asked for; `constant` is
+    /// the value of one of the shader's `override` declarations.
+    pub(in crate::gpu) fn pipeline(
+        &self,
+        file: &str,
+        entry_point: &str,
+        constant: Option<(&str, u32)>,
+    ) -> wgpu::ComputePipeline {
+        let constants = constant.map(|(name, value)| (name, f64::from(value)));
+        self.compiled.pipeline(&self.device, file, entry_point, constants.as_slice())
+    }
+
     /// Returns [`Error::Limit`] if `bytes` exceed the limit of one binding; `largest` gives the remedy for
     /// that limit.
     pub(in crate::gpu) fn fits(
@@ -150,14 +169,45 @@ impl Context {
         self.queue.submit([encoder.finish()]);
     }
 
+    /// A buffer of `size` bytes.
+    pub(crate) fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let label = Some(label);
+        let descriptor = wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false };
+        self.device.create_buffer(&descriptor)
+    }
+
+    /// A buffer that holds `bytes`.
+    pub(crate) fn buffer_of(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let buffer = self.buffer(label, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    /// A texture of `[width, height, layers]` with mip `levels`.
+    pub(crate) fn texture(
+        &self,
+        label: &str,
+        format: wgpu::TextureFormat,
+        [width, height, depth_or_array_layers]: [u32; 3],
+        mip_level_count: u32,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers },
+            mip_level_count,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        })
+    }
+
     /// A storage buffer of `bytes`, at least four, which can be copied from and to.
     pub(in crate::gpu) fn storage(&self, label: &str, bytes: u64) -> wgpu::Buffer {
-        self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: bytes.max(4),
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })
+        let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        self.buffer(label, bytes.max(4), wgpu::BufferUsages::STORAGE | copied)
     }
 
     /// A storage buffer holding `values`.
@@ -174,15 +224,7 @@ impl Context {
 
     /// A uniform buffer holding `value`.
     pub(crate) fn uniform<T: bytemuck::NoUninit>(&self, label: &str, value: &T) -> wgpu::Buffer {
-        let bytes = bytemuck::bytes_of(value);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: bytes.len() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        self.queue.write_buffer(&buffer, 0, bytes);
-        buffer
+        self.buffer_of(label, bytemuck::bytes_of(value), wgpu::BufferUsages::UNIFORM)
     }
 }
 

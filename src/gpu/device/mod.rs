@@ -2,9 +2,11 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) mod block_on;
+mod compiled;
 pub mod context;
 pub(crate) mod names;
 pub mod readback;
+pub(crate) mod resources;
 pub mod shader;
 pub(crate) mod stage;
 pub mod timer;

@@ -21,23 +21,34 @@ pub(crate) fn named(source: &str, name: &str) -> Result<String> {
              underscores between them, and begin with a letter"
         )));
     }
+    Ok(renamed(source, |word| format!("{name}_{}", word.strip_prefix(OURS).unwrap_or(word))))
+}
+
+/// `source` with `prefix_` before every identifier that it declares at module scope without our own prefix.
+pub(super) fn prefixed(source: &str, prefix: &str) -> String {
+    renamed(source, |word| match word.starts_with(OURS) || word.starts_with("Octagloss") {
+        true => word.to_owned(),
+        false => format!("{prefix}_{word}"),
+    })
+}
+
+/// `source` with every identifier that it declares at module scope replaced by what `rename` makes of it.
+fn renamed(source: &str, rename: impl Fn(&str) -> String) -> String {
     let declared: BTreeSet<&str> = source.lines().filter_map(declared).collect();
     let mut text = String::with_capacity(2 * source.len());
     let mut rest = source;
     while !rest.is_empty() {
         let (word, after) = rest.split_at(rest.find(|c| !is_part(c)).unwrap_or(rest.len()));
         if declared.contains(word) {
-            text.push_str(name);
-            text.push('_');
-            text.push_str(word.strip_prefix(OURS).unwrap_or(word));
+            text.push_str(&rename(word))
         } else {
-            text.push_str(word);
+            text.push_str(word)
         }
         let (between, next) = after.split_at(after.find(is_part).unwrap_or(after.len()));
         text.push_str(between);
         rest = next;
     }
-    Ok(text)
+    text
 }
 
 /// Whether an identifier or a number may contain `c`.

@@ -9,12 +9,8 @@ use crate::error::{Error, Result};
 /// [`Error::Gpu`] if the device fails.
 pub async fn read<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
     let size = buffer.size();
-    let staging = context.device().create_buffer(&wgpu::BufferDescriptor {
-        label: Some("readback"),
-        size,
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
+    let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+    let staging = context.buffer("readback", size, usage);
     context.submit(|encoder| encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size));
     let (sender, mapped) = futures_channel::oneshot::channel();
     staging.map_async(wgpu::MapMode::Read, .., move |outcome| {
@@ -55,7 +51,7 @@ pub async fn read_texture<T: bytemuck::Pod>(context: &Context, texture: &wgpu::T
     read_layer(context, texture, 0).await
 }
 
-/// The same of layer `layer`.
+/// Reads layer `layer`.
 ///
 /// # Errors
 /// [`Error::Gpu`] if the device fails.

@@ -1,6 +1,6 @@
 //! Shader sources: plain WGSL files. A line `#include "common/name.wgsl"` inserts that file, once per shader.
 
-use super::context::Context;
+use super::names::prefixed;
 
 macro_rules! files {
     ($($path:literal),* $(,)?) => {
@@ -8,26 +8,8 @@ macro_rules! files {
     };
 }
 
-/// Gives a struct that shaders read its `MEMBERS`: names and offsets in bytes, to be held to the shader's.
-macro_rules! members {
-    ($name:ident { $($field:ident),* $(,)? }) => {
-        impl $name {
-            /// Every field with its offset in bytes.
-            pub(crate) const MEMBERS: &'static [(&'static str, usize)] = {
-                // No field is left out.
-                let _ = |whole: Self| {
-                    let Self { $($field: _),* } = whole;
-                };
-                &[$((stringify!($field), std::mem::offset_of!($name, $field))),*]
-            };
-        }
-    };
-}
-pub(crate) use members;
-
 /// Every file under `shaders/`, by its path there.
 pub const FILES: &[(&str, &str)] = &files![
-    "common/atlas.wgsl",
     "common/bordered.wgsl",
     "common/charlie.wgsl",
     "common/direct.wgsl",
@@ -126,114 +108,11 @@ fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
     }
 }
 
-/// Queries for any shader, each with the group of its resources.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Queries {
-    /// Queries over [`crate::gpu::box_filter::SatTextures`]: `octagloss_ggx(direction, roughness)` and
-    /// `octagloss_box(direction, solid_angle)`.
-    Boxes(u32),
-    /// The query over [`crate::gpu::fitted::FittedTables`]: `octagloss_fitted(direction, roughness)`.
-    Fitted(u32),
-    /// The same under a rotation, and irradiance, over a [`crate::gpu::live::LiveEnvironment`]:
-    /// `octagloss_radiance(direction, roughness)` and `octagloss_irradiance(normal)`.
-    Live(u32),
-    /// The same over all of [`crate::gpu::live_probes::LiveProbes`]: `octagloss_radiance_of(probe, direction,
-    /// roughness)` and `octagloss_irradiance_of(probe, normal)`.
-    Probes(u32),
-    /// The look-ups over one of [`crate::gpu::pyramid::PyramidMaps`]: `octagloss_radiance(direction,
-    /// roughness)` and `octagloss_irradiance(normal)`.
-    Pyramid(u32),
-    /// Clip coordinates and ownership of pixels for draws into a [`crate::gpu::live::LiveEnvironment`]:
-    /// `octagloss_direct_position(position)` and `octagloss_direct_owns(position)`.
-    Draw(u32),
-    /// The look-up in a [`crate::gpu::shadow::ShadowMap`]: `octagloss_lit(position, normal)`.
-    Shadow(u32),
-}
-
-/// The resources of fitted lobes, by their bindings, with those of `lights`.
-const fn fitted(lights: &'static str) -> [&'static str; 5] {
-    [
-        "var<uniform> octagloss_octaves: OctaglossOctaves",
-        lights,
-        "var<storage, read> octagloss_entries: array<Sum>",
-        "var<storage, read> octagloss_parameters: array<vec4<u32>>",
-        "var octagloss_oems: texture_2d_array<f32>",
-    ]
-}
-
-const FITTED: [&str; 5] = fitted("var<uniform> octagloss_lights: array<OctaglossLight, 1>");
-const PROBES: [&str; 5] = fitted("var<uniform> octagloss_lights: array<OctaglossLight, MAX_LIGHTS>");
-
-const PYRAMID: [&str; 6] = [
-    "var<uniform> octagloss_pyramid: OctaglossPyramid",
-    "var<uniform> octagloss_lights: array<OctaglossPyramidLight, 1>",
-    "var octagloss_levels: texture_2d_array<f32>",
-    "var octagloss_sharp: texture_2d_array<f32>",
-    "var octagloss_cosine: texture_2d_array<f32>",
-    "var octagloss_linear: sampler",
-];
-
-/// The functions and resources of `queries`, for one shader; shared functions appear once.
-#[must_use]
-pub fn queries(queries: &[Queries]) -> String {
-    let mut text = String::new();
-    let mut included = Vec::new();
-    for part in queries {
-        let (group, declared, path): (_, Vec<&str>, _) = match part {
-            Queries::Boxes(group) => (
-                group,
-                vec![
-                    "var<uniform> octagloss_table: OctaglossTable",
-                    "var octagloss_low: texture_2d<u32>",
-                    "var octagloss_high: texture_2d<u32>",
-                ],
-                "common/sat.wgsl",
-            ),
-            Queries::Fitted(group) => (group, FITTED.to_vec(), "common/fitted.wgsl"),
-            Queries::Live(group) => (group, FITTED.to_vec(), "common/live.wgsl"),
-            Queries::Probes(group) => (group, PROBES.to_vec(), "common/live.wgsl"),
-            Queries::Pyramid(group) => (group, PYRAMID.to_vec(), "common/pyramid.wgsl"),
-            Queries::Draw(group) => {
-                (group, vec!["var<uniform> octagloss_view: OctaglossView"], "common/direct_view.wgsl")
-            }
-            Queries::Shadow(group) => (
-                group,
-                vec![
-                    "var<uniform> octagloss_shadow: OctaglossShadow",
-                    "var octagloss_shadow_depth: texture_depth_2d",
-                ],
-                "common/shadow.wgsl",
-            ),
-        };
-        for (binding, declared) in declared.iter().enumerate() {
-            text.push_str(&format!("@group({group}) @binding({binding}) {declared};\n"));
-        }
-        append(path, &mut included, &mut text);
-    }
-    text
-}
-
-/// Creates the module of file `path`.
-pub(crate) fn module(context: &Context, path: &str) -> wgpu::ShaderModule {
-    context.device().create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(path),
-        source: wgpu::ShaderSource::Wgsl(source(path).into()),
-    })
-}
-
-/// Creates the pipeline of one entry point, with its layout inferred from the shader.
-pub(in crate::gpu) fn pipeline(
-    context: &Context,
-    module: &wgpu::ShaderModule,
-    entry_point: &str,
-    constants: &[(&str, f64)],
-) -> wgpu::ComputePipeline {
-    context.device().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(entry_point),
-        layout: None,
-        module,
-        entry_point: Some(entry_point),
-        compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
-        cache: None,
-    })
+/// WGSL for callers' shaders: the file `path` with its includes, and its `resources` at their bindings of
+/// group `group`. Whatever lacks our prefix at module scope gets `prefix`, which begins with it.
+pub(in crate::gpu) fn for_callers(path: &str, resources: &[&str], group: u32, prefix: &str) -> String {
+    let declare =
+        |(binding, resource): (u32, &&str)| format!("@group({group}) @binding({binding}) {resource};\n");
+    let declared: String = (0..).zip(resources).map(declare).collect();
+    prefixed(&(declared + &source(path)), prefix)
 }

@@ -1,6 +1,7 @@
 //! Stages: pipelines bound to buffers, ready to record.
 
 use super::context::Context;
+use super::resources::group_at;
 
 /// Workgroups of a row, as `shaders/common/rows.wgsl` has it: one dimension of a dispatch holds 65,535.
 pub(in crate::gpu) const ROW: u32 = 32_768;
@@ -19,26 +20,30 @@ pub(in crate::gpu) struct Dispatch {
 }
 
 impl Dispatch {
-    /// `pipeline` over `workgroups`, with resources at the bindings of its group 0 that they are listed with.
+    /// An entry point of the shader `file` over `workgroups`, with resources at the bindings of its group 0 that
+    /// they are listed with.
     pub(in crate::gpu) fn new(
+        context: &Context,
+        (file, entry_point): (&'static str, &'static str),
+        resources: &[(u32, wgpu::BindingResource<'_>)],
+        workgroups: [u32; 3],
+    ) -> Self {
+        Self::of(context, &context.pipeline(file, entry_point, None), resources, workgroups)
+    }
+
+    /// The same of a `pipeline`.
+    pub(in crate::gpu) fn of(
         context: &Context,
         pipeline: &wgpu::ComputePipeline,
         resources: &[(u32, wgpu::BindingResource<'_>)],
         workgroups: [u32; 3],
     ) -> Self {
-        let entries: Vec<_> = resources
-            .iter()
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
-            .collect();
-        let bindings = context.device().create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        });
+        let layout = pipeline.get_bind_group_layout(0);
+        let bindings = group_at(context, "dispatch", &layout, resources.iter().cloned());
         Self::with_groups(pipeline, vec![bindings], workgroups)
     }
 
-    /// The same with groups made elsewhere, from 0 on.
+    /// A stage with existing groups, from 0 on.
     pub(in crate::gpu) fn with_groups(
         pipeline: &wgpu::ComputePipeline,
         bindings: Vec<wgpu::BindGroup>,
@@ -60,12 +65,12 @@ impl Stage {
         Self { label, dispatches }
     }
 
-    /// The same under another label.
+    /// This stage under another label.
     pub(in crate::gpu) fn labelled(self, label: &'static str) -> Self {
         Self { label, ..self }
     }
 
-    /// What it is called, as in `shaders/`.
+    /// Its name, as in `shaders/`.
     #[must_use]
     pub const fn label(&self) -> &'static str {
         self.label

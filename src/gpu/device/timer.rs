@@ -28,12 +28,8 @@ impl Timer {
             ty: wgpu::QueryType::Timestamp,
             count: 2 * count,
         });
-        let resolved = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("timestamps"),
-            size: 16 * u64::from(count),
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
+        let resolved = context.buffer("timestamps", 16 * u64::from(count), usage);
         Ok(Self { queries, resolved, count })
     }
 

@@ -4,7 +4,6 @@ use super::mesh::DirectMesh;
 use super::view::{Bounded, NOWHERE, PLANES, Plane, VIEWS};
 use crate::direct::Corner;
 use crate::error::Result;
-use crate::gpu::device::shader;
 use crate::gpu::device::stage::{Dispatch, in_rows};
 use crate::gpu::{Context, Stage};
 
@@ -57,8 +56,6 @@ pub struct Cull {
     pad: u32,
 }
 
-shader::members!(Cull { planes, triangles, chunks, slack, pad });
-
 /// Uniform of the pieces.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -68,26 +65,12 @@ pub struct Split {
     cut: u32,
 }
 
-shader::members!(Split { triangles, chunks, cut });
-
 /// Uniform of the sums of counts.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Offsets {
     chunks: u32,
     room: u32,
-}
-
-shader::members!(Offsets { chunks, room });
-
-/// Pipelines of both kinds of lists.
-#[derive(Clone, Debug)]
-pub(super) struct Lists {
-    count_kept: wgpu::ComputePipeline,
-    list_kept: wgpu::ComputePipeline,
-    count_pieces: wgpu::ComputePipeline,
-    write_pieces: wgpu::ComputePipeline,
-    sum_chunks: wgpu::ComputePipeline,
 }
 
 /// A list on the GPU: the stage that fills it, its corners or indices, and the arguments of its draws.
@@ -105,78 +88,66 @@ impl List {
     }
 }
 
-impl Lists {
-    pub(super) fn new(context: &Context) -> Self {
-        let [cull, split, offsets] = ["direct/cull.wgsl", "direct/split.wgsl", "direct/offsets.wgsl"]
-            .map(|path| shader::module(context, path));
-        let pipeline = |module, entry| shader::pipeline(context, module, entry, &[]);
-        Self {
-            count_kept: pipeline(&cull, "count_kept"),
-            list_kept: pipeline(&cull, "list_kept"),
-            count_pieces: pipeline(&split, "count_pieces"),
-            write_pieces: pipeline(&split, "write_pieces"),
-            sum_chunks: pipeline(&offsets, "sum_chunks"),
-        }
-    }
-
-    /// The triangles of `mesh` that each of `views` may show.
-    ///
-    /// # Errors
-    /// [`crate::Error::Limit`] if the lists exceed the device's buffers.
-    pub(super) fn kept(&self, context: &Context, mesh: &DirectMesh, views: &[Bounded]) -> Result<List> {
-        let mut planes = [NOWHERE; VIEWS];
-        planes.iter_mut().zip(views).for_each(|(planes, bounded)| *planes = bounded.planes);
-        let (triangles, chunks) = (mesh.triangles, mesh.triangles.div_ceil(GROUP_SIZE));
-        let uniform = context.uniform("cull", &Cull { planes, triangles, chunks, slack: SLACK, pad: 0 });
-        let list = Plan {
-            label: "direct cull",
-            lists: VIEWS as u32,
-            room: triangles,
-            bytes_per_triangle: 12,
-            usage: wgpu::BufferUsages::INDEX,
-            pipelines: [&self.count_kept, &self.sum_chunks, &self.list_kept],
-            bindings: 4,
-        };
-        list.build(context, mesh, &uniform)
-    }
-
-    /// The pieces of the triangles of `mesh`, three corners per triangle.
-    ///
-    /// # Errors
-    /// [`crate::Error::Limit`] if they exceed the device's buffers.
-    pub(super) fn pieces(&self, context: &Context, mesh: &DirectMesh, cut: Cut) -> Result<List> {
-        let triangles = mesh.triangles;
-        let chunks = triangles.div_ceil(GROUP_SIZE);
-        let uniform = context.uniform("split", &Split { triangles, chunks, cut: cut as u32 });
-        let list = Plan {
-            label: "direct split",
-            lists: 1,
-            room: triangles.saturating_mul(cut.pieces()),
-            bytes_per_triangle: 3 * size_of::<Corner>() as u64,
-            usage: wgpu::BufferUsages::VERTEX,
-            pipelines: [&self.count_pieces, &self.sum_chunks, &self.write_pieces],
-            // One function counts and writes.
-            bindings: 5,
-        };
-        list.build(context, mesh, &uniform)
-    }
+/// The triangles of `mesh` that each of `views` may show.
+///
+/// # Errors
+/// [`crate::Error::Limit`] if the lists exceed the device's buffers.
+pub(super) fn kept(context: &Context, mesh: &DirectMesh, views: &[Bounded]) -> Result<List> {
+    let mut planes = [NOWHERE; VIEWS];
+    planes.iter_mut().zip(views).for_each(|(planes, bounded)| *planes = bounded.planes);
+    let (triangles, chunks) = (mesh.triangles, mesh.triangles.div_ceil(GROUP_SIZE));
+    let uniform = context.uniform("cull", &Cull { planes, triangles, chunks, slack: SLACK, pad: 0 });
+    let list = Plan {
+        label: "direct cull",
+        lists: VIEWS as u32,
+        room: triangles,
+        bytes_per_triangle: 12,
+        usage: wgpu::BufferUsages::INDEX,
+        file: "direct/cull.wgsl",
+        entries: ["count_kept", "list_kept"],
+        bindings: 4,
+    };
+    list.build(context, mesh, &uniform)
 }
 
-/// What differs between the two kinds of lists.
-struct Plan<'a> {
+/// The pieces of the triangles of `mesh`, three corners per triangle.
+///
+/// # Errors
+/// [`crate::Error::Limit`] if they exceed the device's buffers.
+pub(super) fn pieces(context: &Context, mesh: &DirectMesh, cut: Cut) -> Result<List> {
+    let triangles = mesh.triangles;
+    let chunks = triangles.div_ceil(GROUP_SIZE);
+    let uniform = context.uniform("split", &Split { triangles, chunks, cut: cut as u32 });
+    let list = Plan {
+        label: "direct split",
+        lists: 1,
+        room: triangles.saturating_mul(cut.pieces()),
+        bytes_per_triangle: 3 * size_of::<Corner>() as u64,
+        usage: wgpu::BufferUsages::VERTEX,
+        file: "direct/split.wgsl",
+        entries: ["count_pieces", "write_pieces"],
+        // One function counts and writes.
+        bindings: 5,
+    };
+    list.build(context, mesh, &uniform)
+}
+
+/// Differences between the two kinds of lists.
+struct Plan {
     label: &'static str,
     lists: u32,
     /// Triangles that a list has room for.
     room: u32,
     bytes_per_triangle: u64,
     usage: wgpu::BufferUsages,
-    /// Counts, sums of the counts, content.
-    pipelines: [&'a wgpu::ComputePipeline; 3],
-    /// Bindings of the first of these pipelines.
+    file: &'static str,
+    /// Entry points that count, and that write the content.
+    entries: [&'static str; 2],
+    /// Bindings of the first of them.
     bindings: usize,
 }
 
-impl Plan<'_> {
+impl Plan {
     fn build(&self, context: &Context, mesh: &DirectMesh, uniform: &wgpu::Buffer) -> Result<List> {
         let chunks = mesh.triangles.div_ceil(GROUP_SIZE);
         let bytes = u64::from(self.lists) * u64::from(self.room) * self.bytes_per_triangle;
@@ -184,20 +155,14 @@ impl Plan<'_> {
         context.fits(&format!("{} of {} triangles", self.label, mesh.triangles), bytes, |available| {
             format!("draw the mesh in parts of at most {} triangles", available / per_triangle)
         })?;
-        let buffer = |label, size, usage| {
-            context.device().create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage: usage | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            })
-        };
+        let shared = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let buffer = |label, size, usage| context.buffer(label, size, usage | shared);
         let content = buffer(self.label, bytes, self.usage);
         let draws =
             buffer("direct draws", 4 * DRAW_WORDS * u64::from(self.lists), wgpu::BufferUsages::INDIRECT);
         let counts = context.storage("direct counts", 4 * u64::from(self.lists) * u64::from(chunks));
         let offsets = context.uniform("direct offsets", &Offsets { chunks, room: self.room });
-        let [count, sum, write] = self.pipelines;
+        let [count, write] = self.entries;
         let groups = in_rows(chunks);
         let input = [
             (0, uniform.as_entire_binding()),
@@ -212,9 +177,9 @@ impl Plan<'_> {
             (2, draws.as_entire_binding()),
         ];
         let dispatches = vec![
-            Dispatch::new(context, count, &input[..self.bindings], groups),
-            Dispatch::new(context, sum, &sums, [self.lists, 1, 1]),
-            Dispatch::new(context, write, &input, groups),
+            Dispatch::new(context, (self.file, count), &input[..self.bindings], groups),
+            Dispatch::new(context, ("direct/offsets.wgsl", "sum_chunks"), &sums, [self.lists, 1, 1]),
+            Dispatch::new(context, (self.file, write), &input, groups),
         ];
         Ok(List { stage: Stage::new(self.label, dispatches), content, draws })
     }

@@ -24,14 +24,7 @@ impl DirectMesh {
                 format!("draw the mesh in parts of at most {most} triangles")
             };
             context.fits(&format!("the {label} of a mesh"), bytes.len() as u64, remedy)?;
-            let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: bytes.len() as u64,
-                usage: usage | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
-            context.queue().write_buffer(&buffer, 0, bytes);
-            Ok::<_, Error>(buffer)
+            Ok::<_, Error>(context.buffer_of(label, bytes, usage | wgpu::BufferUsages::STORAGE))
         };
         let corners = bytemuck::cast_slice(triangles.corners());
         let indices = bytemuck::cast_slice(triangles.indices());

@@ -24,17 +24,16 @@ pub(in crate::gpu) use surroundings::Surroundings;
 pub use target::DirectTarget;
 
 use super::Context;
+use super::device::readback;
+use super::device::resources::{Draw, UNIFORM, added, group, group_layout, pipeline_layout};
 use super::device::timer::Timer;
-use super::device::{readback, shader};
 use crate::direct::{Corner, check_near};
 use crate::error::{Error, Result};
 use crate::names::named;
-use list::{Cut, List, Lists};
-pub(in crate::gpu) use target::{DEPTH, cleared_depth, depth_texture};
-use target::{check_format, nearest_surface};
+use list::{Cut, List};
+use target::{NEAREST, check_format};
+pub(in crate::gpu) use target::{cleared_depth, depth_texture};
 use view::Bounded;
-
-shader::members!(Corner { position, octant, value });
 
 /// How triangles come into a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,7 +99,7 @@ impl Method {
     }
 }
 
-/// What becomes of a pixel that several triangles cover.
+/// Treatment of pixels that several triangles cover.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overlap {
     /// The nearest triangle's values are kept, with their depth.
@@ -115,7 +114,6 @@ pub struct Direct {
     context: Context,
     format: wgpu::TextureFormat,
     overlap: Overlap,
-    lists: Lists,
     group: wgpu::BindGroupLayout,
     whole: wgpu::RenderPipeline,
     own_octant: wgpu::RenderPipeline,
@@ -136,20 +134,32 @@ impl Direct {
                 "{format:?} cannot be blended on every device; choose Rgba16Float"
             )));
         }
-        let device = context.device();
-        let group = view_layout(device);
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("direct"),
-            bind_group_layouts: &[Some(&group)],
-            immediate_size: 0,
-        });
-        let module = shader::module(context, "direct/draw.wgsl");
-        let pipeline =
-            |vertex, fragment| pipeline(device, &layout, &module, vertex, fragment, format, overlap);
+        let group = view_layout(context);
+        let layout = pipeline_layout(context, "direct", [&group]);
+        let module = context.module("direct/draw.wgsl");
+        let corners = wgpu::VertexBufferLayout {
+            array_stride: size_of::<Corner>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float32x4],
+        };
+        let (blend, depth) = match overlap {
+            Overlap::Sum => (Some(added()), None),
+            Overlap::Nearest => (None, Some(NEAREST)),
+        };
+        let pipeline = |vertex, fragment| {
+            Draw {
+                module: &module,
+                entries: [vertex, fragment],
+                layout: Some(&layout),
+                corners: Some(corners.clone()),
+                target: wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL },
+                depth,
+            }
+            .pipeline(context)
+        };
         Ok(Self {
             format,
             overlap,
-            lists: Lists::new(context),
             whole: pipeline("project", "whole"),
             own_octant: pipeline("project", "own_octant"),
             pieces: pipeline("project_piece", "whole"),
@@ -190,13 +200,13 @@ impl Direct {
             }
         };
         let list = match (method, method.cut()) {
-            (Method::Octants | Method::Cube, _) => Some(self.lists.kept(&self.context, mesh, &views)?),
-            (_, Some(cut)) => Some(self.lists.pieces(&self.context, mesh, cut)?),
+            (Method::Octants | Method::Cube, _) => Some(list::kept(&self.context, mesh, &views)?),
+            (_, Some(cut)) => Some(list::pieces(&self.context, mesh, cut)?),
             (_, None) => None,
         };
         let draws =
             views.iter().enumerate().map(|(index, bounded)| self.draw(method, mesh, &list, index, bounded));
-        let draws: Vec<Draw> = draws.collect();
+        let draws: Vec<MeshDraw> = draws.collect();
         // A pass per layer.
         let per_layer = if method.is_cube() { 1 } else { draws.len() };
         let passes = (0..)
@@ -217,9 +227,9 @@ impl Direct {
         list: &Option<List>,
         index: usize,
         bounded: &Bounded,
-    ) -> Draw {
+    ) -> MeshDraw {
         let uniform = self.context.uniform("direct view", &bounded.view);
-        let group = view_group(self.context.device(), &self.group, &uniform);
+        let group = view_group(&self.context, &self.group, &uniform);
         let pipeline = match method {
             Method::Octants | Method::ClipMask => &self.own_octant,
             Method::StrictSplit | Method::XzSplit | Method::EdgeStrip => &self.pieces,
@@ -235,83 +245,17 @@ impl Direct {
             (_, None) => (&mesh.corners, DrawnIndices::All(mesh.indices.clone(), 3 * mesh.triangles)),
         };
         let (pipeline, corners) = (pipeline.clone(), corners.clone());
-        Draw { pipeline, group, corners, source, scissor: bounded.scissor }
+        MeshDraw { pipeline, group, corners, source, scissor: bounded.scissor }
     }
 }
 
 /// The layout of a group that holds a view.
-pub(in crate::gpu) fn view_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("direct view"),
-        entries: &[wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        }],
-    })
+pub(in crate::gpu) fn view_layout(context: &Context) -> wgpu::BindGroupLayout {
+    group_layout(context, "direct view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM])
 }
 
-fn view_group(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    uniform: &wgpu::Buffer,
-) -> wgpu::BindGroup {
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("direct view"),
-        layout,
-        entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
-    })
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::PipelineLayout,
-    module: &wgpu::ShaderModule,
-    vertex: &str,
-    fragment: &str,
-    format: wgpu::TextureFormat,
-    overlap: Overlap,
-) -> wgpu::RenderPipeline {
-    let corners = wgpu::VertexBufferLayout {
-        array_stride: size_of::<Corner>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float32x4],
-    };
-    let add = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
-    let (blend, depth_stencil) = match overlap {
-        Overlap::Sum => (Some(wgpu::BlendState { color: add, alpha: add }), None),
-        Overlap::Nearest => (None, Some(nearest_surface())),
-    };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(fragment),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(corners)],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+fn view_group(context: &Context, layout: &wgpu::BindGroupLayout, uniform: &wgpu::Buffer) -> wgpu::BindGroup {
+    group(context, "direct view", layout, [uniform.as_entire_binding()])
 }
 
 /// A method bound to a mesh and a target. Recording allocates no buffers, submits nothing and waits for
@@ -327,11 +271,11 @@ pub struct DirectFrame {
 struct Pass {
     colour: wgpu::TextureView,
     depth: Option<wgpu::TextureView>,
-    draws: Vec<Draw>,
+    draws: Vec<MeshDraw>,
 }
 
 #[derive(Clone, Debug)]
-struct Draw {
+struct MeshDraw {
     pipeline: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
     corners: wgpu::Buffer,
@@ -361,11 +305,6 @@ impl DrawnIndices {
 }
 
 impl DirectFrame {
-    /// Records the frame's passes into `encoder`.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.record_timed(encoder, None);
-    }
-
     /// Triangles of every draw: those of the lists are counted once the frame was submitted.
     ///
     /// # Errors
@@ -396,8 +335,8 @@ impl DirectFrame {
         self.passes.len() as u32 + u32::from(self.list.is_some())
     }
 
-    /// The same as [`DirectFrame::record`], with the times of passes written to the first slots of `timer`.
-    pub(crate) fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
+    /// Records the frame's passes into `encoder`, their times to the first slots of `timer`.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
         if let Some(List { stage, .. }) = &self.list {
             stage.record_timed(encoder, timer.map(|timer| timer.compute_writes(0)));
         }
@@ -438,7 +377,8 @@ impl Pass {
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
         let mut pass = cleared(encoder, &self.colour, self.depth.as_ref(), timestamp_writes);
-        for Draw { pipeline, group, corners, source, scissor: [left, top, width, height] } in &self.draws {
+        for MeshDraw { pipeline, group, corners, source, scissor: [left, top, width, height] } in &self.draws
+        {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, group, &[]);
             pass.set_scissor_rect(*left, *top, *width, *height);

@@ -19,7 +19,7 @@ impl OctantDraws {
     pub(in crate::gpu) fn new(context: &Context, layout: &wgpu::BindGroupLayout, map: DirectMap) -> Self {
         let views = octants(map, 1.0).into_iter().map(|Bounded { view, .. }| {
             let uniform = context.uniform("direct view", &view);
-            let group = view_group(context.device(), layout, &uniform);
+            let group = view_group(context, layout, &uniform);
             (uniform, group)
         });
         Self { views: views.collect(), map }

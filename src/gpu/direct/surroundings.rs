@@ -9,7 +9,7 @@ use glam::DVec3;
 /// Colour, depth and the draws of the eight octants.
 #[derive(Clone, Debug)]
 pub(in crate::gpu) struct Surroundings {
-    target: DirectTarget,
+    pub(in crate::gpu) target: DirectTarget,
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,
     octants: OctantDraws,
@@ -31,11 +31,6 @@ impl Surroundings {
     /// The same map with draws of its own, for another centre; each overwrites what the other drew.
     pub(in crate::gpu) fn sharing_target(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> Self {
         Self { octants: OctantDraws::new(context, layout, self.target.map()), ..self.clone() }
-    }
-
-    /// The map's colour.
-    pub(in crate::gpu) const fn colour(&self) -> &wgpu::Texture {
-        self.target.colour()
     }
 
     /// Records one pass that clears the map and calls `record` for each octant, with the octant's group.

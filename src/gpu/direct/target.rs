@@ -3,27 +3,20 @@
 use crate::direct::DirectMap;
 use crate::error::{Error, Result};
 use crate::gpu::Context;
+use crate::gpu::device::resources::DEPTH;
 
-/// Format of depth, which is `near` over the distance: 0 where nothing is drawn, 1 at the near surface.
-pub(in crate::gpu) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-
-/// The depth test of draws that keep the nearest surface.
-pub(in crate::gpu) fn nearest_surface() -> wgpu::DepthStencilState {
-    wgpu::DepthStencilState {
-        format: DEPTH,
-        depth_write_enabled: Some(true),
-        depth_compare: Some(wgpu::CompareFunction::Greater),
-        stencil: wgpu::StencilState::default(),
-        bias: wgpu::DepthBiasState::default(),
-    }
-}
+/// The depth test of draws that keep the nearest surface. Depth is `near` over the distance: 0 where nothing is
+/// drawn, 1 at the near surface.
+pub(super) const NEAREST: (bool, wgpu::CompareFunction) = (true, wgpu::CompareFunction::Greater);
 
 /// A colour texture and its depth.
 #[derive(Clone, Debug)]
 pub struct DirectTarget {
     pub(super) map: DirectMap,
-    colour: wgpu::Texture,
-    depth: wgpu::Texture,
+    /// The colour: a layer per face of a cube.
+    pub colour: wgpu::Texture,
+    /// The depth, in as many layers as the colour.
+    pub depth: wgpu::Texture,
 }
 
 impl DirectTarget {
@@ -43,18 +36,6 @@ impl DirectTarget {
     #[must_use]
     pub const fn map(&self) -> DirectMap {
         self.map
-    }
-
-    /// The colour: a layer per face of a cube.
-    #[must_use]
-    pub const fn colour(&self) -> &wgpu::Texture {
-        &self.colour
-    }
-
-    /// The depth, in as many layers.
-    #[must_use]
-    pub const fn depth(&self) -> &wgpu::Texture {
-        &self.depth
     }
 
     /// Checks that the colour has the `format` of pipelines.
@@ -102,22 +83,10 @@ fn texture(
     if !(1..=most).contains(&size) {
         return invalid(format!("a target of `size` {size}; choose 1 to {most}"));
     }
-    Ok(context.device().create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d {
-            width: columns * size,
-            height: rows * size,
-            depth_or_array_layers: map.layers(),
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    }))
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+        | wgpu::TextureUsages::TEXTURE_BINDING
+        | wgpu::TextureUsages::COPY_SRC;
+    Ok(context.texture(label, format, [columns * size, rows * size, map.layers()], 1, usage))
 }
 
 /// A texture of the depth of `map`.

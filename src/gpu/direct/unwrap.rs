@@ -5,12 +5,12 @@
 //! approximation for finely cut triangles, whose error falls with the square of their size. In C_1 the
 //! equation misprints atan2(a, -c), where C_1 is around +Z, and in both its sines are those of unit vectors.
 
-use super::target::{check_format, nearest_surface};
+use super::target::{NEAREST, check_format};
 use super::{DirectMesh, DirectTarget, cleared};
 use crate::direct::{DirectMap, check_near};
 use crate::error::{Error, Result};
 use crate::gpu::Context;
-use crate::gpu::device::shader;
+use crate::gpu::device::resources::{Draw, group};
 use crate::gpu::device::timer::Timer;
 
 /// What becomes of triangles across the half circle phi = pi, where unwrapping tears them: section 3.2. It
@@ -29,11 +29,6 @@ pub enum Remedy {
     Alpha = 3,
 }
 
-impl Remedy {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Keep, Self::Drop, Self::OneSide, Self::Alpha];
-}
-
 /// Uniform of a panel's draw.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -42,8 +37,6 @@ pub struct Panel {
     remedy: u32,
     near: f32,
 }
-
-shader::members!(Panel { panel, remedy, near });
 
 /// Pipelines for one format of output.
 #[derive(Clone, Debug)]
@@ -71,29 +64,10 @@ impl Unwrap {
     /// [`Error::Parameter`] for formats other than `Rgba16Float` and `Rgba32Float`.
     pub fn new(context: &Context, format: wgpu::TextureFormat) -> Result<Self> {
         check_format(format)?;
-        let module = &shader::module(context, "direct/unwrap.wgsl");
-        let compilation_options = wgpu::PipelineCompilationOptions::default;
-        let pipeline = context.device().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("unwrap"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module,
-                entry_point: Some("unwrap_corner"),
-                compilation_options: compilation_options(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(nearest_surface()),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module,
-                entry_point: Some("unwrapped_pixel"),
-                compilation_options: compilation_options(),
-                targets: &[Some(format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let module = &context.module("direct/unwrap.wgsl");
+        let entries = ["unwrap_corner", "unwrapped_pixel"];
+        let (target, depth) = (format.into(), Some(NEAREST));
+        let pipeline = Draw { module, entries, layout: None, corners: None, target, depth }.pipeline(context);
         Ok(Self { context: context.clone(), format, pipeline })
     }
 
@@ -119,15 +93,8 @@ impl Unwrap {
         };
         let groups = [0, 1].map(|panel| {
             let uniform = self.context.uniform("panel", &Panel { panel, remedy: remedy as u32, near });
-            let resources = [&uniform, &mesh.corners, &mesh.indices];
-            self.context.device().create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("panel"),
-                layout: &self.pipeline.get_bind_group_layout(0),
-                entries: &[0, 1, 2].map(|k| wgpu::BindGroupEntry {
-                    binding: k as u32,
-                    resource: resources[k].as_entire_binding(),
-                }),
-            })
+            let resources = [&uniform, &mesh.corners, &mesh.indices].map(wgpu::Buffer::as_entire_binding);
+            group(&self.context, "panel", &self.pipeline.get_bind_group_layout(0), resources)
         });
         let [colour, depth] = target.views(0);
         let corners = 3 * mesh.triangles();
@@ -136,18 +103,13 @@ impl Unwrap {
 }
 
 impl UnwrapFrame {
-    /// Records the pass into `encoder`. The target is cleared to 0.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.record_timed(encoder, None);
-    }
-
     /// Triangles of both draws.
     pub(crate) const fn triangles(&self) -> u32 {
         2 * (self.corners / 3)
     }
 
-    /// The same as [`UnwrapFrame::record`], with the times of the pass written to the first slot of `timer`.
-    pub(crate) fn record_timed(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
+    /// Records the pass into `encoder`, its times to the first slot of `timer`. The target is cleared to 0.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&Timer>) {
         let writes = timer.map(|timer| timer.render_writes(0));
         let mut pass = cleared(encoder, &self.colour, Some(&self.depth), writes);
         pass.set_pipeline(&self.pipeline);

@@ -1,4 +1,4 @@
-//! What one draw shows: an octant of the octahedral map in either layout, or a face of a cube.
+//! View of one draw: an octant of the octahedral map in either layout, or a face of a cube.
 //!
 //! In the octant of the signs s the planar projection is projective. With w = s.x x + s.y y + s.z z and
 //! m = max(-s.y, 0), the square's coordinates are u = (x - m s.x y) / w and v = (z - m s.z y) / w: equation 2
@@ -7,7 +7,6 @@
 //! near distance, so that depth is near / w, which is continuous across folds.
 
 use crate::direct::DirectMap;
-use crate::gpu::device::shader;
 use crate::sphere::cube::{Face, cube_point};
 use glam::DVec3;
 
@@ -31,8 +30,6 @@ pub struct View {
     squares: u32,
     pad: [u32; 2],
 }
-
-shader::members!(View { clip_from_scene, centre, size, octant, squares, pad });
 
 impl View {
     /// The same view of a scene whose origin is at `centre`.
@@ -110,7 +107,7 @@ fn of_square(s: DVec3, size: u32) -> ([DVec3; 2], [u32; 4]) {
     (rows, [start(s.x), start(s.z), half, half])
 }
 
-/// The same in the rectangle, both rows from -1 to 1.
+/// Octants of the rectangle, both rows from -1 to 1.
 fn of_rectangle(s: DVec3, size: u32) -> ([DVec3; 2], [u32; 4]) {
     let half = size / 2;
     let (left, side) = if s.y < 0.0 { (size, 1.0) } else { (0, -1.0) };

@@ -107,7 +107,7 @@ fn signed(bytes: &mut impl Iterator<Item = u8>) -> Option<i32> {
     unsigned(bytes).map(|value| (value >> 1) as i32 ^ -((value & 1) as i32))
 }
 
-/// What is drawn for `character`: itself, or a box with its number. Spaces and controls are blanks.
+/// The glyph of `character`, or a box with its number. Spaces and controls are blank.
 fn drawn(character: char) -> Drawn {
     let shown = if character.is_control() || character.is_whitespace() { ' ' } else { character };
     match FONT.glyphs.get(&shown) {

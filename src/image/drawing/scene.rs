@@ -128,6 +128,7 @@ pub struct Scene {
 
 impl Scene {
     /// Every line of text and its rectangle.
+    #[cfg(feature = "internals")]
     #[must_use]
     pub fn labels(&self) -> Vec<(String, Frame)> {
         self.texts().map(|text| (text.text.clone(), text.frame())).collect()

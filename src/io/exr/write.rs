@@ -30,6 +30,16 @@ pub enum Attribute {
     Text(String),
 }
 
+/// The attribute of a level's `roughness`, if there is one, and those of text `pairs`.
+pub(in crate::io) fn attributes(
+    roughness: Option<f64>,
+    pairs: impl IntoIterator<Item = (impl Into<String>, impl Into<String>)>,
+) -> Vec<(String, Attribute)> {
+    let roughness = roughness.map(|r| ("roughness".to_owned(), Attribute::Float(r as f32)));
+    let pairs = pairs.into_iter().map(|(key, text)| (key.into(), Attribute::Text(text.into())));
+    roughness.into_iter().chain(pairs).collect()
+}
+
 /// Samples of a file.
 #[derive(Clone, Copy, Debug)]
 pub enum Samples<'a> {

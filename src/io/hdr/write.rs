@@ -5,24 +5,13 @@ use crate::error::{Error, Result};
 use crate::format::RGBE_MAX;
 use image::codecs::hdr::HdrEncoder;
 
-/// Encodes a .hdr file of `width` x `height` row-major texels.
+/// Encodes a .hdr file of `width` x `height` row-major texels, with a header line `KEY=value` for each pair
+/// of `metadata`.
 ///
 /// # Errors
-/// [`Error::Parameter`] if the texels do not fill the image.
-pub fn hdr_bytes(width: u32, height: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
-    hdr_bytes_with(width, height, texels, &[])
-}
-
-/// [`hdr_bytes`] with a header line `KEY=value` for each pair of `metadata`.
-///
-/// # Errors
-/// As [`hdr_bytes`]; [`Error::Parameter`] for keys and values that a header line cannot hold.
-pub(crate) fn hdr_bytes_with(
-    width: u32,
-    height: u32,
-    texels: &[Rgb],
-    metadata: &[(String, String)],
-) -> Result<Vec<u8>> {
+/// [`Error::Parameter`] if the texels do not fill the image, and for keys and values that a header line
+/// cannot hold.
+pub fn hdr_bytes(width: u32, height: u32, texels: &[Rgb], metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let breaks = |text: &str| text.contains(char::is_control);
     if let Some((key, _)) =
         metadata.iter().find(|(key, value)| breaks(key) || breaks(value) || key.contains('='))

@@ -6,31 +6,10 @@ use crate::error::{Error, Result};
 use crate::format::Pixel;
 use crate::format::texel_bytes::texel_bytes;
 use crate::io::cube_file::{CubeFile, check_sizes};
-use crate::io::output::{self, Existing};
 use ktx2::Format;
-use std::path::Path;
 
 /// Key of each level's roughness, comma-separated, level 0 first.
 pub const ROUGHNESS_KEY: &str = "octaglossRoughness";
-
-/// Writes `chain` atomically to `path` as a KTX2 cube map; see [`ktx2_bytes`].
-///
-/// Returns the number of clamped texels of each level.
-///
-/// # Errors
-/// As [`ktx2_bytes`] and [`output::write_file`].
-pub fn write_ktx2(
-    path: &Path,
-    existing: Existing,
-    chain: &Chain,
-    pixel: Pixel,
-    metadata: &[(String, String)],
-) -> Result<Vec<u64>> {
-    output::check_file(path, existing)?;
-    let ktx2 = ktx2_bytes(chain, pixel, metadata)?;
-    output::write_file(path, existing, |file| file.write_all(&ktx2.bytes))?;
-    Ok(ktx2.clamped)
-}
 
 /// Encodes `chain` as a KTX2 cube map: RGBA16F, RGBA32F (alpha 1), RGB9E5, R11G11B10F or BC6H. `metadata` are
 /// further text key/value pairs.

@@ -35,7 +35,7 @@
 //! the lobe of that blur with the mirror. The share of that lobe is t (2 - t), with t the square of alpha
 //! over the blur's alpha. The answer is therefore continuous in direction and roughness, down to the mirror.
 //!
-//! [`crate::realtime::fit`] finds the parameters.
+//! `examples/fit_lobes` finds the parameters and writes the files.
 
 pub mod triangle;
 
@@ -48,10 +48,10 @@ pub const COUNTS: [u32; 4] = [1, 2, 4, 8];
 
 /// Parameters of a soft box: square root of its mass, offset of its centre from the lobe's in its own
 /// half-widths, log2 of its half-widths in units of alpha.
-pub(crate) const BOX_PARAMETERS: usize = 5;
+pub const BOX_PARAMETERS: usize = 5;
 
 /// Weights of the harmonics of order 0 to 4.
-pub(crate) const HARMONICS: usize = 5;
+pub const HARMONICS: usize = 5;
 
 /// Octaves of alpha with their own parameters: octave k, with blurs 2^-k wide, serves alpha from 1.2 times
 /// 2^-k up.
@@ -67,53 +67,15 @@ pub struct Shape {
     pub grid: Grid,
     /// For each box, by how many octaves its blur is wider than that of its octave.
     pub wider: &'static [u32],
-    /// The image of each box in the mirrors v = 0, u = v and u + v = 1. Lobes are longest across u = v, so
-    /// there boxes form pairs; in the other two mirrors each box is its own image. This is the best of all
-    /// pairings tried.
-    pub mirrors: [&'static [usize]; 3],
 }
 
-static ONE: Shape = Shape { grid: Grid::Triangle, wider: &[0], mirrors: [&[0], &[0], &[0]] };
-static TWO: Shape = Shape { grid: Grid::Triangle, wider: &[0, 0], mirrors: [&[0, 1], &[1, 0], &[0, 1]] };
-static FOUR: Shape = Shape {
-    grid: Grid::Triangle,
-    wider: &[0, 0, 1, 1],
-    mirrors: [&[0, 1, 2, 3], &[1, 0, 3, 2], &[0, 1, 2, 3]],
-};
-static EIGHT: Shape = Shape {
-    grid: Grid::Triangle,
-    wider: &[0, 0, 0, 0, 1, 1, 1, 1],
-    mirrors: [&[0, 1, 2, 3, 4, 5, 6, 7], &[1, 0, 3, 2, 5, 4, 7, 6], &[0, 1, 2, 3, 4, 5, 6, 7]],
-};
-
-/// The boxes around cone points: in both mirrors there, three groups of four are images of each other, one
-/// towards the diagonals and one along the axes with narrow blurs, and one towards the diagonals with wide
-/// ones. There a small step asks for a quadrupole, which such groups yield linearly, by masses and
-/// half-widths.
-static CONE: Shape = Shape {
-    grid: Grid::Cone,
-    wider: &[0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1],
-    mirrors: [
-        &[2, 3, 0, 1, 4, 5, 7, 6, 10, 11, 8, 9],
-        &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11],
-        &[1, 0, 2, 3, 7, 6, 5, 4, 9, 8, 10, 11],
-    ],
-};
+static ONE: Shape = Shape { grid: Grid::Triangle, wider: &[0] };
+static TWO: Shape = Shape { grid: Grid::Triangle, wider: &[0, 0] };
+static FOUR: Shape = Shape { grid: Grid::Triangle, wider: &[0, 0, 1, 1] };
+static EIGHT: Shape = Shape { grid: Grid::Triangle, wider: &[0, 0, 0, 0, 1, 1, 1, 1] };
+static CONE: Shape = Shape { grid: Grid::Cone, wider: &[0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1] };
 
 impl Shape {
-    /// The shape of boxes around cone points.
-    #[must_use]
-    pub const fn around_cone_points() -> &'static Self {
-        &CONE
-    }
-
-    /// The shape of `count` boxes; `None` if `count` is not supported.
-    #[must_use]
-    pub fn of(count: u32) -> Option<&'static Self> {
-        let place = COUNTS.iter().position(|other| *other == count)?;
-        Some([&ONE, &TWO, &FOUR, &EIGHT][place])
-    }
-
     /// Number of boxes.
     #[must_use]
     pub const fn boxes(&self) -> usize {
@@ -150,7 +112,8 @@ pub struct SoftBox {
 
 /// Step of `parameter` of `shape` in files. The rounding changes the model's error over panoramas by at most
 /// 4 %; harmonics count everywhere, and have finer steps.
-fn step(shape: &Shape, parameter: usize) -> f32 {
+#[must_use]
+pub fn step(shape: &Shape, parameter: usize) -> f32 {
     match (parameter < BOX_PARAMETERS * shape.boxes(), parameter % BOX_PARAMETERS) {
         (true, 0) => 1.0 / 128.0,
         (true, _) => 1.0 / 64.0,
@@ -160,7 +123,8 @@ fn step(shape: &Shape, parameter: usize) -> f32 {
 
 /// What files expect at node (`i`, `j`) after `steps` of the nodes before: the mean of the nodes before it in
 /// its column and in its row.
-fn expected(steps: &[i32], (i, j): (usize, usize)) -> i32 {
+#[must_use]
+pub fn expected(steps: &[i32], (i, j): (usize, usize)) -> i32 {
     if i == 0 {
         return 0;
     }
@@ -211,6 +175,9 @@ impl Table {
         Self { shape, values }
     }
 
+    /// The table in a file, which pages download compressed. By parameter, octave, knot and node: the value
+    /// in steps less the mean of two nodes before, signs folded as 0, -1, 1, -2, ..., in 16 bits; the lower
+    /// bytes of all before the upper ones.
     fn read(shape: &'static Shape, bytes: &[u8]) -> Self {
         let (low, high) = bytes.split_at(bytes.len() / 2);
         let mut folded = low.iter().zip(high).map(|(low, high)| i32::from(u16::from_le_bytes([*low, *high])));
@@ -227,27 +194,6 @@ impl Table {
             }
         }
         Self::new(shape, values)
-    }
-
-    /// The bytes of its file, which pages download compressed. By parameter, octave, knot and node: the value
-    /// in steps less the mean of two nodes before, signs folded as 0, -1, 1, -2, ..., in 16 bits; the lower
-    /// bytes of all before the upper ones.
-    #[must_use]
-    pub fn bytes(&self) -> Vec<u8> {
-        let (parameters, grid) = (self.shape.parameters(), self.shape.grid);
-        let mut folded: Vec<[u8; 2]> = Vec::with_capacity(self.values.len());
-        for parameter in 0..parameters {
-            let step = step(self.shape, parameter);
-            for layer in self.values.chunks_exact(grid.node_count() * parameters) {
-                let values = layer.iter().skip(parameter).step_by(parameters);
-                let steps: Vec<i32> = values.map(|value| (value / step).round() as i32).collect();
-                for (node, value) in grid.nodes().zip(&steps) {
-                    let change = value - expected(&steps, node);
-                    folded.push((((change << 1) ^ (change >> 31)) as u16).to_le_bytes());
-                }
-            }
-        }
-        [0, 1].into_iter().flat_map(|byte| folded.iter().map(move |half| half[byte])).collect()
     }
 
     /// The model it was fitted for.
@@ -304,30 +250,5 @@ impl Table {
             }
         }
         sums
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{COUNTS, Table};
-
-    #[test]
-    fn files_are_what_the_fit_would_write() {
-        let files: [&[u8]; 5] = [
-            include_bytes!("one.bin"),
-            include_bytes!("two.bin"),
-            include_bytes!("four.bin"),
-            include_bytes!("eight.bin"),
-            include_bytes!("cone.bin"),
-        ];
-        let tables = COUNTS.map(|count| Table::of(count).expect("a table"));
-        for (table, file) in tables.into_iter().chain([Table::around_cone_points()]).zip(files) {
-            let boxes = table.shape().boxes();
-            assert!(table.bytes() == file, "{boxes} boxes");
-            // Values between steps are rounded to the nearer one.
-            let off =
-                |by: f32| Table::new(table.shape(), table.values().iter().map(|x| x + by).collect()).bytes();
-            assert!(off(0.4 / 2048.0) == file && off(0.6 / 2048.0) != file, "{boxes} boxes");
-        }
     }
 }

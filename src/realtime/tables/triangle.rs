@@ -65,7 +65,7 @@ pub enum Grid {
 
 /// e at the outer side of [`Grid::Cone`]: the least that contains all directions within 0.3 of the cone
 /// point, rounded up.
-pub(crate) const CONE_REACH: f64 = 0.475;
+pub const CONE_REACH: f64 = 0.475;
 
 /// Index of the node in column `i`, row `j` <= `i` of a grid.
 #[must_use]
@@ -92,20 +92,6 @@ impl Grid {
     /// Columns and rows of all nodes, by index.
     pub fn nodes(self) -> impl Iterator<Item = (usize, usize)> {
         (0..=self.intervals()).flat_map(|i| (0..=i).map(move |j| (i, j)))
-    }
-
-    /// The point of the triangle at column `i`, row `j`, between nodes too.
-    #[must_use]
-    pub fn point(self, [i, j]: [f64; 2]) -> DVec2 {
-        let most = self.intervals() as f64;
-        match self {
-            Self::Triangle => DVec2::new(i + j, i - j) / (2.0 * most),
-            Self::Cone => {
-                let (e, a) = (i * i.max(1.0), j * i.max(1.0));
-                let scale = CONE_REACH / (most * most);
-                DVec2::X + scale * DVec2::new(-e - a, e - a) / 2.0
-            }
-        }
     }
 
     /// Column and row of a point of the triangle.
@@ -137,42 +123,5 @@ impl Grid {
         } else {
             GridPoint { nodes: [node(i, j), node(i, j + 1), node(i + 1, j + 1)], shares: [1.0 - q, q - p, p] }
         }
-    }
-
-    /// Which of the sides v = 0, u = v and u + v = 1 node (`i`, `j`) lies on.
-    #[must_use]
-    pub const fn sides(self, i: usize, j: usize) -> [bool; 3] {
-        match self {
-            Self::Triangle => [i == j, j == 0, i == self.intervals()],
-            Self::Cone => [i == j, false, j == 0],
-        }
-    }
-
-    /// Node (`i`, `j`), or `None` beyond the grid.
-    fn node_at(self, i: Option<usize>, j: Option<usize>) -> Option<(usize, usize)> {
-        let (i, j) = (i?, j?);
-        (i <= self.intervals() && j <= i).then_some((i, j))
-    }
-
-    /// The up to six nodes next to node (`i`, `j`).
-    pub fn neighbours(self, i: usize, j: usize) -> impl Iterator<Item = (usize, usize)> {
-        let around = [(-1, -1), (-1, 0), (0, -1), (0, 1), (1, 0), (1, 1)];
-        around
-            .into_iter()
-            .filter_map(move |(di, dj)| self.node_at(i.checked_add_signed(di), j.checked_add_signed(dj)))
-    }
-
-    /// The up to six cells around node (`i`, `j`), each by its other two nodes.
-    pub(crate) fn cells_around(
-        self,
-        i: usize,
-        j: usize,
-    ) -> impl Iterator<Item = ((usize, usize), (usize, usize))> {
-        let around = [(1_isize, 0_isize), (1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1)];
-        let at = move |k: usize| {
-            let (di, dj) = around[k % 6];
-            self.node_at(i.checked_add_signed(di), j.checked_add_signed(dj))
-        };
-        (0..6).filter_map(move |k| at(k).zip(at(k + 1)))
     }
 }

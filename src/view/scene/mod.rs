@@ -32,10 +32,6 @@ pub(in crate::view) use panel::Controls;
 pub use panel::MAX_BUDGET;
 pub use part::{Gloss, Motion, Part};
 pub use renderer::{SceneRenderer, SceneSettings, scene_boxes, screenshot_of_scene};
-pub(in crate::view) use texture::{CLAMP, MIRROR, NEAREST};
-pub(in crate::view) use uniforms::{
-    FrameUniform, LightUniform, MAX_RADIANCE, POSE_GROUP, PartUniform, PoseUniform, TextureUniform,
-};
 pub use uniforms::{MAX_PROBES, SceneCorner};
 pub use viewer::SceneStart;
 #[cfg(target_arch = "wasm32")]

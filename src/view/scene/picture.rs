@@ -1,15 +1,16 @@
 //! Pipelines of pictures, and what a picture shows.
 
 use super::super::camera::field_of_angle;
-use super::super::resources::{
-    Draw, PICTURE, Targets, UNIFORM, draw_pass, group, group_layout, pipeline_layout, storage_binding,
-};
+use super::super::resources::{PICTURE, Targets, draw_pass};
 use super::content::{Bounds, Scene};
 use super::look::SceneLook;
 use super::probe::SceneBuffers;
 use super::uniforms::{FrameUniform, MAX_PROBES, SceneCorner};
 use crate::gpu::Context;
-use crate::gpu::device::shader;
+use crate::gpu::device::resources::{
+    Draw, UNIFORM, added, group, group_layout, pipeline_layout, storage_binding,
+};
+use bytemuck::Zeroable as _;
 use glam::DVec3;
 
 /// Vertical angle of view in radians.
@@ -43,16 +44,11 @@ impl Pictures {
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let kinds = [UNIFORM, UNIFORM, storage_binding(true), storage_binding(true)];
         let frame_layout = group_layout(context, "scene frame", stages, &kinds);
-        let frame = context.device().create_buffer(&wgpu::BufferDescriptor {
-            label: Some("scene frame"),
-            size: size_of::<FrameUniform>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let frame = context.uniform("scene frame", &FrameUniform::zeroed());
         let resources = [&frame, &buffers.light, &buffers.parts, &buffers.texels];
         let resources = resources.map(wgpu::Buffer::as_entire_binding);
         let frame_group = group(context, "scene frame", &frame_layout, resources);
-        let module = shader::module(context, "view/scene.wgsl");
+        let module = context.module("view/scene.wgsl");
         let groups = [&frame_layout, live_layout];
         let build = |vertex, fragment, groups: &[&wgpu::BindGroupLayout], depth, blend| {
             pipeline(context, &module, [vertex, fragment], groups, depth, blend)
@@ -122,16 +118,6 @@ impl Pictures {
             pass.draw_indexed(matte..all, 0, 0..1);
         }
     }
-}
-
-/// Adds colours up.
-fn added() -> wgpu::BlendState {
-    let add = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
-    wgpu::BlendState { color: add, alpha: add }
 }
 
 fn pipeline(

@@ -1,16 +1,14 @@
 //! Probes: maps of the scene around glossy parts, and their tables.
 
-use super::super::resources::{UNIFORM, group, group_layout, pipeline_layout, storage_binding};
 use super::content::Scene;
 use super::uniforms::{POSE_GROUP, PoseUniform};
 use crate::direct::{DirectMap, check_near};
 use crate::error::Result;
 use crate::gpu::Context;
-use crate::gpu::device::shader;
+use crate::gpu::device::resources::{UNIFORM, group, group_layout, pipeline_layout, storage_binding};
 use crate::gpu::device::timer::Timer;
 use crate::gpu::direct::{Direct, DirectFrame, DirectMesh, DirectTarget, Method, Overlap};
-use crate::gpu::live::{LiveEnvironment, LivePasses};
-use crate::gpu::live_probes::LiveProbes;
+use crate::gpu::live::LiveEnvironment;
 use glam::DVec3;
 
 /// Distance of the near surface of a probe.
@@ -23,7 +21,6 @@ const FORMAT: wgpu::TextureFormat = LiveEnvironment::COLOUR;
 #[derive(Debug)]
 pub(super) struct ProbePasses {
     direct: Direct,
-    live: LivePasses,
     layout: wgpu::BindGroupLayout,
     matte: wgpu::ComputePipeline,
     glossy: wgpu::ComputePipeline,
@@ -68,16 +65,12 @@ impl ProbePasses {
     ///
     /// # Errors
     /// Those of [`Direct::new`].
-    pub(super) fn new(
-        context: &Context,
-        live_layout: &wgpu::BindGroupLayout,
-        live: LivePasses,
-    ) -> Result<Self> {
+    pub(super) fn new(context: &Context, live_layout: &wgpu::BindGroupLayout) -> Result<Self> {
         let device = context.device();
         let read = storage_binding(true);
         let kinds = [UNIFORM, UNIFORM, read, read, read, storage_binding(false)];
         let layout = group_layout(context, "scene pose", wgpu::ShaderStages::COMPUTE, &kinds);
-        let module = shader::module(context, "view/scene_pose.wgsl");
+        let module = context.module("view/scene_pose.wgsl");
         let pipeline = |entry, groups: &[&wgpu::BindGroupLayout]| {
             let layout = pipeline_layout(context, entry, groups.iter().copied());
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -94,16 +87,7 @@ impl ProbePasses {
             matte: pipeline("pose_matte", &[&layout]),
             glossy: pipeline("pose_glossy", &[&layout, live_layout]),
             layout,
-            live,
         })
-    }
-
-    /// `count` environments over maps of `size`, without light.
-    ///
-    /// # Errors
-    /// Those of [`LiveProbes::new`].
-    pub(super) fn environments(&self, context: &Context, size: u32, count: usize) -> Result<LiveProbes> {
-        LiveProbes::with_passes(context, &self.live, size, count as u32)
     }
 }
 
@@ -150,7 +134,7 @@ impl Probe {
                 Pose { uniform, group, first, count, pipeline: pipeline.clone() }
             })
             .collect();
-        let passes = frame.passes() + live.stages(target.colour())?.count() as u32;
+        let passes = frame.passes() + live.stages(&target.colour)?.count() as u32;
         Ok(Self { part, mesh, target, frame, poses, passes })
     }
 
@@ -197,12 +181,12 @@ impl Probe {
         encoder: &mut wgpu::CommandEncoder,
         timer: Option<&Timer>,
     ) -> Result<Vec<&'static str>> {
-        self.frame.record_timed(encoder, timer);
+        self.frame.record(encoder, timer);
         let mut labels = vec!["draw"; self.frame.passes() as usize];
         if self.frame.has_list() {
             labels[0] = "lists";
         }
-        for stage in live.stages(self.target.colour())? {
+        for stage in live.stages(&self.target.colour)? {
             let writes = timer.map(|timer| timer.compute_writes(labels.len() as u32));
             stage.record_timed(encoder, writes);
             labels.push(stage.label());
@@ -211,8 +195,9 @@ impl Probe {
     }
 
     /// The map: a layer per face of a cube.
+    #[cfg(feature = "internals")]
     pub(super) const fn map(&self) -> &wgpu::Texture {
-        self.target.colour()
+        &self.target.colour
     }
 
     /// Triangles of the scene.

@@ -15,7 +15,7 @@ use crate::gpu::Context;
 use crate::gpu::device::readback;
 use crate::gpu::device::timer::Timer;
 use crate::gpu::direct::Method;
-use crate::gpu::live::{LivePasses, layout};
+use crate::gpu::live::layout;
 use crate::gpu::live_probes::LiveProbes;
 use glam::DVec3;
 use half::f16;
@@ -100,9 +100,8 @@ impl SceneRenderer {
             texels: buffer(&context, "texels of textures", storage, scene.texels.bytes())?,
             light: context.uniform("scene light", &scene.light_uniform()),
         };
-        let live = LivePasses::new(&context);
         let layout = layout(context.device());
-        let passes = ProbePasses::new(&context, &layout, live)?;
+        let passes = ProbePasses::new(&context, &layout)?;
         let pictures = Pictures::new(&context, &layout, &buffers);
         let mut renderer = Self {
             presenter: Presenter::new(&context),
@@ -136,7 +135,7 @@ impl SceneRenderer {
         let SceneSettings { method, size, boxes, .. } = settings;
         let Self { context, passes, scene, buffers, .. } = self;
         let count = count.min(LiveProbes::most(context, size).max(1) as usize);
-        let mut lives = (count > 0).then(|| passes.environments(context, size, count)).transpose()?;
+        let mut lives = (count > 0).then(|| LiveProbes::on(context, size, count as u32)).transpose()?;
         let pairs = glossy.zip(lives.iter_mut().flat_map(|lives| lives.iter_mut()));
         let probes: Vec<Probe> = pairs
             .map(|(part, live)| {
@@ -326,6 +325,7 @@ impl SceneRenderer {
     ///
     /// # Panics
     /// If there are fewer probes.
+    #[cfg(feature = "internals")]
     pub async fn map(&self, probe: usize) -> Result<Vec<[f32; 4]>> {
         let texels: Vec<[u16; 4]> = readback::read_texture(&self.context, self.probes[probe].map()).await?;
         Ok(texels.into_iter().map(|texel| texel.map(|bits| f16::from_bits(bits).to_f32())).collect())
@@ -338,6 +338,7 @@ impl SceneRenderer {
     ///
     /// # Panics
     /// If no picture was drawn.
+    #[cfg(feature = "internals")]
     pub async fn pixels(&self) -> Result<Vec<[f32; 3]>> {
         let texture = self.targets.as_ref().expect("a picture was drawn").picture.texture();
         let texels: Vec<[u16; 4]> = readback::read_texture(&self.context, texture).await?;

@@ -1,16 +1,11 @@
 //! Structs that the shaders of scenes read: `shaders/common/view_parts.wgsl`, `shaders/view/scene.wgsl` and
 //! `shaders/view/scene_pose.wgsl`.
 
-use crate::gpu::device::shader;
-
 /// Most probes, and most glossy parts.
 pub const MAX_PROBES: usize = 8;
 
 /// Invocations of a workgroup that places corners.
 pub(in crate::view) const POSE_GROUP: u32 = 64;
-
-/// Greatest radiance of a picture: half floats.
-pub(in crate::view) const MAX_RADIANCE: f64 = 65504.0;
 
 /// A corner of a triangle, in the space of its part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -32,7 +27,6 @@ pub struct SceneCorner {
     /// Distance to the farthest neighbouring corner along u or v, for the colour at the corner.
     pub(super) spread: f32,
 }
-shader::members!(SceneCorner { position, part, normal, u, albedo, v, emission, spread });
 
 impl SceneCorner {
     /// A corner at `position`.
@@ -57,7 +51,6 @@ pub(in crate::view) struct TextureUniform {
     pub(super) height: u32,
     pub(super) modes: u32,
 }
-shader::members!(TextureUniform { first, width, height, modes });
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -71,7 +64,6 @@ pub(in crate::view) struct PartUniform {
     pub(super) own: u32,
     pub(super) pad: [u32; 2],
 }
-shader::members!(PartUniform { world_from_part, reflectance, roughness, base, glow, probe, own, pad });
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -85,7 +77,6 @@ pub(in crate::view) struct LightUniform {
     pub(super) below: [f32; 3],
     pub(super) pad_3: f32,
 }
-shader::members!(LightUniform { towards, pad_0, lamp, pad_1, above, pad_2, below, pad_3 });
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -96,7 +87,6 @@ pub(in crate::view) struct PoseUniform {
     pub(super) count: u32,
     pub(super) pad: [u32; 2],
 }
-shader::members!(PoseUniform { centre, hidden, first, count, pad });
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -111,4 +101,3 @@ pub(in crate::view) struct FrameUniform {
     pub(super) sphere: [f32; 4],
     pub(super) centres: [[f32; 4]; MAX_PROBES],
 }
-shader::members!(FrameUniform { clip_from_world, eye, exposure, low, proxy, high, probes, sphere, centres });

@@ -356,6 +356,7 @@ impl WindowContent for SceneViewer {
         self.controls.moving || self.controls.timing || self.due > 0 || self.submitted.is_some() || !settled
     }
 
+    #[cfg(target_arch = "wasm32")]
     fn open(&mut self, path: &Path, bytes: &[u8]) {
         let taken = Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_scene(path, &mesh));
         self.message = taken.err().map(|error| error.to_string());
@@ -374,6 +375,7 @@ impl WindowContent for SceneViewer {
         self.controls.look.camera = self.first_camera;
     }
 
+    #[cfg(target_arch = "wasm32")]
     fn has_panel(&self) -> bool {
         !self.panel_hidden
     }
@@ -382,6 +384,7 @@ impl WindowContent for SceneViewer {
         self.panel_hidden = !self.panel_hidden;
     }
 
+    #[cfg(target_arch = "wasm32")]
     fn show_message(&mut self, message: String) {
         self.message = Some(message);
     }

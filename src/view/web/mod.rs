@@ -37,6 +37,7 @@ fn start() {
 /// A viewer on a canvas.
 #[wasm_bindgen]
 #[derive(Clone)]
+#[allow(unnameable_types, reason = "JavaScript names it")]
 pub struct Page {
     application: Rc<RefCell<Application<Sides>>>,
     on_event: Function,

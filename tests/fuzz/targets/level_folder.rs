@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for (level, size) in [(0, 2_u32), (1, 1)] {
-        let face = hdr_bytes(size, size, &vec![[0.5; 3]; (size * size) as usize]).expect("a face");
+        let face = hdr_bytes(size, size, &vec![[0.5; 3]; (size * size) as usize], &[]).expect("a face");
         for name in ["px", "nx", "py", "ny", "pz", "nz"] {
             std::fs::write(folder.path().join(format!("m{level}_{name}.hdr")), &face).expect("a file");
         }

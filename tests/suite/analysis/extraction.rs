@@ -123,8 +123,9 @@ fn a_sun_on_every_kind_of_edge_becomes_a_lamp() {
                 let (sun, sky) = (disc(d, place, 1.5, 5000.0), sky(d));
                 [sun + sky[0], 0.8 * sun + sky[1], 0.5 * sun + sky[2]]
             })
-            .rotated_y(30.0);
-            let extraction = extract(&environment, &Suns::Brightest);
+            .rotated_y(30.0)
+            .expect("an angle");
+            let extraction = extract(&environment, &Suns::Brightest).expect("directions");
             check(&environment, &extraction, &what);
             let [lamp] = &extraction.lamps[..] else { panic!("{what}: {:?}", extraction.warnings()) };
             let world = environment.source_from_world().transpose() * place;
@@ -145,7 +146,7 @@ fn two_suns_are_taken_by_strength_or_by_direction() {
         [a + 1.0, a + b + 1.0, 0.1 * a + 3.0 * b + 1.0]
     });
     let taken = |suns: Suns| {
-        let extraction = extract(&source, &suns);
+        let extraction = extract(&source, &suns).expect("directions");
         check(&source, &extraction, &suns.to_string());
         let directions: Vec<DVec3> = extraction.lamps.iter().map(|lamp| lamp.sun.direction).collect();
         (directions, extraction)
@@ -191,7 +192,7 @@ fn area_lights_stay_with_a_warning() {
         for (what, is_lit) in [("window", &window as &dyn Fn(DVec3) -> bool), ("strip", &strip)] {
             let source = environment(layout, |d| if is_lit(d) { [900.0; 3] } else { [0.01; 3] });
             for suns in [Suns::Brightest, Suns::Strongest(1), Suns::Towards(vec![DVec3::X])] {
-                let extraction = extract(&source, &suns);
+                let extraction = extract(&source, &suns).expect("directions");
                 assert!(extraction.lamps.is_empty(), "{layout:?} {what} {suns}");
                 assert!(extraction.sunless.texels() == source.texels());
                 let reasons: Vec<Why> = extraction.kept.iter().map(|kept| kept.why).collect();
@@ -208,7 +209,7 @@ fn area_lights_stay_with_a_warning() {
             let sun = disc(d, lamp, 1.5, 500.0);
             if window(d) { [900.0; 3] } else { [0.01 + sun; 3] }
         });
-        let extraction = extract(&source, &Suns::Strongest(1));
+        let extraction = extract(&source, &Suns::Strongest(1)).expect("directions");
         check(&source, &extraction, "a lamp beside a window");
         let [found] = &extraction.lamps[..] else { panic!("{layout:?}: {:?}", extraction.warnings()) };
         assert!(
@@ -219,7 +220,7 @@ fn area_lights_stay_with_a_warning() {
         // The glow does not escape the limit.
         let source = environment(layout, softbox);
         for suns in [Suns::Brightest, Suns::Strongest(3)] {
-            let extraction = extract(&source, &suns);
+            let extraction = extract(&source, &suns).expect("directions");
             check(&source, &extraction, &format!("{layout:?}, softbox"));
             assert!(!extraction.warnings().is_empty(), "{layout:?}");
         }
@@ -232,7 +233,7 @@ fn a_tube_is_no_sun_even_if_it_covers_little() {
         let is_lit = d.x > 0.0 && (0.0..0.0123).contains(&(d.y / d.x)) && (d.z / d.x).abs() < 0.27;
         if is_lit { [900.0; 3] } else { [0.01; 3] }
     });
-    let extraction = extract(&source, &Suns::Brightest);
+    let extraction = extract(&source, &Suns::Brightest).expect("directions");
     let [kept] = &extraction.kept[..] else { panic!("{:?}", extraction.lamps) };
     assert!(kept.why == Why::Long && kept.region.solid_angle < 0.01, "{kept:?}");
     assert!(extraction.lamps.is_empty() && extraction.warnings().join("\n").contains("reaches further"));
@@ -245,7 +246,7 @@ fn a_light_that_a_lamp_cannot_replace_stays() {
         let is_lit = d.angle_between(DVec3::new(0.2, 0.7, 0.4).normalize()).to_degrees() < 3.18;
         if is_lit { [1000.0; 3] } else { [1e-3; 3] }
     });
-    let extraction = extract(&source, &Suns::Brightest);
+    let extraction = extract(&source, &Suns::Brightest).expect("directions");
     assert!(extraction.lamps.is_empty() && extraction.sunless.texels() == source.texels());
     let Why::Spread(change) = extraction.kept[0].why else { panic!("{:?}", extraction.kept) };
     // 2/(3 pi) of the radius.
@@ -263,7 +264,7 @@ fn a_sun_of_one_texel_leaves_its_neighbours_mean() {
     let mut texels = vec![[1.0, 2.0, 3.0]; layout.texel_count()];
     texels[5 * 32 + 7] = [900.0, 2.0, 1.0];
     let environment = Environment::new(layout, texels.clone()).expect("valid");
-    let extraction = extract(&environment, &Suns::Brightest);
+    let extraction = extract(&environment, &Suns::Brightest).expect("directions");
     // Blue was darker than its surroundings and stays unchanged.
     texels[5 * 32 + 7] = [1.0, 2.0, 1.0];
     assert_eq!(extraction.sunless.texels(), texels);
@@ -278,7 +279,7 @@ fn dark_and_tiny_environments_have_no_sun() {
         for layout in [Layout::Cube { size: 8 }, Layout::Panorama { width: 2, height: 1 }] {
             let source = environment(layout, |_| [value; 3]);
             for suns in [Suns::Brightest, Suns::Strongest(MAX_LAMPS), Suns::Towards(vec![DVec3::X])] {
-                let extraction = extract(&source, &suns);
+                let extraction = extract(&source, &suns).expect("directions");
                 assert!(extraction.lamps.is_empty() && extraction.sunless.texels() == source.texels());
                 assert!(extraction.warnings()[0].contains("no sun detected"), "{:?}", extraction.warnings());
             }
@@ -292,7 +293,7 @@ fn dark_and_tiny_environments_have_no_sun() {
         let source = Environment::new(layout, texels).expect("valid");
         let found = Sun::find(&source).map(|sun| sun.kind.name());
         assert_ne!(found, Some("sun"), "{width}x{height}");
-        assert!(extract(&source, &Suns::Brightest).lamps.is_empty(), "{width}x{height}");
+        assert!(extract(&source, &Suns::Brightest).expect("directions").lamps.is_empty(), "{width}x{height}");
     }
 }
 

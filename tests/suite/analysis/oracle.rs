@@ -1,8 +1,13 @@
 //! Compares the oracle with values derived by hand and by brute force.
 
 use crate::support::common::{Look, Random, environment, landmarks, oem, sweep, texels};
+use crate::support::oem_oracle::{OemOracle, integral, reflect_oem};
 use glam::{DVec2, DVec3};
-use octagloss::internals::analysis::oracle::{OemOracle, Oracle, reflect, reflect_oem};
+use octagloss::internals::analysis::oracle::Oracle;
+use octagloss::internals::analysis::oracle::integrate::over_texel;
+use octagloss::internals::analysis::oracle::kernel::Kernel;
+use octagloss::internals::geometry::exact::ExactTexels;
+use octagloss::internals::geometry::exact::patch::Accuracy;
 use octagloss::internals::lobe::{LOBES, Lobe, kernel, kernel_integral};
 use octagloss::internals::oem::{Oem, OemSize, bilinear_share};
 use octagloss::internals::sphere::{cube, equirect, octahedral};
@@ -32,13 +37,16 @@ fn a_constant_stays_one() {
         let (oracle, other) = (Oracle::new(&constant), Oracle::new(&spotted));
         let mut spots = 0;
         for lobe in LOBES {
-            for roughness in [0.0, 0.1, 0.35, 0.7, 1.0] {
+            for roughness in sweep(&[0.0, 0.1, 0.5, 1.0][..], &[0.0, 0.1, 0.35, 0.7, 1.0]).iter().copied() {
                 for direction in landmarks().into_iter().step_by(sweep(7, 3)) {
                     // The sums over L K and over K take the same terms: rounding of some 500 of them.
-                    let value = oracle.reflect(lobe, roughness, direction);
+                    let value = oracle.reflect(lobe, roughness, direction).expect("valid");
                     let off = difference(value, [0.25, 2.0, 3e4]);
                     assert!(off < 1e-12, "{layout:?} {lobe:?} {roughness} {direction}: {value:?}");
-                    let value = other.reflect(lobe, roughness, direction);
+                    if roughness < 0.5 {
+                        continue;
+                    }
+                    let value = other.reflect(lobe, roughness, direction).expect("valid");
                     spots += usize::from(difference(value, [0.25, 2.0, 3e4]) > 1e-12);
                 }
             }
@@ -47,11 +55,15 @@ fn a_constant_stays_one() {
     }
 }
 
-/// Returns a texel's mean of `integrand` by midpoints of the map, and the texel's solid angle.
-fn brute_texel(layout: Layout, index: usize, integrand: impl Fn(DVec3) -> f64) -> (f64, f64) {
+/// Returns a texel's means of `integrand` by midpoints of the map, and the texel's solid angle.
+fn brute_texel<const N: usize>(
+    layout: Layout,
+    index: usize,
+    integrand: impl Fn(DVec3) -> [f64; N],
+) -> ([f64; N], f64) {
     let index = index as u32;
     let count = if layout.texel_count() < 50 { 512 } else { 64 };
-    let (mut sum, mut area) = (0.0, 0.0);
+    let (mut sums, mut area) = ([0.0; N], 0.0);
     for k in 0..count * count {
         let (a, b) = (
             (f64::from(k % count) + 0.5) / f64::from(count),
@@ -76,7 +88,9 @@ fn brute_texel(layout: Layout, index: usize, integrand: impl Fn(DVec3) -> f64) -
                 (octahedral::direction_from_oct(uv), octahedral::solid_angle_density(uv))
             }
         };
-        sum += integrand(direction) * weight;
+        for (sum, value) in sums.iter_mut().zip(integrand(direction)) {
+            *sum += value * weight;
+        }
         area += weight;
     }
     let solid_angle = match layout {
@@ -84,7 +98,7 @@ fn brute_texel(layout: Layout, index: usize, integrand: impl Fn(DVec3) -> f64) -
         Layout::Cube { size } => cube::texel_solid_angle(size, index % size, index / size % size),
         Layout::Octahedral { size } => octahedral::texel_solid_angle(size, index % size, index / size),
     };
-    (sum / area, solid_angle)
+    (sums.map(|sum| sum / area), solid_angle)
 }
 
 /// Returns an environment that is black except texel `index`.
@@ -114,11 +128,13 @@ fn a_lone_texel_is_its_kernel_times_its_solid_angle() {
                 let least = if wide { 0.6 } else { 0.35 };
                 // The Charlie lobe's band must not end more steeply either.
                 let roughness = random.between(if lobe == Lobe::Charlie { 0.75 } else { least }, 0.84);
-                let at = |l: DVec3| kernel(lobe, roughness * roughness, l.distance_squared(direction) / 4.0);
-                let (mean, solid_angle) = brute_texel(layout, index, at);
+                let at =
+                    |l: DVec3| [kernel(lobe, roughness * roughness, l.distance_squared(direction) / 4.0)];
+                let ([mean], solid_angle) = brute_texel(layout, index, at);
                 let integral = kernel_integral(lobe, roughness * roughness);
                 let expected = 1e6 * mean * solid_angle / integral;
-                let [value, twice, nothing] = reflect(&environment, lobe, roughness, direction);
+                let [value, twice, nothing] =
+                    Oracle::new(&environment).reflect(lobe, roughness, direction).expect("valid");
                 // At the very end of the lobe, compare with a tenth of the mean lobe.
                 let scale = expected.max(1e6 * 0.1 * solid_angle / (4.0 * PI));
                 let off = (value - expected).abs() / scale;
@@ -153,7 +169,7 @@ fn a_cone_takes_the_share_that_it_covers() {
     for roughness in [0.05, 0.3, 0.6, 0.7, 0.9, 1.0] {
         let half: f64 = roughness * PI / 2.0;
         let expected = (1.0 - half.min(PI / 3.0).cos()) / (1.0 - half.cos());
-        let [value, ..] = reflect(&environment, Lobe::Cone, roughness, DVec3::Y);
+        let [value, ..] = Oracle::new(&environment).reflect(Lobe::Cone, roughness, DVec3::Y).expect("valid");
         // The texels on the edge are halved ten times: 2^-15 of their share.
         assert!((value - expected).abs() < 1e-4, "{roughness}: {value} against {expected}");
         assert!((value + 2e-4 - expected).abs() > 1e-4, "{roughness}: a difference must be detected");
@@ -188,7 +204,7 @@ fn a_hemisphere_has_its_share_of_each_lobe() {
         let oracle = Oracle::new(&environment);
         for lobe in LOBES {
             for roughness in [0.2, 0.5, 0.9] {
-                let along = |d: DVec3| oracle.reflect(lobe, roughness, d)[0];
+                let along = |d: DVec3| oracle.reflect(lobe, roughness, d).expect("valid")[0];
                 // By symmetry, to the accuracy promised, also at edges of the support.
                 assert!((along(DVec3::X) - 0.5).abs() < 1e-5, "{layout:?} {lobe:?} {roughness} +X");
                 let (up, down) = (along(DVec3::Y), along(DVec3::NEG_Y));
@@ -202,7 +218,10 @@ fn a_hemisphere_has_its_share_of_each_lobe() {
             // Irradiance over pi under a white hemisphere is (1 + cos t)/2.
             for step in 0..=12 {
                 let (sin, cos) = (f64::from(step) / 12.0 * PI).sin_cos();
-                let [value, ..] = oracle.irradiance(DVec3::new(sin, cos, 0.0));
+                let [value, ..] = oracle
+                    .reflect(Lobe::Cosine, 1.0, DVec3::new(sin, cos, 0.0))
+                    .expect("valid")
+                    .map(|channel| PI * channel);
                 let expected = PI * (1.0 + cos) / 2.0;
                 assert!(
                     (value - expected).abs() < 1e-5,
@@ -217,20 +236,26 @@ fn a_hemisphere_has_its_share_of_each_lobe() {
 fn a_mirror_shows_the_texel_looked_at() {
     let mut random = Random::new(5);
     for layout in LAYOUTS {
-        let environment =
-            environment(layout, texels(&mut random, Look::Noise, layout)).rotated_y(90.0).mirrored();
+        let environment = environment(layout, texels(&mut random, Look::Noise, layout))
+            .rotated_y(90.0)
+            .expect("an angle")
+            .mirrored();
         let oracle = Oracle::new(&environment);
         let mut compared = 0;
         environment.for_each_texel(|direction, _, rgb| {
             let expected = rgb.map(f64::from);
-            assert_eq!(oracle.reflect(Lobe::Ggx, 0.0, direction), expected, "{layout:?} {direction}");
+            assert_eq!(
+                oracle.reflect(Lobe::Ggx, 0.0, direction).expect("valid"),
+                expected,
+                "{layout:?} {direction}"
+            );
             compared += 1;
             if compared % sweep(4, 1) > 0 {
                 return;
             }
             // Of a lobe, alpha^2/s lies beyond s = sin^2(theta/2): 1e-12 over 2e-5 at the narrowest texel's
             // edge, and neighbours are up to 1e4 times brighter.
-            let near = oracle.reflect(Lobe::Ggx, 0.001, direction);
+            let near = oracle.reflect(Lobe::Ggx, 0.001, direction).expect("valid");
             assert!(
                 difference(near, expected) < 5e-4,
                 "{layout:?} {direction}: {near:?} against {expected:?}"
@@ -245,12 +270,12 @@ fn rotation_carries_plus_z_to_plus_x() {
     let layout = Layout::Panorama { width: 64, height: 32 };
     let towards_z = 16 * 64 + 48;
     let still = lone(layout, towards_z, 1.0);
-    let turned = still.clone().rotated_y(90.0);
-    let bright = |e: &Environment, d: DVec3| reflect(e, Lobe::Ggx, 0.2, d)[0];
+    let turned = still.clone().rotated_y(90.0).expect("an angle");
+    let bright = |e: &Environment, d: DVec3| Oracle::new(e).reflect(Lobe::Ggx, 0.2, d).expect("valid")[0];
     assert!(bright(&still, DVec3::Z) > 100.0 * bright(&still, DVec3::X), "the texel is at +Z");
     assert!(bright(&turned, DVec3::X) > 100.0 * bright(&turned, DVec3::Z), "and at +X once turned");
     let mut random = Random::new(6);
-    let free = still.clone().rotated_y(33.0);
+    let free = still.clone().rotated_y(33.0).expect("an angle");
     let turn = glam::DMat3::from_rotation_y(33_f64.to_radians());
     for _ in 0..20 {
         let direction = random.direction();
@@ -267,7 +292,7 @@ fn harmonics_of_known_fields_match() {
         Layout::Octahedral { size: 64 },
     ] {
         let constant = environment(layout, vec![[2.0, 1.0, 0.0]; layout.texel_count()]);
-        let sh = sh::spherical_harmonics(&constant, 4);
+        let sh = sh::spherical_harmonics(&constant, 4).expect("an order");
         // Sums of 10^4 exact integrals.
         assert!((sh[0][0] - 2.0 * (4.0 * PI).sqrt()).abs() < 1e-11, "{layout:?} L0 {}", sh[0][0]);
         for (k, [red, ..]) in sh.iter().enumerate().skip(1) {
@@ -277,7 +302,9 @@ fn harmonics_of_known_fields_match() {
             // 4 + Y_k: c_0 = 4 sqrt(4 pi); c_k = 1 - O(h^2), as texels are constant.
             let mut texels = Vec::new();
             constant.for_each_texel(|d, _, _| texels.push([(4.0 + sh::basis(d)[band]) as f32; 3]));
-            let sh = sh::spherical_harmonics(&environment(layout, texels).rotated_y(0.0), 4);
+            let sh =
+                sh::spherical_harmonics(&environment(layout, texels).rotated_y(0.0).expect("an angle"), 4)
+                    .expect("an order");
             for (k, [red, ..]) in sh.iter().enumerate() {
                 let expected = if k == 0 { 4.0 * (4.0 * PI).sqrt() } else { f64::from(u8::from(k == band)) };
                 assert!((red - expected).abs() < 5e-3, "{layout:?} Y{band} in {k}: {red}");
@@ -337,15 +364,15 @@ fn a_narrow_cone_shows_the_texel_it_lies_in() {
             let spread = roughness * PI / 2.0;
             for _ in 0..40 {
                 let direction = random.direction();
-                let seen = oracle.reflect(Lobe::Cone, 0.0, direction);
+                let seen = oracle.reflect(Lobe::Cone, 0.0, direction).expect("valid");
                 // Whole cones only: around the rim all must look at one texel.
                 let (x, y) = direction.any_orthonormal_pair();
                 let within = (0..64).map(|k| f64::from(k) / 32.0 * PI).all(|angle| {
                     let rim = direction + (x * angle.cos() + y * angle.sin()) * (1.1 * spread.tan());
-                    oracle.reflect(Lobe::Cone, 0.0, rim) == seen
+                    oracle.reflect(Lobe::Cone, 0.0, rim).expect("valid") == seen
                 });
                 if within {
-                    let value = oracle.reflect(Lobe::Cone, roughness, direction);
+                    let value = oracle.reflect(Lobe::Cone, roughness, direction).expect("valid");
                     assert!(difference(value, seen) < 1e-12, "{layout:?} {roughness} {direction}: {value:?}");
                     compared += 1;
                 }
@@ -362,15 +389,15 @@ fn harmonics_of_a_lone_texel_are_its_integrals() {
         for _ in 0..sweep(4, 10) {
             let index = random.below(layout.texel_count() as u32) as usize;
             let turn = random.between(-180.0, 180.0);
-            let environment = lone(layout, index, 3.0).rotated_y(turn);
+            let environment = lone(layout, index, 3.0).rotated_y(turn).expect("an angle");
             let world_from_source = environment.source_from_world().transpose();
-            let sh = sh::spherical_harmonics(&environment, 4);
+            let sh = sh::spherical_harmonics(&environment, 4).expect("an order");
             // Bands up to L2 do not depend on the number of bands.
-            for (few, all) in sh::spherical_harmonics(&environment, 2).iter().zip(&sh) {
+            for (few, all) in sh::spherical_harmonics(&environment, 2).expect("an order").iter().zip(&sh) {
                 assert!((few[1] - all[1]).abs() < 1e-13 * sh[0][1], "{layout:?} {index}: {few:?} {all:?}");
             }
-            for k in 0..25 {
-                let (mean, solid_angle) = brute_texel(layout, index, |d| sh::basis(world_from_source * d)[k]);
+            let (means, solid_angle) = brute_texel(layout, index, |d| sh::basis(world_from_source * d));
+            for (k, mean) in means.into_iter().enumerate() {
                 let expected = 3.0 * mean * solid_angle;
                 // (h/64)^2/24 of a second derivative of at most 20, with h up to 3; folds are off by 1/64 h.
                 let tolerance = 3.0 * solid_angle * if layout.texel_count() < 50 { 5e-3 } else { 1e-4 };
@@ -421,7 +448,7 @@ fn brute_oem(oem: &Oem, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3
 fn the_served_lobe_is_its_definition() {
     let mut random = Random::new(8);
     let (mut compared, mut seen) = (0, 0);
-    for n in [1, 2, 3, 5, 8, 16_u32] {
+    for n in sweep(&[1, 2, 5, 16][..], &[1, 2, 3, 5, 8, 16]).iter().copied() {
         for look in Look::ALL {
             let layout = Layout::Octahedral { size: n };
             let size = OemSize { inner: n, border: random.below(n + 1) };
@@ -452,21 +479,21 @@ fn the_served_lobe_is_its_definition() {
             }
         }
     }
-    assert_eq!(compared, 120);
-    assert!(seen > 25, "a wrong texel was detected {seen} times in 60");
+    assert_eq!(compared, sweep(80, 120));
+    assert!(seen * 5 > compared, "a wrong texel was detected {seen} times in {}", compared / 2);
 }
 
 #[test]
 fn the_served_mirror_is_the_limit_of_lobes() {
     let mut random = Random::new(9);
     let mut compared = 0;
-    for n in [2, 3, 17] {
+    for n in [2, 3, sweep(9, 17)] {
         for look in [Look::Split, Look::Smooth] {
             let radiance = texels(&mut random, look, Layout::Octahedral { size: n });
             let oem = oem(OemSize { inner: n, border: 0 }, &radiance);
             let oracle = OemOracle::new(&oem);
             let places = (0..4).map(|_| random.direction()).chain(landmarks());
-            for direction in places.step_by(sweep(3, 1)) {
+            for direction in places.step_by(sweep(10, 1)) {
                 let mirror = oracle.reflect(Lobe::Ggx, 0.0, direction);
                 let sharp = oracle.reflect(Lobe::Cone, 1e-3, direction);
                 // A cone of 1.6e-3 reaches n/2 * 1.6e-3 of a texel, or sqrt(3) times that; neighbouring
@@ -477,7 +504,7 @@ fn the_served_mirror_is_the_limit_of_lobes() {
             }
         }
     }
-    assert_eq!(compared, 6 * sweep(10, 30));
+    assert_eq!(compared, 6 * sweep(3, 30));
 }
 
 #[test]
@@ -491,11 +518,39 @@ fn source_and_oem_agree_on_a_smooth_sky() {
     for lobe in LOBES {
         for roughness in [0.4, 0.7, 1.0] {
             let direction = random.direction();
-            let source = reflect(&environment, lobe, roughness, direction);
+            let source = Oracle::new(&environment).reflect(lobe, roughness, direction).expect("valid");
             let served = reflect_oem(&oem, lobe, roughness, direction);
             // The tent blurs by h^2/12 of the energy's Laplacian in (u, v), h = 1/32: below 50 of the mean,
             // mostly due to the density.
             assert!(difference(served, source) < 4e-3, "{lobe:?} {roughness}: {served:?} against {source:?}");
+        }
+    }
+}
+
+#[test]
+fn kernels_over_all_texels_sum_to_their_integral() {
+    let layouts = [
+        Layout::Panorama { width: 24, height: 12 },
+        Layout::Cube { size: 6 },
+        Layout::Octahedral { size: 8 },
+        Layout::Octahedral { size: 3 },
+    ];
+    let accuracy = Accuracy::new(1e-9);
+    for layout in layouts {
+        let texels = ExactTexels::new(layout);
+        for lobe in LOBES {
+            for roughness in [0.03, 0.2, 0.6, 1.0] {
+                let kernel = Kernel::new(lobe, roughness, DVec3::new(0.3, -0.5, 0.7).normalize());
+                let frames: Vec<DVec3> = texels.frames().iter().map(|f| *f * kernel.direction).collect();
+                let mut sum = 0.0;
+                texels.for_each(|_, block, frame| {
+                    sum += over_texel(layout, block, &kernel.around(frames[frame]), &accuracy, 8);
+                });
+                // A cone's edge, where pieces are halved eight times and not cut, is the worst.
+                let tolerance = if lobe == Lobe::Cone { 2e-3 / roughness } else { 2e-5 };
+                let off = (sum / integral(&kernel) - 1.0).abs();
+                assert!(off < tolerance, "{layout:?} {lobe:?} {roughness}: off by {off:e}");
+            }
         }
     }
 }
@@ -507,7 +562,8 @@ fn a_hemisphere_takes_what_coarse_texels_have_in_it() {
     // Northern texels wholly inside, 2 pi/15 (1 - cos 60 degrees) of the 2 pi; a few others reach over the
     // horizon by less than a thousandth.
     for inside in [0, 13, 14] {
-        let share = reflect(&lone(layout, inside, 1.0), Lobe::Phong, 1.0, direction)[0];
+        let share =
+            Oracle::new(&lone(layout, inside, 1.0)).reflect(Lobe::Phong, 1.0, direction).expect("valid")[0];
         assert!((30.0 * share - 1.0).abs() < 1e-7, "texel {inside}: {share}");
     }
 }
@@ -518,7 +574,8 @@ fn a_cosine_takes_its_share_of_texels_that_the_horizon_touches() {
     let direction = DVec3::new(0.0, 1.0, 1.0).normalize();
     // By a product of midpoint rules. The horizon touches the middle of the texel's own middle.
     for (texel, share) in [(0, 0.043_633_79), (3, 0.037_867_43), (4, 0.118_602_67), (13, 0.000_751_54)] {
-        let found = reflect(&lone(layout, texel, 1.0), Lobe::Cosine, 1.0, direction)[0];
+        let found =
+            Oracle::new(&lone(layout, texel, 1.0)).reflect(Lobe::Cosine, 1.0, direction).expect("valid")[0];
         assert!((found - share).abs() < 3e-8, "texel {texel}: {found}");
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::support::common::Random;
 use crate::support::meshes::{closed, mesh};
+use crate::support::triangle_oracle::{Cover, TriangleOracle, corners_of};
 use glam::{DVec2, DVec3};
-use octagloss::internals::analysis::oracle::{Cover, TriangleOracle};
 use octagloss::internals::direct::{DirectMap, Triangles};
 use octagloss::internals::sphere::map::SphereMap as _;
 use octagloss::internals::sphere::octahedral::{Octahedral, texel_centre};
@@ -52,8 +52,7 @@ fn hits_lie_on_the_ray_and_in_front() {
                 assert!((hit.depth - f64::from(NEAR) / at.abs().element_sum()).abs() < 1e-12);
                 assert!(hit.depth <= 1.0 && (one - 1.0).abs() < 1e-9);
                 // In the triangle's plane.
-                let [p, q, r] = soup
-                    .triangle(hit.triangle)
+                let [p, q, r] = corners_of(&soup, hit.triangle)
                     .map(|corner| DVec3::from_array(corner.position.map(f64::from)));
                 let normal = (q - p).cross(r - p).normalize();
                 assert!((at - p).dot(normal).abs() < 1e-9, "{at}");

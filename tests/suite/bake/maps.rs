@@ -61,7 +61,7 @@ fn footprints_keep_energy_and_constants_however_the_source_is_turned() {
         for turn in [0.0, 90.0, 33.0] {
             for mirrored in [false, true] {
                 let turned = |texels: Vec<Rgb>| {
-                    let plain = environment(source, texels).rotated_y(turn);
+                    let plain = environment(source, texels).rotated_y(turn).expect("an angle");
                     if mirrored { plain.mirrored() } else { plain }
                 };
                 let suns = turned(texels(&mut random, Look::Suns, source));
@@ -91,7 +91,7 @@ fn footprints_are_where_the_world_has_them() {
         let mut own = Vec::new();
         blank.for_each_texel(|d, _, _| own.push((d * 0.5 + 0.5).as_vec3().to_array()));
         for turn in [0.0, 90.0, 250.0] {
-            let world = environment(source, own.clone()).rotated_y(turn).mirrored();
+            let world = environment(source, own.clone()).rotated_y(turn).expect("an angle").mirrored();
             for target in [Layout::Panorama { width: 40, height: 20 }, Layout::Octahedral { size: 24 }] {
                 let made = footprints_over(&world, target).unwrap();
                 for (index, texel) in (0..).zip(&made) {
@@ -116,7 +116,7 @@ fn a_panorama_of_the_same_size_is_the_source_itself() {
     let plain = environment(layout, source.clone());
     assert_eq!(footprints_over(&plain, layout).unwrap(), source);
     // A quarter turn shifts columns.
-    let turned = footprints_over(&plain.rotated_y(90.0), layout).unwrap();
+    let turned = footprints_over(&plain.rotated_y(90.0).expect("an angle"), layout).unwrap();
     for (k, texel) in turned.iter().enumerate() {
         assert_eq!(*texel, source[k / 24 * 24 + (k % 24 + 6) % 24], "texel {k}");
     }
@@ -133,7 +133,8 @@ fn error(world: &Environment, map: Map, index: usize, shift: u32) -> f64 {
     let count = level.texels.len() as u32;
     let (mut off, mut power) = (0.0, 0.0);
     for at in (0..count).step_by(7) {
-        let exact = luminance(oracle.reflect(Lobe::Ggx, level.roughness, centre(level.layout, at)));
+        let exact =
+            luminance(oracle.reflect(Lobe::Ggx, level.roughness, centre(level.layout, at)).expect("valid"));
         let texel = level.texels[((at + shift) % count) as usize].map(f64::from);
         off += (luminance(texel) - exact).powi(2);
         power += exact * exact;
@@ -144,7 +145,9 @@ fn error(world: &Environment, map: Map, index: usize, shift: u32) -> f64 {
 #[test]
 fn levels_are_true_lobes_at_every_texel_of_their_map() {
     let layout = Layout::Panorama { width: 64, height: 32 };
-    let world = environment(layout, texels(&mut Random::new(5), Look::Suns, layout)).rotated_y(25.0);
+    let world = environment(layout, texels(&mut Random::new(5), Look::Suns, layout))
+        .rotated_y(25.0)
+        .expect("an angle");
     for map in [Map::Panorama, Map::Octahedral] {
         for index in [1, 2] {
             let off = error(&world, map, index, 0);

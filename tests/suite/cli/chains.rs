@@ -25,7 +25,7 @@ fn files_and_reports_name_the_chain() {
     done(at, &[&["bake", "sky.exr", "-o", "levels", "--format", "exr"][..], &small].concat());
     assert_eq!(load_chain(&at.join("levels")).unwrap().provenance.chain, Some(ChainKind::Solved));
     let report: Value = serde_json::from_slice(&fs::read(at.join("levels/report.json")).unwrap()).unwrap();
-    assert_eq!(report["chain"], "solved");
+    assert_eq!(report["recipe"]["chain"], "solved");
     assert!(report["levels"][1]["error_bound_max"].is_null(), "{}", report["levels"][1]);
     // Sheen and irradiance of a solved bake are sampled, and record that or nothing.
     let sheen = ["bake", "sky.exr", "-o", "k", "--target", "khronos", "--filter", "adaptive:0.5"];

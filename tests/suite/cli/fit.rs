@@ -50,13 +50,10 @@ fn a_band_is_padded_and_the_bake_says_so() {
     };
     let (said, report) = bake("black.ktx2", "--pad");
     assert!(said.contains("band.exr: padded with 3 black rows above and below"), "{said}");
-    assert_eq!(
-        (&report["options"]["pad"], &report["options"]["layout"]),
-        (&"black".into(), &"panorama".into())
-    );
+    assert_eq!((&report["recipe"]["pad"], &report["layout"]), (&"black".into(), &"panorama".into()));
     let (said, report) = bake("edge.ktx2", "--pad=edge");
     assert!(said.contains("padded with 3 edge rows above and below"), "{said}");
-    assert_eq!(report["options"]["pad"], "edge");
+    assert_eq!(report["recipe"]["pad"], "edge");
     // The source is padded like the bake's.
     for (bake, other) in [("black.ktx2", "edge"), ("edge.ktx2", "black")] {
         done(
@@ -85,7 +82,7 @@ fn a_letterbox_is_cropped_and_the_bake_says_so() {
         &["bake", "film.exr", "--crop", "--size", "8", "--chain", "sampled", "-o", "a.ktx2"],
     );
     assert!(ran.err.contains("film.exr: cropped 4 black rows above and below"), "{}", ran.err);
-    assert_eq!(json_file(&folder.path().join("a.ktx2.report.json"))["options"]["crop"], true);
+    assert_eq!(json_file(&folder.path().join("a.ktx2.report.json"))["recipe"]["crop"], true);
     done(
         folder.path(),
         &["compare", "a.ktx2", "film.exr", "--fail-above", "0.05", "--texels", "20", "--quiet"],

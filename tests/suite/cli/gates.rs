@@ -46,7 +46,9 @@ fn damage(path: &Path, level: usize, change: impl Fn(Rgb) -> Rgb) {
     if path.is_dir() {
         write_faces(path, &format!("m{level}"), &bake.chain.levels[level]);
     } else {
-        let bytes = ktx2_bytes(&bake.chain, Pixel::F32, &bake.provenance.pairs()).expect("valid").bytes;
+        let record = serde_json::to_string(&bake.provenance).expect("a record");
+        let pairs = [("octaglossRecipe".to_owned(), record)];
+        let bytes = ktx2_bytes(&bake.chain, Pixel::F32, &pairs).expect("valid").bytes;
         fs::write(path, bytes).expect("writable");
     }
 }

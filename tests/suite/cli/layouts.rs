@@ -24,7 +24,7 @@ fn unfolded_cubes_and_parts_read_back_as_the_faces() {
         let files = ["irradiance.exr", "m0.exr", "m1.exr", "m2.exr", "report.json"];
         assert_eq!(tree(&at(layout)), files, "{layout}");
         assert_eq!(read_chain(&at(layout)).unwrap(), faces, "{layout}");
-        assert_eq!(json(&at(layout).join("report.json"))["options"]["out_layout"], layout);
+        assert_eq!(json(&at(layout).join("report.json"))["recipe"]["out_layout"], layout);
         // A single image is an environment, and so is the folder.
         for path in [at(layout).join("m0.exr"), at(layout)] {
             let loaded = read(&path, &ReadOptions::default()).unwrap();

@@ -285,7 +285,7 @@ fn two_processes_on_one_output_leave_files_of_one_each() {
             let (_, turn) = known.iter().find(|(known, _)| *known == written).expect("one of the four");
             let report = json_file(&at("a.ktx2.report.json"));
             let is_its = report["fingerprint"]["files"]["a.ktx2"] == written;
-            assert!(!is_its || report["options"]["rotate_y"] == turn.parse::<f64>().expect("a number"));
+            assert!(!is_its || report["recipe"]["rotate_y"] == turn.parse::<f64>().expect("a number"));
         } else {
             assert_eq!(names(&at(out)).len(), 3 * 6 + 1);
         }

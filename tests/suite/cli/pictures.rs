@@ -13,8 +13,10 @@ fn picture(path: &Path) -> RgbImage {
 fn every_target_has_a_picture() {
     let folder = with_sky();
     for target in &TARGETS {
+        // The least size of those that need many levels.
+        let size = if ["unity", "playcanvas"].contains(&target.name) { "64" } else { "16" };
         let args =
-            ["bake", "sky.exr", "--target", target.name, "--size", "64", "--preview", "p.png", "--force"];
+            ["bake", "sky.exr", "--target", target.name, "--size", size, "--preview", "p.png", "--force"];
         done(
             folder.path(),
             &[&args[..], &["-o", target.name, "--quiet", "--filter", "adaptive:0.5"]].concat(),
@@ -30,7 +32,7 @@ fn every_target_has_a_picture() {
 fn several_targets_stand_one_below_the_other() {
     let folder = with_sky();
     let bake = |targets: &str, out: &str| {
-        let args = ["bake", "sky.exr", "--target", targets, "--size", "64", "-o", out, "--preview"];
+        let args = ["bake", "sky.exr", "--target", targets, "--size", "16", "-o", out, "--preview"];
         let name = format!("{out}.png");
         let printed = done(folder.path(), &[&args[..], &[&name, "--dry-run"]].concat()).out;
         assert!(printed.contains(&format!("{name}\tpicture\n")), "{printed}");

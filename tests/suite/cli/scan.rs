@@ -41,9 +41,12 @@ fn every_scan_gives_the_same(engine: &str, few: &[&str]) {
                 assert_eq!(query(&["--scan", scan]), answers, "{name}, {scan}");
             }
             let report = json_file(&folder.join(format!("{out}.report.json")));
-            assert_eq!((&report["options"]["scan"], &report["engine"]), (&scan.into(), &engine.into()));
+            assert_eq!((&report["recipe"]["scan"], &report["engine"]), (&scan.into(), &engine.into()));
         }
         // The comparisons detect another light.
+        if engine == "gpu" && sweep(true, false) {
+            continue;
+        }
         let other = bake("other.ktx2", &["--scan", "hensley:4", "--rotate-y", "70", "--force"]);
         assert!(other != file && query(&["--scan", "hensley:4", "--rotate-y", "70"]) != answers, "{name}");
     }
@@ -79,10 +82,10 @@ fn every_scan_gives_the_same_picture() {
             let same = picture(&out, &[look, &["--scan", scan, "--border", "7"]].concat());
             assert!(same == plain, "{name}, {scan}: the picture differs");
         }
-        assert!(
-            picture(&format!("{name}-other.png"), &[look, &["--exposure", "5"]].concat()) != plain,
-            "{name}"
-        );
+        if name == "oem" || sweep(false, true) {
+            let other = [look, &["--exposure", "5"]].concat();
+            assert!(picture(&format!("{name}-other.png"), &other) != plain, "{name}");
+        }
     }
     let scene = ["view", "sky.exr", "--screenshot", "x.png", "--scan", "hensley:2", "--filter"];
     for filter in ["adaptive", "levels"] {
@@ -112,7 +115,7 @@ fn a_bake_is_described_with_its_scan() {
     // Quadrature reads no such table.
     let (text, value) = bake("c.ktx2", &[]);
     assert!(!text.contains("scan ") && value.is_null(), "{text}");
-    assert!(json_file(&folder.join("c.ktx2.report.json"))["options"]["scan"].is_null());
+    assert!(json_file(&folder.join("c.ktx2.report.json"))["recipe"]["scan"].is_null());
     // The file does not record the scan, so that the files of all scans are equal.
     fs::remove_file(folder.join("a.ktx2.report.json")).expect("there");
     assert!(json(&done(folder, &["info", "a.ktx2", "--json"]).out)["scan"].is_null());

@@ -75,10 +75,10 @@ fn a_target_is_a_folder_with_its_files_and_a_report() {
     let out = folder.path().join("out");
     assert_eq!(tree(&out), ["a_ibl.ktx", "a_skybox.ktx", "report.json", "sh.txt"]);
     let report = json(&out.join("report.json"));
-    let target = &report["target"];
-    assert_eq!((target["name"].as_str(), target["flip"].as_str()), (Some("filament"), Some("none")));
+    let (target, recipe) = (&report["target"], &report["recipe"]);
+    assert_eq!((target["name"].as_str(), recipe["flip"].as_str()), (Some("filament"), Some("none")));
     assert_eq!(target["files"], serde_json::json!(["a_ibl.ktx", "a_skybox.ktx", "sh.txt"]));
-    assert_eq!(report["options"]["format"], "ktx");
+    assert_eq!(report["recipe"]["format"], "ktx");
     assert!(report["clamped"].as_u64() > Some(0), "the sun is too bright for R11G11B10F");
     // The default is the current folder and the input's name; --name sets the name of the files.
     done(folder.path(), &bake(&["--target", "bevy", "--size", "8", "--name", "dusk"]));
@@ -166,6 +166,20 @@ fn a_dry_run_lists_what_would_be_written_and_writes_nothing() {
     );
     assert_eq!(tree(folder.path()), before);
     fails(folder.path(), &["bake", "none.exr", "--target", "bevy", "--dry-run"], 1, "none.exr");
+}
+
+#[test]
+fn help_says_what_each_target_stands_for() {
+    let words: Vec<_> =
+        done(Path::new("."), &["bake", "--help"]).split_whitespace().map(str::to_owned).collect();
+    let text = words.join(" ");
+    for options in [
+        "--size 640 --levels 8 --ladder linear --flip none --diffuse none Files: specular.ktx2",
+        "--size 512 --levels 6 --ladder linear --diffuse none Files: NAME_oem.ktx2",
+        "cube (untested in its engine) --size 1024 --diffuse none Files: NAME_panorama.hdr",
+    ] {
+        assert!(text.contains(options), "{options}");
+    }
 }
 
 #[test]

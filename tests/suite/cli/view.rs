@@ -2,8 +2,10 @@
 
 use crate::cli::{done, fails, names, octagloss, with_sky};
 use crate::mesh::triangle;
+use image::RgbImage;
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// A quick picture: one sample per pixel over a coarse map, by the filter that compiles fastest.
 const QUICK: [&str; 10] =
@@ -23,8 +25,7 @@ fn a_picture_is_written_whole_and_only_once() {
     };
     let first = picture("a.png", "0.4");
     assert_eq!(first.dimensions(), (48, 32));
-    assert_eq!(first, picture("b.png", "0.4"), "the picture must be deterministic");
-    assert_ne!(first, picture("c.png", "0.6"));
+    assert_ne!(first, picture("b.png", "0.6"));
     let before = fs::read(folder.join("a.png")).expect("readable");
     let again = view(folder, &[&["a.png"], &QUICK[..], &["0.9"]].concat());
     assert_eq!(again.code, 1);
@@ -32,41 +33,39 @@ fn a_picture_is_written_whole_and_only_once() {
     assert_eq!(fs::read(folder.join("a.png")).expect("readable"), before);
 }
 
+/// The debug view `show` of the sky in a picture of `size`.
+fn debug_view(show: &str, size: &str) -> RgbImage {
+    let folder = with_sky();
+    let args = ["view", "sky.exr", "--show", show, "--exposure", "0", "--screenshot", "a.png"];
+    let quick = QUICK.map(|word| if word == "48x32" { size } else { word });
+    done(folder.path(), &[&args[..], &quick, &["0"]].concat());
+    image::open(folder.path().join("a.png")).expect("a picture").to_rgb8()
+}
+
+/// Map and table, large enough for a legend.
+static MAP_AND_TABLE: LazyLock<[RgbImage; 2]> =
+    LazyLock::new(|| ["oem", "sat"].map(|show| debug_view(show, "320x200")));
+
 /// The table's first texel is that of the map, and its last the mean of all.
 #[test]
 fn map_and_table_are_shown() {
-    let folder = with_sky();
-    let picture = |show: &str| {
-        let name = format!("{show}.png");
-        let args = ["view", "sky.exr", "--show", show, "--exposure", "0", "--screenshot", &name];
-        done(folder.path(), &[&args[..], &QUICK[..], &["0"]].concat());
-        image::open(folder.path().join(name)).expect("a picture").to_rgb8()
-    };
-    let (oem, sat) = (picture("oem"), picture("sat"));
+    let [oem, sat] = &*MAP_AND_TABLE;
     // The square as high as the picture, in its middle.
-    let at = |picture: &image::RgbImage, x: u32, y: u32| picture.get_pixel(x, y).0.map(i32::from);
-    assert_eq!((at(&oem, 4, 16), at(&sat, 4, 16)), ([0; 3], [0; 3]));
+    let at = |picture: &RgbImage, x: u32, y: u32| picture.get_pixel(x, y).0.map(i32::from);
+    assert_eq!((at(oem, 290, 20), at(sat, 290, 20)), ([0; 3], [0; 3]));
     let off = |a: [i32; 3], b: [i32; 3]| (0..3).map(|c| (a[c] - b[c]).abs()).max();
-    assert!(off(at(&oem, 8, 0), at(&sat, 8, 0)) <= Some(1), "the first texel");
-    assert!(off(at(&sat, 39, 31), at(&oem, 39, 31)) > Some(10), "the last is no texel");
+    assert!(off(at(oem, 60, 0), at(sat, 60, 0)) <= Some(1), "the first texel");
+    assert!(off(at(sat, 259, 199), at(oem, 259, 199)) > Some(10), "the last is no texel");
     assert_ne!(oem, sat);
 }
 
 /// A plate of the legend's paper in the lower left corner of a debug view, if there is room.
 #[test]
 fn debug_views_have_a_legend() {
-    let folder = with_sky();
-    let corner = |show: &str, size: &str| {
-        let name = format!("{show}{size}.png");
-        let args = ["view", "sky.exr", "--show", show, "--screenshot", &name];
-        let quick = QUICK.map(|word| if word == "48x32" { size } else { word });
-        done(folder.path(), &[&args[..], &quick, &["0"]].concat());
-        let picture = image::open(folder.path().join(name)).expect("a picture").to_rgb8();
-        // Inside the plate's outline, 12 pixels from both edges.
-        picture.get_pixel(12 + 5, picture.height() - 12 - 5).0
-    };
-    assert_eq!((corner("oem", "320x200"), corner("sat", "320x200")), ([255; 3], [255; 3]));
-    assert_ne!(corner("oem", "319x200"), [255; 3]);
+    // Inside the plate's outline, 12 pixels from both edges.
+    let corner = |picture: &RgbImage| picture.get_pixel(12 + 5, picture.height() - 12 - 5).0;
+    assert_eq!(MAP_AND_TABLE.each_ref().map(corner), [[255; 3]; 2]);
+    assert_ne!(corner(&debug_view("oem", "319x200")), [255; 3]);
 }
 
 #[test]

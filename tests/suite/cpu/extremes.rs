@@ -95,12 +95,18 @@ fn a_wrong_answer_is_detected_everywhere() {
             ..answer
         };
         wrong = wrong.join(examine(seed, 0, 1, &too_bright));
-        lost = lost.join(examine(seed, 0, 1, &|answer| Answer { radiance: [0.0, f32::NAN, 0.0], ..answer }));
+        if seed < sweep(3, 12) {
+            let not_a_number = |answer| Answer { radiance: [0.0, f32::NAN, 0.0], ..answer };
+            lost = lost.join(examine(seed, 0, 1, &not_a_number));
+        }
     }
     // Answers of 3.4e38 cannot be exceeded, and black has no bound.
     let share = wrong.violations.len() as f64 / wrong.compared as f64;
     assert!(wrong.compared > 100 && share > 0.7, "{share} of {} were found", wrong.compared);
-    assert!(lost.not_finite.len() >= 48 && lost.compared + lost.unbounded == 0, "every NaN must be detected");
+    assert!(
+        lost.not_finite.len() >= sweep(12, 48) && lost.compared + lost.unbounded == 0,
+        "every NaN must be detected"
+    );
 }
 
 /// Returns texels of radiance one, except one texel.
@@ -120,7 +126,7 @@ fn error_and_bound(texels: Vec<Rgb>, lobe: Lobe) -> (f64, f64) {
     let directions: Vec<_> = landmarks().into_iter().step_by(sweep(4, 1)).collect();
     for direction in directions.iter().copied() {
         let answer = reflector.query(direction, 0.5, lobe, Filter::Adaptive(0.003)).expect("a finite answer");
-        let truth = luminance(oracle.reflect(lobe, 0.5, direction));
+        let truth = luminance(oracle.reflect(lobe, 0.5, direction).expect("valid"));
         squares += (luminance(answer.radiance.map(f64::from)) - truth).powi(2);
         total += truth;
         bound = bound.max(f64::from(answer.bound.expect("a bound").luminance));
@@ -132,7 +138,8 @@ fn error_and_bound(texels: Vec<Rgb>, lobe: Lobe) -> (f64, f64) {
 #[test]
 fn dim_texels_do_not_reduce_accuracy() {
     for lobe in LOBES {
-        for texel in [1e-31, 1e-33, 1e-38, 1e-40, f32::from_bits(1)] {
+        let texels = [1e-31, 1e-38, f32::from_bits(1), 1e-33, 1e-40];
+        for texel in texels.into_iter().take(sweep(3, 5)) {
             let (error, bound) = error_and_bound(spotted(texel), lobe);
             assert!(
                 error < 0.02 && bound < 0.5,
@@ -148,7 +155,8 @@ fn light_at_both_ends_is_as_exact_as_ordinary_light() {
     let texels: Vec<Rgb> = (0..16 * 8).map(|_| [0; 3].map(|_| random.between(0.1, 1.0) as f32)).collect();
     for lobe in LOBES {
         let (ordinary, ordinary_bound) = error_and_bound(texels.clone(), lobe);
-        for scale in [1e-44_f64, 1e-40, 1e-36, 1e-30, 1e25, 3.4e38] {
+        let scales = [1e-44_f64, 1e-36, 3.4e38, 1e-40, 1e-30, 1e25];
+        for scale in scales.into_iter().take(sweep(3, 6)) {
             let scaled = texels.iter().map(|t| t.map(|c| (f64::from(c) * scale) as f32)).collect();
             let (error, bound) = error_and_bound(scaled, lobe);
             // Subnormal numbers have coarser steps.
@@ -233,9 +241,12 @@ fn a_bake_rounded_to_black_warns() {
 fn the_brightest_light_is_clamped_and_counted() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write_panorama(&folder.path().join("bright.exr"), 16, |d| [if d.y > 0.0 { 3e38 } else { 0.0 }; 3]);
-    for (name, format) in [("hdr", "hdr"), ("half.ktx2", "ktx2")] {
+    for (name, format, told) in [
+        ("hdr", "hdr", "texels exceed the RGBE maximum of 1.7e38 and were clamped"),
+        ("half.ktx2", "ktx2", "texels exceed the range of f16 and were clamped"),
+    ] {
         let args = ["bake", "bright.exr", "--size", "8", "--engine", "cpu", "--format", format, "-o", name];
-        assert!(done(folder.path(), &args).err.contains("were clamped"), "{name}");
+        assert!(done(folder.path(), &args).err.contains(told), "{name}");
         let report =
             if format == "hdr" { "hdr/report.json".to_owned() } else { format!("{name}.report.json") };
         let report = json_file(&folder.path().join(report));

@@ -2,8 +2,8 @@
 
 use crate::support::bounds::{Outcome, Question, ServedOracle};
 use crate::support::common::{Random, environment};
+use crate::support::oem_oracle::OemOracle;
 use glam::DVec3;
-use octagloss::internals::analysis::oracle::OemOracle;
 use octagloss::internals::filter::{Answer, Bound, Filter};
 use octagloss::internals::lobe::{Lobe, kernel_integral};
 use octagloss::internals::oem::{OemSize, bilinear_share};
@@ -275,7 +275,8 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
         .map(|_| {
             let mut light = Light::over(&mut random, inner);
             if random.below(2) == 0 {
-                light.environment = light.environment.rotated_y(random.between(-180.0, 180.0));
+                light.environment =
+                    light.environment.rotated_y(random.between(-180.0, 180.0)).expect("an angle");
             }
             light
         })
@@ -311,7 +312,7 @@ pub(crate) fn examine(seed: u64, group: u64, count: u32, alter: &dyn Fn(Answer) 
                 .lobes(lobe, roughness, Filter::Adaptive(error))
                 .expect("a roughness and an error");
             let mut answers = Vec::new();
-            lobes.evaluate(&directions, &mut Workspace::default(), &mut answers);
+            lobes.evaluate(&directions, &mut Workspace::default(), &mut answers).expect("unit vectors");
             for (lane, answer) in answers.into_iter().enumerate() {
                 question.lane = lane;
                 let over_oem = || over_oems[lane][k];
@@ -351,7 +352,7 @@ pub(crate) fn examine_unbounded(seed: u64, index: u64) -> Tally {
         let (direction, roughness) = (question.directions[0], question.roughness);
         let lobes = reflector.lobes(lobe, roughness, filter).expect("served");
         let mut answers = Vec::new();
-        lobes.evaluate(&[direction], &mut Workspace::default(), &mut answers);
+        lobes.evaluate(&[direction], &mut Workspace::default(), &mut answers).expect("unit vectors");
         let case = || format!("seed {seed} index {index} {light} {filter:?} {lobe:?} roughness {roughness}");
         if !tally.is_finite(&answers[0], &case) {
             continue;

@@ -9,7 +9,7 @@ use octagloss::internals::geometry::light::Light;
 use octagloss::internals::geometry::resample::{Continuation, resample};
 use octagloss::internals::sphere::grid::Grid;
 use octagloss::internals::sphere::map::Texel;
-use octagloss::internals::sphere::registry::{MAPS, NamedMap};
+use octagloss::internals::sphere::registry::MAPS;
 
 /// A map converted from a fine panorama, with its border.
 struct Bordered {
@@ -82,7 +82,8 @@ fn borders_are_means_over_their_own_footprints() {
     let mut compared = 0;
     for turn in [DMat3::IDENTITY, DMat3::from_rotation_x(0.6)] {
         let light = Light { grid: source, texels: &texels, world_from_source: turn };
-        for NamedMap { name, map, .. } in &MAPS {
+        for entry in &MAPS {
+            let (name, map) = (&entry.name, &entry.map());
             let target = grid(name, 8);
             // HEALPix continues with tears at the poles, which samples cannot weigh.
             if map.wrap_texel(8, 0, -1, -1).is_some() || ["sphere-map", "healpix"].contains(name) {
@@ -206,7 +207,8 @@ fn borders_show_what_lies_across_the_edge() {
     let source = grid("cube", 64);
     let texels: Vec<Rgb> = source.texels().map(|texel| light(source.direction_from_texel(texel))).collect();
     let smooth = Light { grid: source, texels: &texels, world_from_source: DMat3::IDENTITY };
-    for NamedMap { name, map, .. } in &MAPS {
+    for entry in &MAPS {
+        let (name, map) = (&entry.name, &entry.map());
         let converted = Bordered::new(&smooth, name, 16, 2);
         let mut compared = 0;
         for component in 0..map.components() {

@@ -1,7 +1,8 @@
 //! The adaptive filter: certified bounds against exhaustive integration, replays of the CPU's cuts, and the
 //! GPU's own cuts.
 
-use super::{UNIT, exceeds, wait, with_passes};
+use super::transfer::{Upload as _, tree_of_cells, tree_of_leaves};
+use super::{UNIT, exceeds, in_full, wait, with_passes};
 use crate::cpu::adaptive::{FURNACE, Outcome, Question, TestScene, judge, luminance};
 use crate::support::common::{Random, environment, landmarks, oem, sweep};
 use glam::DVec3;
@@ -12,9 +13,9 @@ use octagloss::internals::cpu::leaves::{LANES, Packet as CpuPacket, Scratch};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::geometry::tent::Reconstruction;
-use octagloss::internals::gpu::adaptive::{Answers, LobePart, Packet};
-use octagloss::internals::gpu::cells::CellTree;
-use octagloss::internals::gpu::engine::{Engine, GpuReflector};
+use octagloss::internals::gpu::adaptive::{self, Answers, LobePart, Packet};
+use octagloss::internals::gpu::cells::{self, CellTree};
+use octagloss::internals::gpu::engine::GpuReflector;
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::lobe::kernel::{Kernel, leaf_share};
@@ -25,23 +26,16 @@ use octagloss::internals::synth::synth;
 use rayon::prelude::*;
 
 /// Builds the cell tree of `oem` on the GPU.
-fn tree(context: &Context, passes: &Engine, oem: &Oem, block: u32, spread: Reconstruction) -> CellTree {
+fn tree(context: &Context, oem: &Oem, block: u32, spread: Reconstruction) -> CellTree {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
-    let (stage, tree) = passes.cells.stage(context, &planes, block, spread).expect("a small tree");
+    let (stage, tree) = cells::stage(context, &planes, block, spread).expect("a small tree");
     context.submit(|encoder| stage.record(encoder));
     tree
 }
 
-fn evaluate(
-    context: &Context,
-    passes: &Engine,
-    cells: &CellTree,
-    kernel: Kernel,
-    error: f64,
-    packets: &[Packet],
-) -> Answers {
+fn evaluate(context: &Context, cells: &CellTree, kernel: Kernel, error: f64, packets: &[Packet]) -> Answers {
     let parts = [LobePart { cells, kernel, error, share: 1.0 }];
-    wait(context, passes.adaptive.evaluate(context, &parts, packets))
+    wait(context, adaptive::evaluate(context, &parts, packets))
 }
 
 /// Draws the test scenes of `seed`, with `lobe` or any lobe.
@@ -56,13 +50,13 @@ fn test_scenes(
 }
 
 /// Runs the questions of `test_scene` on the GPU, over the OEM `served`.
-fn outcomes(context: &Context, passes: &Engine, test_scene: &TestScene, served: &Oem) -> Vec<Outcome> {
+fn outcomes(context: &Context, test_scene: &TestScene, served: &Oem) -> Vec<Outcome> {
     let TestScene { scene, spread, questions } = test_scene;
-    let cells = tree(context, passes, served, 1, *spread);
+    let cells = tree(context, served, 1, *spread);
     let outcome = |(question, truth): &(Question, [f64; 3])| {
         let Question { directions, lane, lobe, roughness, error } = question;
         let kernel = Kernel::new(*lobe, roughness * roughness);
-        let answers = evaluate(context, passes, &cells, kernel, *error, &[Packet::new(directions)]);
+        let answers = evaluate(context, &cells, kernel, *error, &[Packet::new(directions)]);
         let answer = answers.lanes[*lane];
         Outcome::new(scene, question, answer.radiance, answer.bound.expect("a certified bound"), *truth)
     };
@@ -70,8 +64,8 @@ fn outcomes(context: &Context, passes: &Engine, test_scene: &TestScene, served: 
 }
 
 fn judge_bounds(name: &str, test_scenes: &[TestScene]) {
-    with_passes(name, |context, passes| {
-        let of = |test_scene: &TestScene| outcomes(context, passes, test_scene, &test_scene.scene.oem);
+    in_full(name, |context| {
+        let of = |test_scene: &TestScene| outcomes(context, test_scene, &test_scene.scene.oem);
         let outcomes: Vec<Outcome> = test_scenes.iter().flat_map(of).collect();
         let asked = test_scenes.iter().map(|test_scene| test_scene.questions.len()).sum();
         judge(&format!("{name}, {}", context.describe()), &outcomes, asked);
@@ -80,27 +74,27 @@ fn judge_bounds(name: &str, test_scenes: &[TestScene]) {
 
 #[test]
 fn certified_bounds_hold() {
-    judge_bounds("bounds", &test_scenes(None, 1000, sweep(12, 40), 20, |random| 32 + random.below(65)));
+    judge_bounds("bounds", &test_scenes(None, 1000, sweep(6, 40), 20, |random| 32 + random.below(65)));
 }
 
 #[test]
 fn certified_bounds_hold_for_tiny_oems() {
     judge_bounds(
         "bounds of tiny OEMs",
-        &test_scenes(None, 3000, sweep(20, 40), 8, |random| 1 + random.below(9)),
+        &test_scenes(None, 3000, sweep(10, 40), 8, |random| 1 + random.below(9)),
     );
 }
 
 #[test]
 fn certified_bounds_of_sheen_hold() {
-    let scenes = sweep(10, 60);
+    let scenes = sweep(5, 60);
     let sizes = |random: &mut Random| 16 + random.below(33);
     judge_bounds("bounds of sheen", &test_scenes(Some(Lobe::Charlie), 5000, scenes, 6, sizes));
 }
 
 #[test]
 fn certified_bounds_of_sheen_hold_for_tiny_oems() {
-    let scenes = sweep(20, 60);
+    let scenes = sweep(10, 60);
     let sizes = |random: &mut Random| 1 + random.below(9);
     judge_bounds("bounds of sheen, tiny OEMs", &test_scenes(Some(Lobe::Charlie), 4000, scenes, 6, sizes));
 }
@@ -111,8 +105,8 @@ fn one_wrong_texel_breaks_a_bound() {
     // Charlie's band takes many more leaves, and their bounds add.
     for (lobe, times) in [(Lobe::Ggx, 10.0), (Lobe::Charlie, 300.0)] {
         let cases: Vec<_> = (0..10).map(|_| TestScene::with_wrong_texel(&mut random, lobe, times)).collect();
-        with_passes("one wrong texel", |context, passes| {
-            let outcomes = cases.iter().flat_map(|(case, wrong)| outcomes(context, passes, case, wrong));
+        in_full("one wrong texel", |context| {
+            let outcomes = cases.iter().flat_map(|(case, wrong)| outcomes(context, case, wrong));
             let broken = outcomes.filter(|outcome| !outcome.holds()).count();
             assert!(broken >= 18, "{lobe:?}: only {broken} of 20 comparisons failed");
         });
@@ -208,7 +202,7 @@ fn beyond(expected: &[[f32; 3]], found: &Answers, relative: f64, absolute: [f64;
 fn cuts_of_the_cpu_replayed_agree() {
     let oems = synthetic(64);
     let tiles = tiles(8);
-    with_passes("replayed cuts", |context, passes| {
+    in_full("replayed cuts", |context| {
         // Of Charlie and of other lobes.
         let (mut replayed, mut seen) = (0, [0; 2]);
         for (name, oem) in &oems {
@@ -219,8 +213,8 @@ fn cuts_of_the_cpu_replayed_agree() {
                     let cut = cut(&cells, kernel, 0.005, directions);
                     let packets = [Packet::new(directions)];
                     let replay = |leaves: &[[f32; 34]]| {
-                        let tree = CellTree::of_leaves(context, leaves, cells.least());
-                        evaluate(context, passes, &tree, kernel, 0.0, &packets)
+                        let tree = tree_of_leaves(context, leaves, cells.least());
+                        evaluate(context, &tree, kernel, 0.0, &packets)
                     };
                     let found = replay(&cut.fields);
                     let case = format!("{name} {lobe:?} {roughness} on {}", context.describe());
@@ -263,14 +257,14 @@ fn margin(width: f64) -> f64 {
 #[test]
 fn own_cuts_agree_but_for_decisions_within_rounding() {
     let oems = synthetic(64);
-    let tiles = tiles(8);
-    with_passes("own cuts", |context, passes| {
+    let tiles: Vec<_> = tiles(8).into_iter().step_by(sweep(3, 1)).collect();
+    in_full("own cuts", |context| {
         let (mut strict, mut all) = (0, 0);
         for (name, oem) in &oems {
             let spread = Reconstruction::Constant;
             let cells = Cells::new(oem, 1, spread);
-            let tree = tree(context, passes, oem, 1, spread);
-            let uploaded = CellTree::upload(context, &cells, oem.size().inner, 1, spread);
+            let tree = tree(context, oem, 1, spread);
+            let uploaded = tree_of_cells(context, &cells, oem.size().inner, 1, spread);
             let totals = oem.totals();
             let mean = luminance([totals[0], totals[1], totals[2]]) / (4.0 * std::f64::consts::PI);
             for (lobe, roughness) in LOBES.into_iter().filter(|(_, roughness)| *roughness >= 0.25) {
@@ -278,12 +272,15 @@ fn own_cuts_agree_but_for_decisions_within_rounding() {
                 let margin = margin(width(lobe, roughness));
                 let error = 0.005;
                 let packets: Vec<Packet> = tiles.iter().map(|tile| Packet::new(tile)).collect();
+                let cuts: Vec<[Cut; 3]> = tiles
+                    .par_iter()
+                    .map(|tile| {
+                        [1.0, 1.0 - margin, 1.0 + margin].map(|by| cut(&cells, kernel, error * by, tile))
+                    })
+                    .collect();
                 for tree in [&tree, &uploaded] {
-                    let found = evaluate(context, passes, tree, kernel, error, &packets);
-                    for (k, directions) in tiles.iter().enumerate() {
-                        let own = cut(&cells, kernel, error, directions);
-                        let finer = cut(&cells, kernel, error * (1.0 - margin), directions);
-                        let coarser = cut(&cells, kernel, error * (1.0 + margin), directions);
+                    let found = evaluate(context, tree, kernel, error, &packets);
+                    for (k, [own, finer, coarser]) in cuts.iter().enumerate() {
                         let lanes = found.lanes[k * LANES..(k + 1) * LANES].to_vec();
                         let found = Answers { lanes, leaves: 0 };
                         let same = finer.radiance == coarser.radiance;
@@ -451,10 +448,10 @@ fn packets_of_every_row_of_a_dispatch_are_served() {
     let count = 32_768 + 100;
     let packets = vec![Packet::new(&[DVec3::X]); count];
     let oem = oem(OemSize { inner: 2, border: 0 }, &[[1.0; 3]; 4]);
-    with_passes("rows of packets", |context, passes| {
+    in_full("rows of packets", |context| {
         let cells = Cells::new(&oem, 2, Reconstruction::Constant);
-        let cells = CellTree::upload(context, &cells, 2, 2, Reconstruction::Constant);
-        let found = evaluate(context, passes, &cells, Kernel::new(Lobe::Ggx, 0.5), 0.5, &packets).lanes;
+        let cells = tree_of_cells(context, &cells, 2, 2, Reconstruction::Constant);
+        let found = evaluate(context, &cells, Kernel::new(Lobe::Ggx, 0.5), 0.5, &packets).lanes;
         assert_eq!(found.len(), count * LANES);
         let served = |lane: &octagloss::internals::filter::Answer| lane.radiance == [1.0; 3];
         assert_eq!(found.iter().position(|lane| !served(lane)), None, "a lane that was not served");

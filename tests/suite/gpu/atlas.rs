@@ -1,15 +1,14 @@
 //! Atlases on the GPU: copies of maps into tiles, the tables of all tiles, and look-ups in WGSL.
 
+use super::transfer::{Upload as _, read_sat};
 use super::{exceeds, in_full, look, wait};
+use crate::atlas::table::{Atlas, Domain, Tile};
 use crate::support::common::{Random, landmarks, oem};
 use glam::DVec3;
 use octagloss::Error;
-use octagloss::internals::atlas::{Atlas, Domain, Tile};
-use octagloss::internals::gpu::atlas::AtlasPlanes;
 use octagloss::internals::gpu::device::shader;
-use octagloss::internals::gpu::fixed_point::FixedPoint;
-use octagloss::internals::gpu::sat_scan::SatScan;
-use octagloss::internals::gpu::{Context, OemPlanes};
+use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
+use octagloss::internals::gpu::{fixed_point, sat_scan};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::Scan;
 use octagloss::wgpu;
@@ -34,6 +33,34 @@ fn filled() -> (Atlas, Vec<(Tile, Oem)>) {
     (atlas, tiles)
 }
 
+/// Records copies of `map`, border included, to `tile` of `atlas`.
+fn copy(
+    encoder: &mut wgpu::CommandEncoder,
+    map: &OemPlanes,
+    atlas: &OemPlanes,
+    tile: Tile,
+) -> Result<(), Error> {
+    let (size, whole) = (tile.size(), atlas.table());
+    let [x, y] = tile.corner();
+    if map.size() != size || x.max(y) + size.bordered() > whole.side {
+        let OemSize { inner, border } = map.size();
+        return Err(Error::Parameter(format!(
+            "a map of {inner} texels with a border of {border} for a tile of {} with {} at ({x}, {y}) of \
+             {}; allocate a tile of the map's size",
+            size.inner, size.border, whole.side
+        )));
+    }
+    let pitch = map.table().pitch;
+    for (from, to) in map.planes.iter().zip(&atlas.planes) {
+        for row in 0..size.bordered() {
+            let at = |pitch: u32, x: u32, y: u32| 4 * (u64::from(pitch) * u64::from(y) + u64::from(x));
+            let bytes = 4 * u64::from(size.bordered());
+            encoder.copy_buffer_to_buffer(from, at(pitch, 0, row), to, at(whole.pitch, x, y + row), bytes);
+        }
+    }
+    Ok(())
+}
+
 #[test]
 fn copies_of_maps_and_the_scan_of_all_tiles_equal_the_cpus() {
     let (atlas, tiles) = filled();
@@ -48,21 +75,22 @@ fn copies_of_maps_and_the_scan_of_all_tiles_equal_the_cpus() {
         }
     }
     in_full("atlas", |context| {
-        let planes = AtlasPlanes::upload(context, &empty).expect("small planes");
+        let texels = OemPlanes::upload(context, &empty.oem()).expect("small planes");
+        let sat = SatPlanes::new(context, texels.size()).expect("small planes");
         let maps: Vec<OemPlanes> =
             spheres().map(|(_, map)| OemPlanes::upload(context, map).expect("small planes")).collect();
-        let (fixed_point, scan) = (FixedPoint::new(context), SatScan::new(context));
-        let stages = planes.sat_stages(context, &fixed_point, &scan);
+        let exponents = fixed_point::stage(context, &texels, &sat);
+        let stages = [exponents, sat_scan::stage(context, &texels, &sat)];
         context.submit(|encoder| {
             for (map, (tile, _)) in maps.iter().zip(spheres()) {
-                planes.copy(encoder, map, *tile).expect("a tile of the map's size");
+                copy(encoder, map, &texels, *tile).expect("a tile of the map's size");
             }
             for stage in &stages {
                 stage.record(encoder);
             }
         });
-        assert!(wait(context, planes.texels().read(context)).texels() == atlas.oem().texels());
-        let (fixed, entries) = wait(context, planes.sat().read(context));
+        assert!(wait(context, texels.read(context)).texels() == atlas.oem().texels());
+        let (fixed, entries) = wait(context, read_sat(context, &sat));
         let wanted = atlas.sat(Scan::Blocks);
         assert_eq!(fixed, wanted.whole().fixed_point());
         assert!(entries == wanted.whole().entries());
@@ -72,7 +100,7 @@ fn copies_of_maps_and_the_scan_of_all_tiles_equal_the_cpus() {
         let encoder = &mut context.device().create_command_encoder(&Default::default());
         let other = Oem::from_square(OemSize { inner: 8, border: 0 }, vec![[1.0; 4]; 64]);
         let other = OemPlanes::upload(context, &other).expect("small planes");
-        assert!(matches!(planes.copy(encoder, &other, tiles[0].0), Err(Error::Parameter(_))));
+        assert!(matches!(copy(encoder, &other, &texels, tiles[0].0), Err(Error::Parameter(_))));
     });
 }
 
@@ -139,7 +167,7 @@ fn look_ups_in_wgsl_are_those_of_the_cpu() {
         }
     }
     let queries: Vec<Query> = asked.iter().map(|(query, _)| *query).collect();
-    let source = shader::source("common/atlas.wgsl") + ENTRY;
+    let source = shader::source("common/oem_lookup.wgsl") + include_str!("atlas.wgsl") + ENTRY;
     // Coordinates of up to 64 texels differ by a few units in the last place, 64 * 4 * 2^-24 of a texel at
     // most; neighbours differ by at most 30.
     let allowed = 30.0 * 64.0 * 16.0 / f64::from(1 << 24);

@@ -1,23 +1,24 @@
 //! Boxes over the packed table: integer sums equal the CPU's; radiance lies within the error of float32
 //! coordinates.
 
-use super::{UNIT, exceeds, wait, with_passes};
+use super::transfer::{Upload as _, joined};
+use super::{UNIT, exceeds, in_full, look, wait};
 use crate::support::common::{Look, Random, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
-use octagloss::Layout;
 use octagloss::internals::cpu::box_filter::{BoxFilter, StackedBox};
-use octagloss::internals::gpu::box_filter::SatTextures;
-use octagloss::internals::gpu::engine::Engine;
+use octagloss::internals::gpu::box_filter::{self, SatTextures};
+use octagloss::internals::gpu::device::shader;
 use octagloss::internals::gpu::{Context, SatPlanes};
 use octagloss::internals::lobe::{Lobe, kernel, kernel_integral};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
 use octagloss::internals::sphere::octahedral::{oct_from_direction, solid_angle_density, wrap_texel};
+use octagloss::{Layout, wgpu};
 
 /// Packs `planes` into textures.
-pub(super) fn packed(context: &Context, passes: &Engine, planes: &SatPlanes) -> SatTextures {
+pub(super) fn packed(context: &Context, planes: &SatPlanes) -> SatTextures {
     let textures = SatTextures::new(context, planes).expect("small textures");
-    let stage = passes.box_filter.pack(context, planes, &textures);
+    let stage = box_filter::pack(context, planes, &textures);
     context.submit(|encoder| stage.record(encoder));
     textures
 }
@@ -66,8 +67,34 @@ fn difference(sat: &Sat, boxes: &[[i32; 4]], found: &[[u64; 4]]) -> Option<Strin
     })
 }
 
+/// Integer sums of boxes of the unfolded plane: low x, low y, high x, high y.
+const SUMS: &str = "
+@group(0) @binding(0) var<uniform> octagloss_table: OctaglossTable;
+@group(0) @binding(1) var octagloss_low: texture_2d<u32>;
+@group(0) @binding(2) var octagloss_high: texture_2d<u32>;
+@group(0) @binding(3) var<storage, read> boxes: array<vec4<i32>>;
+@group(0) @binding(4) var<storage, read_write> sums: array<Sum>;
+
+@compute @workgroup_size(64) fn look(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < arrayLength(&boxes) {
+        sums[id.x] = plane_box(boxes[id.x].xy, boxes[id.x].zw);
+    }
+}
+";
+
+/// Sums of `boxes` by the GPU.
+fn sums(context: &Context, textures: &SatTextures, boxes: &[[i32; 4]]) -> Vec<[u64; 4]> {
+    let map = [
+        textures.header.as_entire_binding(),
+        wgpu::BindingResource::TextureView(&textures.low),
+        wgpu::BindingResource::TextureView(&textures.high),
+    ];
+    let source = shader::source("common/sat.wgsl") + SUMS;
+    look::answers::<_, [[u32; 4]; 2]>(context, &source, &map, boxes).iter().map(joined).collect()
+}
+
 /// Compares integer sums of boxes over squares of `sizes` with the CPU's.
-pub(super) fn integer_sums(context: &Context, passes: &Engine, sizes: &[u32]) {
+pub(super) fn integer_sums(context: &Context, sizes: &[u32]) {
     let mut random = Random::new(61);
     for &inner in sizes {
         for border in [0, 1, 3, inner] {
@@ -75,9 +102,9 @@ pub(super) fn integer_sums(context: &Context, passes: &Engine, sizes: &[u32]) {
             let look = Look::ALL[((inner + border) % 5) as usize];
             let (_, sat) = random_sat(&mut random, size, look);
             let planes = SatPlanes::upload(context, &sat).expect("small planes");
-            let textures = packed(context, passes, &planes);
+            let textures = packed(context, &planes);
             let boxes = boxes(&mut random, size);
-            let found = wait(context, passes.box_filter.sums(context, &textures, &boxes));
+            let found = sums(context, &textures, &boxes);
             let difference = difference(&sat, &boxes, &found);
             assert_eq!(difference, None, "{look:?} {size:?} on {}", context.describe());
         }
@@ -86,21 +113,21 @@ pub(super) fn integer_sums(context: &Context, passes: &Engine, sizes: &[u32]) {
 
 #[test]
 fn integer_sums_equal_the_cpu() {
-    with_passes("integer boxes", |context, passes| {
-        integer_sums(context, passes, &[1, 2, 3, 5, 8, 17, 64]);
+    in_full("integer boxes", |context| {
+        integer_sums(context, &[1, 2, 3, 5, 8, 17, 64]);
     });
 }
 
 #[test]
 fn faults_in_tables_are_detected() {
-    with_passes("faults in tables", |context, passes| {
+    in_full("faults in tables", |context| {
         let mut random = Random::new(62);
         let size = OemSize { inner: 17, border: 4 };
         let (oem, sat) = random_sat(&mut random, size, Look::Noise);
         let boxes = boxes(&mut random, size);
         let seen = |planes: &SatPlanes| {
-            let textures = packed(context, passes, planes);
-            let found = wait(context, passes.box_filter.sums(context, &textures, &boxes));
+            let textures = packed(context, planes);
+            let found = sums(context, &textures, &boxes);
             difference(&sat, &boxes, &found).is_some()
         };
         let upload = |sat: &Sat| SatPlanes::upload(context, sat).expect("small planes");
@@ -125,8 +152,8 @@ fn faults_in_tables_are_detected() {
         let off = SatPlanes::new(context, off).expect("small planes");
         let right = upload(&sat);
         context.submit(|encoder| {
-            let pairs = right.planes().iter().zip(off.planes());
-            for (from, to) in pairs.chain([(right.exponents(), off.exponents())]) {
+            let pairs = right.planes.iter().zip(&off.planes);
+            for (from, to) in pairs.chain([(&right.exponents, &off.exponents)]) {
                 encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size());
             }
         });
@@ -138,7 +165,7 @@ fn faults_in_tables_are_detected() {
         let (x, y) = (12_u64, 9_u64);
         let high = (sat.entries()[(y * 25 + x) as usize][2] >> 32) as u32;
         let at = 8 * (y * pitch + x) + 4;
-        context.queue().write_buffer(&dropped.planes()[2], at, &high.wrapping_sub(1).to_le_bytes());
+        context.queue().write_buffer(&dropped.planes[2], at, &high.wrapping_sub(1).to_le_bytes());
         assert!(seen(&dropped), "a dropped carry");
     });
 }
@@ -206,16 +233,16 @@ pub(super) fn one_box(solid_angle: f64) -> [StackedBox; 1] {
 /// Compares the weighted sums only: single boxes have their own tests.
 #[test]
 fn stacks_of_boxes_match_the_cpu() {
-    with_passes("stacks of boxes", |context, passes| {
+    in_full("stacks of boxes", |context| {
         let mut random = Random::new(64);
         let directions: Vec<DVec3> = (0..40).map(|_| random.direction()).collect();
         let (_, sat) = random_sat(&mut random, OemSize { inner: 64, border: 0 }, Look::Smooth);
-        let textures = packed(context, passes, &SatPlanes::upload(context, &sat).expect("small planes"));
+        let textures = packed(context, &SatPlanes::upload(context, &sat).expect("small planes"));
         let stack = [(0.05, 3.0), (0.2, 1.0), (0.9, 0.25)]
             .map(|(solid_angle, weight)| StackedBox { solid_angle, weight });
         let filter = BoxFilter::stacked(&sat, stack.into());
         let difference = |stack: &[StackedBox]| {
-            let found = wait(context, passes.box_filter.radiance(context, &textures, &directions, stack));
+            let found = wait(context, box_filter::radiance(context, &textures, &directions, stack));
             let relative = |(direction, found): (&DVec3, &[f32; 3])| {
                 let expected = filter.radiance(*direction);
                 (0..3).map(|c| f64::from(found[c] / expected[c] - 1.0).abs()).fold(0.0, f64::max)
@@ -235,7 +262,7 @@ fn stacks_of_boxes_match_the_cpu() {
 
 #[test]
 fn radiance_lies_within_its_bound_of_the_cpu() {
-    with_passes("box radiance", |context, passes| {
+    in_full("box radiance", |context| {
         let mut random = Random::new(63);
         let mut directions = landmarks();
         directions.extend((0..40).map(|_| random.direction()));
@@ -244,7 +271,7 @@ fn radiance_lies_within_its_bound_of_the_cpu() {
             for look in Look::ALL {
                 let (oem, sat) = random_sat(&mut random, OemSize { inner, border }, look);
                 let planes = SatPlanes::upload(context, &sat).expect("small planes");
-                let textures = packed(context, passes, &planes);
+                let textures = packed(context, &planes);
                 for (lobe, roughness) in [
                     (Lobe::Ggx, 0.0),
                     (Lobe::Ggx, 0.1),
@@ -255,7 +282,7 @@ fn radiance_lies_within_its_bound_of_the_cpu() {
                     let alpha: f64 = roughness * roughness;
                     let ask = |solid_angle| {
                         let stack = one_box(solid_angle);
-                        let answers = passes.box_filter.radiance(context, &textures, &directions, &stack);
+                        let answers = box_filter::radiance(context, &textures, &directions, &stack);
                         wait(context, answers)
                     };
                     let size = solid_angle(lobe, alpha);

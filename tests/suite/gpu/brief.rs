@@ -1,8 +1,9 @@
 //! Runs every entry point over small inputs, on every adapter. Drivers named in OCTAGLOSS_BRIEF_ADAPTERS run
 //! only these tests.
 
-use super::entry_points::ENTRY_POINTS;
+use super::reflection::entry_points;
 use super::stages::TakeOver;
+use super::transfer::Upload as _;
 use super::{
     boxes, direct, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, pyramid, sat, stages,
     unwrap, wait,
@@ -10,9 +11,9 @@ use super::{
 use crate::support::common::{Look, Random, oem as oem_of, texels};
 use octagloss::Layout;
 use octagloss::internals::direct::DirectMap;
-use octagloss::internals::gpu::copy::Copy;
+use octagloss::internals::gpu::copy;
 use octagloss::internals::gpu::device::readback;
-use octagloss::internals::gpu::sat_f32::SatF32;
+use octagloss::internals::gpu::sat_f32;
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
@@ -47,7 +48,6 @@ const RUN: [(&str, &[&str]); 8] = [
         "stages",
         &[
             "adaptive.wgsl adaptive",
-            "box_filter.wgsl box_sums",
             "box_filter.wgsl radiance",
             "cells.wgsl coarser",
             "cells.wgsl finest",
@@ -120,8 +120,7 @@ fn every_entry_point_is_run() {
     let mut run: Vec<String> =
         RUN.iter().flat_map(|(_, names)| names.iter().map(|n| n.to_string())).collect();
     run.sort();
-    let mut all: Vec<String> =
-        ENTRY_POINTS.iter().map(|(file, entry, ..)| format!("{file} {entry}")).collect();
+    let mut all = entry_points();
     all.sort();
     assert_eq!(run, all, "RUN must list every entry point");
 }
@@ -148,8 +147,8 @@ fn small_maps_match_the_cpu() {
 #[test]
 fn stages_match_the_cpu() {
     on_every_adapter("brief: stages", |context| {
-        stages::take_overs(context, passes(context), &[TakeOver::Cells]);
-        boxes::integer_sums(context, passes(context), &[5]);
+        stages::take_overs(context, &[TakeOver::Cells]);
+        boxes::integer_sums(context, &[5]);
     });
 }
 
@@ -157,9 +156,9 @@ fn stages_match_the_cpu() {
 fn small_fitted_lobes_match_the_cpu() {
     on_every_adapter("brief: fitted lobes", |context| {
         let passes = passes(context);
-        emitters::emitters(context, passes, &[(64, 7, Look::Suns)]);
-        fitted::blurred_tables(context, passes, &[(32, 3, Look::Suns)]);
-        fitted::harmonics(context, passes, &[(16, 0, Look::Noise)]);
+        emitters::emitters(context, &[(64, 7, Look::Suns)]);
+        fitted::blurred_tables(context, &[(32, 3, Look::Suns)]);
+        fitted::harmonics(context, &[(16, 0, Look::Noise)]);
         fitted::radiance(context, passes, &[(16, Look::Noise)], &[0.0, 0.15, 0.4, 1.0]);
     });
 }
@@ -225,10 +224,10 @@ fn float32_tables_are_sums() {
     let oem = oem_of(size, &texels(&mut Random::new(140), Look::Noise, Layout::Octahedral { size: 17 }));
     on_every_adapter("brief: float32 tables", |context| {
         let planes = OemPlanes::upload(context, &oem).expect("small planes");
-        let (stage, table) = SatF32::new(context).stage(context, &planes).expect("a small table");
+        let (stage, table, mean) = sat_f32::stage(context, &planes).expect("a small table");
         context.submit(|encoder| stage.record(encoder));
-        let mut entries: Vec<[f32; 4]> = wait(context, readback::read(context, &table.entries));
-        let mean: Vec<[f32; 4]> = wait(context, readback::read(context, &table.mean));
+        let mut entries: Vec<[f32; 4]> = wait(context, readback::read(context, &table));
+        let mean: Vec<[f32; 4]> = wait(context, readback::read(context, &mean));
         let count = oem.texels().len() as f64;
         for c in 0..4 {
             let expected = oem.texels().iter().map(|texel| f64::from(texel[c])).sum::<f64>() / count;
@@ -247,7 +246,7 @@ fn float32_tables_are_sums() {
 
 /// Reads the words of each plane of `sat`.
 fn words(context: &Context, sat: &SatPlanes) -> Vec<Vec<u32>> {
-    sat.planes().iter().map(|plane| wait(context, readback::read(context, plane))).collect()
+    sat.planes.iter().map(|plane| wait(context, readback::read(context, plane))).collect()
 }
 
 #[test]
@@ -258,7 +257,7 @@ fn copies_are_exact() {
     on_every_adapter("brief: copies", |context| {
         let planes = SatPlanes::upload(context, &sat).expect("small planes");
         let before = words(context, &planes);
-        let stage = Copy::new(context).stage(context, &planes);
+        let stage = copy::stage(context, &planes);
         context.submit(|encoder| stage.record(encoder));
         let after = words(context, &planes);
         // Copy the first plane to the last, then the second to the first, then the third to the second.

@@ -1,14 +1,15 @@
 //! Compares the quadtree of moments with the CPU's, within the error of float32 sums.
 
-use super::{UNIT, exceeds, wait, with_passes};
+use super::transfer::Upload as _;
+use super::{UNIT, exceeds, in_full, wait};
 use crate::support::common::{Look, Random, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;
 use octagloss::internals::cpu::cells::Cells;
 use octagloss::internals::environment::LUMINANCE;
 use octagloss::internals::geometry::tent::Reconstruction;
+use octagloss::internals::gpu::cells;
 use octagloss::internals::gpu::device::readback;
-use octagloss::internals::gpu::engine::Engine;
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::oem::{Oem, OemSize};
 
@@ -19,17 +20,17 @@ const RADIUS: usize = 9;
 const LUMINANCE_FIELD: usize = 10;
 
 /// Builds the quads of `oem` on the GPU.
-fn built(context: &Context, passes: &Engine, oem: &Oem, block: u32, spread: Reconstruction) -> Vec<Quad> {
+fn built(context: &Context, oem: &Oem, block: u32, spread: Reconstruction) -> Vec<Quad> {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
-    let (stage, tree) = passes.cells.stage(context, &planes, block, spread).expect("a small tree");
+    let (stage, tree) = cells::stage(context, &planes, block, spread).expect("a small tree");
     context.submit(|encoder| stage.record(encoder));
-    let least: Vec<[f32; 4]> = wait(context, readback::read(context, tree.least()));
+    let least: Vec<[f32; 4]> = wait(context, readback::read(context, &tree.least));
     // One quotient per texel: within 2.5 ulp in the shader, rounded on the CPU.
     for (found, expected) in least[0].into_iter().zip(oem.least_radiance()) {
         let off = (f64::from(found) - f64::from(expected)).abs();
         assert!(off <= 6.0 * UNIT * f64::from(expected), "least radiance {found}, not {expected}");
     }
-    wait(context, readback::read(context, tree.quads()))
+    wait(context, readback::read(context, &tree.quads))
 }
 
 /// Raw luminance of a cell's texels, and whether some texel's luminance above the least is lost in rounding.
@@ -213,13 +214,13 @@ fn look_of(random: &mut Random, size: OemSize, look: Look) -> Oem {
 #[test]
 fn cells_lie_within_their_bounds_of_the_cpu() {
     let cases = [(1, 1), (2, 1), (3, 1), (5, 1), (17, 1), (33, 2), (64, 1), (64, 4), (50, 8), (100, 1)];
-    with_passes("cells", |context, passes| {
+    in_full("cells", |context| {
         let mut random = Random::new(51);
         for (inner, block) in cases {
             for (k, look) in Look::ALL.into_iter().enumerate() {
                 let spread = [Reconstruction::Constant, Reconstruction::Bilinear][(k + inner as usize) % 2];
                 let oem = look_of(&mut random, OemSize { inner, border: inner % 3 }, look);
-                let found = built(context, passes, &oem, block, spread);
+                let found = built(context, &oem, block, spread);
                 let difference = Case { oem: &oem, block, spread }.difference(&found);
                 assert_eq!(difference, None, "{look:?} {inner} {block} {spread:?} on {}", context.describe());
             }
@@ -229,14 +230,14 @@ fn cells_lie_within_their_bounds_of_the_cpu() {
 
 #[test]
 fn faults_in_cells_are_detected() {
-    with_passes("faults in cells", |context, passes| {
+    in_full("faults in cells", |context| {
         let mut random = Random::new(52);
         for look in Look::ALL {
             let size = OemSize { inner: 16, border: 2 };
             let oem = look_of(&mut random, size, look);
             let spread = Reconstruction::Bilinear;
             let case = Case { oem: &oem, block: 1, spread };
-            let seen = |wrong: &Oem| case.difference(&built(context, passes, wrong, 1, spread)).is_some();
+            let seen = |wrong: &Oem| case.difference(&built(context, wrong, 1, spread)).is_some();
             assert!(!seen(&oem), "{look:?}: the correct tree passes");
 
             let square: Vec<[f32; 4]> = (0..256).map(|k| oem.texel(k % 16, k / 16)).collect();
@@ -256,7 +257,7 @@ fn faults_in_cells_are_detected() {
             shifted.rotate_left(1);
             assert!(seen(&Oem::from_bordered(size, shifted)), "{look:?}: a border off by one");
 
-            let right = built(context, passes, &oem, 1, spread);
+            let right = built(context, &oem, 1, spread);
             let faults = [
                 (0, "centroid"),
                 (4, "covariance"),

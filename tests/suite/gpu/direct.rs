@@ -3,16 +3,16 @@
 //! Values are positions and a 1: added up without depth, the ones count the triangles over a pixel; with
 //! depth, the position must be the point that the pixel's ray hits.
 
-use super::{CONTEXTS, in_full, index, wait};
+use super::{PerAdapter, in_full, wait};
 use crate::support::common::Random;
 use crate::support::meshes::{closed, mesh};
+use crate::support::triangle_oracle::{Hit, TriangleOracle, corners_of};
 use glam::DVec3;
 use half::f16;
-use octagloss::internals::analysis::oracle::{Hit, TriangleOracle};
 use octagloss::internals::direct::{Corner, DirectMap, Triangles};
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::direct::{Direct, DirectMesh, DirectTarget, Method, Overlap};
-use octagloss::internals::gpu::reparameterise::Reparameterise;
+use octagloss::internals::gpu::reparameterise;
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::oem::OemSize;
 use octagloss::internals::sphere::cube::{Face, direction_from_texel};
@@ -22,7 +22,6 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::cell::Cell;
 use std::f64::consts::{PI, SQRT_2};
-use std::sync::LazyLock;
 
 /// The exact methods for octahedral maps.
 const METHODS: [Method; 3] = [Method::Octants, Method::ClipMask, Method::StrictSplit];
@@ -38,20 +37,18 @@ const ROUNDING: f64 = 2e-6;
 /// Scenes of random triangles.
 const CASES: u32 = 64;
 
-/// The pipelines of an adapter, compiled once.
+/// The pipelines of an adapter.
 struct Pipelines {
     sum: Direct,
     nearest: Direct,
 }
 
-static PIPELINES: LazyLock<Vec<Pipelines>> = LazyLock::new(|| {
-    let direct =
-        |context: &Context, format, overlap| Direct::new(context, format, overlap).expect("pipelines");
-    let both = |context: &Context| Pipelines {
-        sum: direct(context, wgpu::TextureFormat::Rgba16Float, Overlap::Sum),
-        nearest: direct(context, wgpu::TextureFormat::Rgba32Float, Overlap::Nearest),
-    };
-    CONTEXTS.iter().map(both).collect()
+static PIPELINES: PerAdapter<Pipelines> = PerAdapter::new(|context| {
+    let direct = |format, overlap| Direct::new(context, format, overlap).expect("pipelines");
+    Pipelines {
+        sum: direct(wgpu::TextureFormat::Rgba16Float, Overlap::Sum),
+        nearest: direct(wgpu::TextureFormat::Rgba32Float, Overlap::Nearest),
+    }
 });
 
 /// Draws `triangles` and returns the target.
@@ -67,7 +64,7 @@ fn draw(
     let mesh = DirectMesh::upload(context, triangles).expect("a mesh that fits");
     let target = DirectTarget::new(context, map, format).expect("a target");
     let frame = direct.frame(method, &mesh, &target, near).expect("a frame");
-    context.submit(|encoder| frame.record(encoder));
+    context.submit(|encoder| frame.record(encoder, None));
     target
 }
 
@@ -80,9 +77,9 @@ fn counts(
     near: f32,
     layer: u32,
 ) -> Vec<usize> {
-    let direct = &PIPELINES[index(context)].sum;
+    let direct = &PIPELINES.get(context).sum;
     let target = draw(context, direct, wgpu::TextureFormat::Rgba16Float, method, triangles, map, near);
-    let texels: Vec<[u16; 4]> = wait(context, readback::read_layer(context, target.colour(), layer));
+    let texels: Vec<[u16; 4]> = wait(context, readback::read_layer(context, &target.colour, layer));
     texels.iter().map(|texel| f16::from_bits(texel[3]).to_f32().round() as usize).collect()
 }
 
@@ -95,10 +92,10 @@ fn nearest(
     near: f32,
     layer: u32,
 ) -> (Vec<[f32; 4]>, Vec<f32>) {
-    let direct = &PIPELINES[index(context)].nearest;
+    let direct = &PIPELINES.get(context).nearest;
     let target = draw(context, direct, wgpu::TextureFormat::Rgba32Float, method, triangles, map, near);
-    let values = wait(context, readback::read_layer(context, target.colour(), layer));
-    (values, wait(context, readback::read_layer(context, target.depth(), layer)))
+    let values = wait(context, readback::read_layer(context, &target.colour, layer));
+    (values, wait(context, readback::read_layer(context, &target.depth, layer)))
 }
 
 /// [`in_full`] without SwiftShader, which drops pixels where a corner's w is exactly 0 in a neighbouring
@@ -502,9 +499,9 @@ fn culling_leaves_the_picture_as_it_is() {
             let mesh = DirectMesh::upload(context, &triangles).expect("a mesh that fits");
             let target = DirectTarget::new(context, map, wgpu::TextureFormat::Rgba32Float);
             let target = target.expect("a target");
-            let frame = PIPELINES[index(context)].nearest.frame(method, &mesh, &target, 0.1);
+            let frame = PIPELINES.get(context).nearest.frame(method, &mesh, &target, 0.1);
             let frame = frame.expect("a frame");
-            context.submit(|encoder| frame.record(encoder));
+            context.submit(|encoder| frame.record(encoder, None));
             wait(context, frame.triangles(context))
         };
         // Every list has the triangles with a corner well inside of its octant, and some besides.
@@ -512,7 +509,7 @@ fn culling_leaves_the_picture_as_it_is() {
             let signs = [1, 2, 4].map(|bit| if octant & bit == 0 { 1.0 } else { -1.0 });
             let is_inside =
                 |corner: &Corner| corner.position.iter().zip(signs).all(|(x, sign)| x * sign > 0.2);
-            (0..triangles.count()).filter(|k| triangles.triangle(*k).iter().any(is_inside)).count() as u32
+            (0..triangles.count()).filter(|k| corners_of(&triangles, *k).iter().any(is_inside)).count() as u32
         };
         let lists = listed(Method::Octants, DirectMap::Octahedral { size: 64 });
         for (octant, count) in (0..).zip(&lists) {
@@ -566,16 +563,11 @@ fn a_reparameterised_cube_is_close_to_the_direct_map() {
         let (size, face) = (64, 26);
         let (direct, _) = nearest(context, Method::Octants, &surface, DirectMap::Octahedral { size }, 0.1, 0);
         let cube = DirectMap::Cube { size: face };
-        let pipelines = &PIPELINES[index(context)].nearest;
+        let pipelines = &PIPELINES.get(context).nearest;
         let format = wgpu::TextureFormat::Rgba32Float;
         let target = draw(context, pipelines, format, Method::Cube, &surface, cube, 0.1);
         let planes = OemPlanes::new(context, OemSize { inner: size, border: 0 }).expect("planes");
-        let stage = Reparameterise::new(context).stage(
-            context,
-            Layout::Cube { size: face },
-            target.colour(),
-            &planes,
-        );
+        let stage = reparameterise::stage(context, Layout::Cube { size: face }, &target.colour, &planes);
         context.submit(|encoder| stage.as_ref().expect("a stage").record(encoder));
         let oem = wait(context, planes.read(context));
         for (energy, drawn) in oem.texels().iter().zip(direct) {
@@ -637,7 +629,7 @@ fn bad_targets_are_errors_that_name_the_remedy() {
         }
         let sum = Direct::new(context, wgpu::TextureFormat::Rgba32Float, Overlap::Sum);
         assert!(matches!(sum, Err(Error::Parameter(_))));
-        let direct = &PIPELINES[index(context)].sum;
+        let direct = &PIPELINES.get(context).sum;
         let mesh = DirectMesh::upload(context, &closed(1, None, 1.0..2.0)).expect("a mesh that fits");
         // Beyond 128 MiB of pieces.
         let surface = closed(1, None, 1.0..2.0);

@@ -1,10 +1,11 @@
 //! Compares emitters and the residual map on the GPU with the CPU's, within derived bounds.
 
-use super::{UNIT, exceeds, wait, with_passes};
+use super::transfer::{Upload as _, read_emitters};
+use super::{UNIT, exceeds, in_full, wait};
 use crate::support::common::{Look, Random, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;
-use octagloss::internals::gpu::engine::Engine;
+use octagloss::internals::gpu::emitters as of_oem;
 use octagloss::internals::gpu::fitted::FittedTables;
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::lobe::{Lobe, kernel_integral};
@@ -77,13 +78,13 @@ impl Open {
 }
 
 /// Extracts emitters of `oem` on the GPU; returns them with the residual map.
-fn taken_out_by_gpu(context: &Context, passes: &Engine, oem: &Oem) -> (Vec<Emitter>, Oem) {
+fn taken_out_by_gpu(context: &Context, oem: &Oem) -> (Vec<Emitter>, Oem) {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let tables = FittedTables::new(context, oem.size().inner, 1).expect("small tables");
     let rest = planes.of_the_same_solid_angles(context);
-    let stage = passes.build_fitted.emitters.stage(context, &planes, &rest, &tables);
+    let stage = of_oem::stage(context, &planes, &rest, &tables);
     context.submit(|encoder| stage.record(encoder));
-    (wait(context, tables.read_emitters(context)), wait(context, rest.read(context)))
+    (wait(context, read_emitters(context, &tables)), wait(context, rest.read(context)))
 }
 
 /// Returns the first difference of `found` from the CPU's emitters and residual map of `oem`.
@@ -127,12 +128,12 @@ fn difference(oem: &Oem, (emitters, rest): &(Vec<Emitter>, Oem)) -> Option<Strin
 /// Radiances at which sums of three overflow float32, and energies barely above its subnormals.
 #[test]
 fn extreme_light_makes_emitters_too() {
-    with_passes("extreme emitters", |context, passes| {
+    in_full("extreme emitters", |context| {
         for power in [3e38_f32, 2e-33] {
             let mut radiance = vec![[0.0; 3]; 64 * 64];
             radiance[20 * 64 + 9] = [power; 3];
             let oem = oem(OemSize { inner: 64, border: 0 }, &radiance);
-            let (found, rest) = taken_out_by_gpu(context, passes, &oem);
+            let (found, rest) = taken_out_by_gpu(context, &oem);
             let (expected, _) = extracted(&oem);
             let name = format!("{power:e} on {}", context.describe());
             assert!(
@@ -149,12 +150,12 @@ fn extreme_light_makes_emitters_too() {
 }
 
 /// Compares emitters and residual maps of random squares (inner texels, border, look) with the CPU's.
-pub(super) fn emitters(context: &Context, passes: &Engine, cases: &[(u32, u32, Look)]) {
+pub(super) fn emitters(context: &Context, cases: &[(u32, u32, Look)]) {
     let mut random = Random::new(133);
     for &(inner, border, look) in cases {
         let size = OemSize { inner, border };
         let oem = oem(size, &texels(&mut random, look, Layout::Octahedral { size: inner }));
-        let found = taken_out_by_gpu(context, passes, &oem);
+        let found = taken_out_by_gpu(context, &oem);
         let name = format!("{look:?} {inner} + {border} on {}", context.describe());
         assert_eq!(difference(&oem, &found), None, "{name}");
         let seen = |fault: &dyn Fn(&mut Emitter)| {
@@ -186,5 +187,5 @@ fn emitters_and_the_residual_match_the_cpu() {
         (1024, 0, Look::Suns),
         (256, 0, Look::Lone),
     ];
-    with_passes("emitters", |context, passes| emitters(context, passes, &cases));
+    in_full("emitters", |context| emitters(context, &cases));
 }

@@ -1,15 +1,16 @@
 //! Failures are reported as errors; nothing hangs or panics.
 
-use super::{is_brief, wait};
+use super::transfer::{Upload as _, bake_one};
+use super::{is_brief, wait, with_passes};
 use crate::support::common::{environment, oem};
 use octagloss::internals::bake::BakeSettings;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::geometry::tent::Reconstruction;
 use octagloss::internals::gpu::box_filter::SatTextures;
-use octagloss::internals::gpu::cells::BuildCells;
+use octagloss::internals::gpu::cells;
 use octagloss::internals::gpu::engine::{Engine, GpuReflector};
 use octagloss::internals::gpu::fitted::FittedTables;
-use octagloss::internals::gpu::reparameterise::{Reparameterise, upload};
+use octagloss::internals::gpu::reparameterise::{self, upload};
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes, adapters, block_on};
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::oem::OemSize;
@@ -85,13 +86,12 @@ fn limits_name_the_largest_size_that_fits() {
         assert_eq!(fits, 16);
         assert!(FittedTables::new(context, fits, 4).is_ok());
 
-        let stage = BuildCells::new(context);
-        let cells = |inner| {
+        let tree = |inner| {
             let planes = OemPlanes::new(context, square(inner)).expect("planes that fit");
-            stage.stage(context, &planes, 1, Reconstruction::Constant)
+            cells::stage(context, &planes, 1, Reconstruction::Constant)
         };
-        let fits = largest(cells(300));
-        assert!((60..300).contains(&fits) && cells(fits).is_ok(), "{fits} fits");
+        let fits = largest(tree(300));
+        assert!((60..300).contains(&fits) && tree(fits).is_ok(), "{fits} fits");
 
         let wide = Layout::Panorama { width: 300, height: 150 };
         let wide = environment(wide, vec![[1.0; 3]; wide.texel_count()]);
@@ -103,7 +103,7 @@ fn limits_name_the_largest_size_that_fits() {
         assert_eq!(largest(GpuReflector::new(&engine, &source, &settings)), 512);
         let bake = |oem_size| {
             let settings = BakeSettings { size: 2, oem_size: Some(oem_size), ..BakeSettings::default() };
-            wait_for(context, engine.bake(&source, &settings))
+            wait_for(context, bake_one(&engine, &source, &settings))
         };
         // The cells have the tightest limit. A bake of the size named succeeds, and no error damaged the
         // device.
@@ -123,26 +123,23 @@ fn wait_for<T>(
 
 #[test]
 fn parameters_that_cannot_be_served_are_named() {
-    on_devices_of_their_own(wgpu::Limits::default(), |context| {
-        let context = &context;
+    with_passes("refused parameters", |context, engine| {
         let (layout, other) =
             (Layout::Panorama { width: 8, height: 4 }, Layout::Panorama { width: 8, height: 5 });
         let source = environment(layout, vec![[1.0; 3]; 32]);
         let texture = upload(context, &source).expect("a small texture");
-        let pass = Reparameterise::new(context);
         let planes = OemPlanes::new(context, square(4)).expect("small planes");
         for wrong in [other, Layout::Cube { size: 8 }, Layout::Octahedral { size: 8 }] {
-            let outcome = pass.stage(context, wrong, &texture, &planes);
+            let outcome = reparameterise::stage(context, wrong, &texture, &planes);
             assert!(matches!(outcome, Err(Error::Parameter(_))), "{wrong:?} from {layout:?}");
         }
-        assert!(pass.stage(context, layout, &texture, &planes).is_ok());
+        assert!(reparameterise::stage(context, layout, &texture, &planes).is_ok());
         let turned = environment(other, vec![[1.0; 3]; 40]);
-        let outcome = pass.footprints(context, &turned, &texture, 2);
+        let outcome = reparameterise::footprints(context, &turned, &texture, 2);
         assert!(matches!(outcome, Err(Error::Parameter(_))), "a texture of another environment");
 
-        let engine = Engine::new(context.clone()).expect("shaders that compile");
         let settings = ReflectorSettings { oem_size: Some(8), ..ReflectorSettings::default() };
-        let reflector = GpuReflector::new(&engine, &source, &settings).expect("a small OEM");
+        let reflector = GpuReflector::new(engine, &source, &settings).expect("a small OEM");
         let up = [glam::DVec3::Y];
         for (roughness, filter) in [
             (-0.1, Filter::Box),
@@ -159,7 +156,7 @@ fn parameters_that_cannot_be_served_are_named() {
         let outcome = wait_for(context, reflector.query(&up, Lobe::Ggx, 0.5, Filter::Reference));
         assert!(matches!(outcome, Err(Error::Unsupported { .. })), "the reference filter");
         let serial = ReflectorSettings { scan: Scan::Serial, ..settings };
-        let on_cpu = GpuReflector::new(&engine, &source, &serial).expect("a small OEM");
+        let on_cpu = GpuReflector::new(engine, &source, &serial).expect("a small OEM");
         let outcome = wait_for(context, on_cpu.query(&up, Lobe::Ggx, 0.5, Filter::Box));
         assert!(matches!(outcome, Err(Error::Unsupported { .. })), "the serial scan");
         for (inner, count) in [(64, 3), (48, 4), (8, 4)] {
@@ -169,7 +166,7 @@ fn parameters_that_cannot_be_served_are_named() {
         let tables = FittedTables::new(context, 16, 4).expect("small tables");
         assert!(matches!(tables.set_count(context, 5), Err(Error::Parameter(_))));
         let none = ReflectorSettings { oem_size: Some(0), ..ReflectorSettings::default() };
-        assert!(matches!(GpuReflector::new(&engine, &source, &none), Err(Error::Parameter(_))));
+        assert!(matches!(GpuReflector::new(engine, &source, &none), Err(Error::Parameter(_))));
         // No directions give no answers.
         for filter in [Filter::Box, Filter::Adaptive(0.005)] {
             assert!(wait(context, reflector.query(&[], Lobe::Ggx, 0.5, filter)).is_empty(), "{filter:?}");
@@ -201,7 +198,7 @@ fn a_lost_device_is_an_error() {
             BakeSettings { size: 4, oem_size: Some(8), irradiance: Some(2), ..BakeSettings::default() };
         let bake = {
             let context = context.clone();
-            move || wait_for(&context, engine.bake(&small_source(), &settings)).map(|_| ())
+            move || wait_for(&context, bake_one(&engine, &small_source(), &settings)).map(|_| ())
         };
         bake().expect("a bake while the device is there");
         context.device().destroy();

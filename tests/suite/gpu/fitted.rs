@@ -2,7 +2,8 @@
 //! float32 error bounds.
 
 use super::emitters::Open;
-use super::{UNIT, exceeds, wait, with_passes};
+use super::transfer::{Upload as _, bake_one, read_blurred, read_harmonics};
+use super::{UNIT, exceeds, in_full, wait, with_passes};
 use crate::cpu::adaptive::{ask, reflector};
 use crate::support::common::{Look, Random, environment, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
@@ -13,6 +14,7 @@ use octagloss::internals::gpu::engine::{Engine, GpuReflector};
 use octagloss::internals::gpu::fitted::FittedTables;
 use octagloss::internals::gpu::octaves::BORDER;
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
+use octagloss::internals::gpu::{build_fitted, emitters, harmonics as of_table};
 use octagloss::internals::lobe::{self, Lobe};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::realtime::emitters::{Emitter, extracted};
@@ -34,10 +36,10 @@ fn random_oem(random: &mut Random, size: OemSize, look: Look) -> Oem {
 }
 
 /// Builds the tables of `oem` on the GPU.
-fn tables(context: &Context, passes: &Engine, oem: &Oem, count: u32) -> FittedTables {
+fn tables(context: &Context, oem: &Oem, count: u32) -> FittedTables {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let tables = FittedTables::new(context, oem.size().inner, count).expect("small tables");
-    let stages = passes.build_fitted.stages(context, &planes, &tables).expect("small planes");
+    let stages = build_fitted::stages(context, Scan::Blocks, &planes, &tables).expect("small planes");
     context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
     tables
 }
@@ -57,23 +59,22 @@ fn difference(expected: &Sat, entries: &[[u64; 4]], [inner, border]: [u32; 2]) -
 }
 
 /// Compares the blurred tables of random squares (inner texels, border, look) with the CPU's.
-pub(super) fn blurred_tables(context: &Context, passes: &Engine, cases: &[(u32, u32, Look)]) {
+pub(super) fn blurred_tables(context: &Context, cases: &[(u32, u32, Look)]) {
     let mut random = Random::new(91);
     for &(inner, border, look) in cases {
         let oem = random_oem(&mut random, OemSize { inner, border }, look);
-        let tables = tables(context, passes, &oem, 4);
+        let tables = tables(context, &oem, 4);
         // Read back the GPU's residual map: its floats may differ from the CPU's.
         let planes = OemPlanes::upload(context, &oem).expect("small planes");
-        let emitters = &passes.build_fitted.emitters;
         let rest = planes.of_the_same_solid_angles(context);
-        let stage = emitters.stage(context, &planes, &rest, &tables);
+        let stage = emitters::stage(context, &planes, &rest, &tables);
         context.submit(|encoder| stage.record(encoder));
         let rest = wait(context, rest.read(context));
         assert_ne!(rest, oem, "emitters must be extracted");
         let sat = Sat::new(&rest, Scan::default());
         for octave in octaves(inner) {
             let expected = blurred(&sat, octave);
-            let (mut entries, size) = wait(context, tables.read_blurred(context, octave));
+            let (mut entries, size) = wait(context, read_blurred(context, &tables, octave));
             let wrong = difference(&expected, &entries, size);
             let name = format!("{look:?} {inner} + {border} octave {octave} on {}", context.describe());
             assert_eq!(wrong, None, "{name}");
@@ -88,7 +89,7 @@ pub(super) fn blurred_tables(context: &Context, passes: &Engine, cases: &[(u32, 
 #[test]
 fn blurred_tables_equal_the_cpu_to_the_last_bit() {
     let cases = [(16, 0, Look::Noise), (32, 3, Look::Suns), (128, 0, Look::Suns), (256, 0, Look::Noise)];
-    with_passes("blurred tables", |context, passes| blurred_tables(context, passes, &cases));
+    in_full("blurred tables", |context| blurred_tables(context, &cases));
 }
 
 /// Returns the first coefficient that differs from the CPU's by more than the error of float32 sums.
@@ -108,17 +109,17 @@ fn harmonics_difference(expected: &[[f64; 4]; 25], found: &[[f64; 4]; 25]) -> Op
 }
 
 /// Compares the harmonics of random squares (inner texels, border, look) with the CPU's.
-pub(super) fn harmonics(context: &Context, passes: &Engine, cases: &[(u32, u32, Look)]) {
+pub(super) fn harmonics(context: &Context, cases: &[(u32, u32, Look)]) {
     let mut random = Random::new(92);
     for &(inner, border, look) in cases {
         let oem = random_oem(&mut random, OemSize { inner, border }, look);
         let sat = Sat::new(&oem, Scan::default());
         let planes = SatPlanes::upload(context, &sat).expect("small planes");
         let tables = FittedTables::new(context, inner, 1).expect("small tables");
-        let stage = passes.build_fitted.harmonics.stage(context, &planes, &tables);
+        let stage = of_table::stage(context, &planes, &tables);
         context.submit(|encoder| stage.record(encoder));
         let expected = sh::table_harmonics(&sat);
-        let mut found = wait(context, tables.read_harmonics(context, sat.fixed_point()));
+        let mut found = wait(context, read_harmonics(context, &tables, sat.fixed_point()));
         let wrong = harmonics_difference(&expected, &found);
         assert_eq!(wrong, None, "{look:?} {inner} + {border} on {}", context.describe());
         found[7][1] += 1e-4 * expected[0][1];
@@ -129,7 +130,7 @@ pub(super) fn harmonics(context: &Context, passes: &Engine, cases: &[(u32, u32, 
 #[test]
 fn harmonics_match_the_cpu() {
     let cases = [(16, 0, Look::Noise), (64, 7, Look::Suns), (512, 0, Look::Lone)];
-    with_passes("harmonics", |context, passes| harmonics(context, passes, &cases));
+    in_full("harmonics", |context| harmonics(context, &cases));
 }
 
 /// Returns the octaves whose parameters serve `alpha` for `inner` texels, and the alpha that they serve.
@@ -298,7 +299,7 @@ pub(super) fn radiance(
         let judge = Judge::new(&mut random, inner, look);
         let directions = directions(&mut random);
         let reflector = reflector(&judge.environment, inner);
-        let tables = tables(context, passes, reflector.oem(), 4);
+        let tables = tables(context, reflector.oem(), 4);
         let ask = |roughness: f64| {
             let queries: Vec<_> = directions.iter().map(|direction| (*direction, roughness)).collect();
             wait(context, passes.fitted.radiance(context, &tables, &queries))
@@ -390,7 +391,9 @@ fn a_fitted_furnace_is_white() {
 #[test]
 fn queries_and_bakes_match_the_cpu() {
     let layout = Layout::Panorama { width: 64, height: 32 };
-    let sky = environment(layout, texels(&mut Random::new(95), Look::Smooth, layout)).rotated_y(40.0);
+    let sky = environment(layout, texels(&mut Random::new(95), Look::Smooth, layout))
+        .rotated_y(40.0)
+        .expect("an angle");
     // Boxes of a smooth sky change by a few times its brightest over a radian, and coordinates are off by
     // 2^-20; the test of harmonics derives their error.
     let brightest = f64::from(sky.texels().iter().flatten().copied().fold(0.0, f32::max));
@@ -421,8 +424,9 @@ fn queries_and_bakes_match_the_cpu() {
         let settings =
             BakeSettings { size: 16, levels: Some(4), filter: Filter::Fitted(4), ..BakeSettings::default() };
         let expected = bake(&sky, &settings).expect("a small bake");
-        let found = wait(context, passes.bake(&sky, &settings));
-        let other = wait(context, passes.bake(&sky, &BakeSettings { filter: Filter::Fitted(1), ..settings }));
+        let found = wait(context, bake_one(passes, &sky, &settings));
+        let other =
+            wait(context, bake_one(passes, &sky, &BakeSettings { filter: Filter::Fitted(1), ..settings }));
         for (level, (e, f)) in expected.chain.levels.iter().zip(&found.chain.levels).enumerate() {
             let off = far(&e.texels, &f.texels);
             assert!(off <= allowed, "level {level}: {off:e} of {allowed:e} on {}", context.describe());

@@ -1,16 +1,20 @@
 //! Compares a lamp added to an OEM with the CPU's, within a derived bound.
 
+use super::transfer::Upload as _;
 use super::{UNIT, exceeds, in_full, wait};
 use crate::support::common::{Look, Random, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
 use octagloss::Layout;
-use octagloss::internals::gpu::lamp::{Lamp, LampPass, PLACES};
+use octagloss::internals::gpu::lamp::Lamp;
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sphere::octahedral::{direction_from_oct, wrap_texel};
 
 const DISC: f64 = 0.06;
 const EDGE: f64 = 0.08;
+
+/// Samples of the lamp along an edge of a texel, as in `shaders/lamp.wgsl`.
+const PLACES: u32 = 4;
 
 /// Returns the mean radiance of `lamp` over texel (`x`, `y`) of a square of `inner`.
 fn mean(lamp: &Lamp, inner: u32, x: u32, y: u32) -> f64 {
@@ -51,9 +55,9 @@ fn difference(found: &Oem, before: &Oem, lamp: &Lamp, radiance: f64) -> Option<S
     })
 }
 
-fn lit(context: &Context, pass: &LampPass, before: &Oem, lamp: &Lamp) -> Oem {
+fn lit(context: &Context, before: &Oem, lamp: &Lamp) -> Oem {
     let planes = OemPlanes::upload(context, before).expect("small planes");
-    let stage = pass.stage(context, &lamp.buffer(context), &planes);
+    let stage = octagloss::internals::gpu::lamp::stage(context, &lamp.buffer(context), &planes);
     context.submit(|encoder| stage.record(encoder));
     wait(context, planes.read(context))
 }
@@ -62,16 +66,15 @@ fn lit(context: &Context, pass: &LampPass, before: &Oem, lamp: &Lamp) -> Oem {
 pub(super) fn lamps(context: &Context, sizes: &[(u32, u32)]) {
     let mut random = Random::new(120);
     let places: Vec<DVec3> = landmarks().into_iter().chain((0..10).map(|_| random.direction())).collect();
-    let pass = LampPass::new(context);
     for &(inner, border) in sizes {
         let radiance = texels(&mut Random::new(121), Look::Smooth, Layout::Octahedral { size: inner });
         let before = oem(OemSize { inner, border }, &radiance);
         for towards in &places {
             let lamp = Lamp::new(*towards, 100.0, DISC, EDGE);
-            let after = lit(context, &pass, &before, &lamp);
+            let after = lit(context, &before, &lamp);
             assert_eq!(difference(&after, &before, &lamp, 100.0), None, "{inner} + {border}, {towards}");
         }
-        let none = lit(context, &pass, &before, &Lamp::default());
+        let none = lit(context, &before, &Lamp::default());
         assert_eq!(none.texels(), before.texels(), "{inner} + {border}: no lamp");
     }
 }
@@ -84,7 +87,6 @@ fn lamps_match_the_cpu() {
 #[test]
 fn a_displaced_or_brighter_lamp_is_detected() {
     in_full("lamp faults", |context| {
-        let pass = LampPass::new(context);
         let radiance = texels(&mut Random::new(122), Look::Smooth, Layout::Octahedral { size: 64 });
         let before = oem(OemSize { inner: 64, border: 0 }, &radiance);
         let lamp = Lamp::new(DVec3::new(0.6, 0.3, -0.5), 100.0, DISC, EDGE);
@@ -94,7 +96,7 @@ fn a_displaced_or_brighter_lamp_is_detected() {
             Lamp::new(DVec3::new(0.6, 0.3, -0.5), 100.0, DISC, 1.01 * EDGE),
         ];
         for other in wrong {
-            let after = lit(context, &pass, &before, &other);
+            let after = lit(context, &before, &other);
             assert!(difference(&after, &before, &lamp, 100.0).is_some(), "{other:?}");
         }
     });

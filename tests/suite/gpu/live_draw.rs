@@ -5,8 +5,8 @@ use super::in_full;
 use super::live::{answers, difference};
 use crate::support::common::{Random, landmarks};
 use crate::support::meshes::closed;
+use crate::support::triangle_oracle::{TriangleOracle, corners_of};
 use glam::{DMat3, DVec3};
-use octagloss::internals::analysis::oracle::TriangleOracle;
 use octagloss::internals::direct::{Corner, DirectMap, Triangles};
 use octagloss::internals::gpu::Context;
 use octagloss::wgpu::util::DeviceExt as _;
@@ -59,7 +59,7 @@ fn scene() -> Triangles {
         }
     };
     for index in 0..room.count() {
-        let places = room.triangle(index).map(|corner| DVec3::from_array(corner.position.map(f64::from)));
+        let places = corners_of(&room, index).map(|corner| DVec3::from_array(corner.position.map(f64::from)));
         facing(places, places.map(|place| 0.5 * place.normalize() + 0.7));
     }
     for k in 0..6 {

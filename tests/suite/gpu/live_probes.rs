@@ -41,7 +41,7 @@ fn answers_of(
 }
 
 fn update(context: &Context, live: &mut LiveEnvironment, texture: &wgpu::Texture, turn: f64) {
-    live.set_rotation(DMat3::from_rotation_y(turn));
+    live.set_rotation(DMat3::from_rotation_y(turn)).expect("a rotation");
     let mut encoder = context.device().create_command_encoder(&Default::default());
     live.update(&mut encoder, texture).expect("an environment");
     context.queue().submit([encoder.finish()]);

@@ -12,7 +12,6 @@ mod brief;
 mod cells;
 mod direct;
 mod emitters;
-mod entry_points;
 mod errors;
 mod fitted;
 mod lamp;
@@ -32,6 +31,8 @@ mod sat;
 mod scenes;
 mod shadow;
 mod stages;
+mod transfer;
+mod twins;
 mod unwrap;
 #[cfg(feature = "view")]
 mod view;
@@ -46,7 +47,7 @@ use octagloss::internals::gpu::engine::Engine;
 use octagloss::internals::gpu::{Context, adapters, block_on};
 use octagloss::wgpu;
 use std::io::Write as _;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 /// One context per adapter, with the baseline limits of a browser.
 static CONTEXTS: LazyLock<Vec<Context>> = LazyLock::new(|| {
@@ -70,15 +71,32 @@ static CONTEXTS: LazyLock<Vec<Context>> = LazyLock::new(|| {
     contexts
 });
 
-/// Every pass on every adapter, compiled once because some drivers take seconds.
-static ENGINES: LazyLock<Vec<Engine>> = LazyLock::new(|| {
-    let compiled = |context: &Context| Engine::new(context.clone()).expect("shaders that compile");
-    CONTEXTS.iter().map(compiled).collect()
-});
+/// One value per adapter, made on first use: some drivers compile for seconds, and no test waits for another
+/// driver's.
+struct PerAdapter<T> {
+    values: LazyLock<Vec<OnceLock<T>>>,
+    make: fn(&Context) -> T,
+}
+
+impl<T> PerAdapter<T> {
+    const fn new(make: fn(&Context) -> T) -> Self {
+        Self { values: LazyLock::new(|| CONTEXTS.iter().map(|_| OnceLock::new()).collect()), make }
+    }
+
+    fn get(&self, context: &Context) -> &T {
+        let own = |other: &Context| other.device() == context.device();
+        let index = CONTEXTS.iter().position(own).expect("a context of the list");
+        self.values[index].get_or_init(|| (self.make)(context))
+    }
+}
+
+/// Every pass.
+static ENGINES: PerAdapter<Engine> =
+    PerAdapter::new(|context| Engine::new(context.clone()).expect("shaders that compile"));
 
 /// Returns all passes, compiled for `context`.
 fn passes(context: &Context) -> &'static Engine {
-    &ENGINES[index(context)]
+    ENGINES.get(context)
 }
 
 /// Returns whether the adapter `name` runs only the tests of `brief`.
@@ -91,12 +109,6 @@ fn is_brief(name: &str) -> bool {
 /// Runs `test` with all passes on every adapter that runs all tests, and prints its time.
 fn with_passes(name: &str, test: impl Fn(&Context, &Engine)) {
     in_full(name, |context| test(context, passes(context)));
-}
-
-/// Returns the index of `context` in [`CONTEXTS`].
-fn index(context: &Context) -> usize {
-    let own = |other: &Context| other.device() == context.device();
-    CONTEXTS.iter().position(own).expect("a context of the list")
 }
 
 /// 2^-24: half the distance between 1 and the next float32.

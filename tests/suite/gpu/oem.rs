@@ -5,7 +5,7 @@ use crate::support::common::{Look, Random, environment, texels};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::geometry::footprints::footprints_from_environment;
 use octagloss::internals::gpu::device::readback;
-use octagloss::internals::gpu::reparameterise::{Reparameterise, upload};
+use octagloss::internals::gpu::reparameterise::{self, upload};
 use octagloss::internals::gpu::{Context, OemPlanes};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::{Environment, Layout};
@@ -44,10 +44,11 @@ fn difference(expected: &[[f32; 4]], found: &[[f32; 4]], bound: f64, misplaced: 
     })
 }
 
-fn gathered(context: &Context, pass: &Reparameterise, environment: &Environment, size: OemSize) -> Oem {
+fn gathered(context: &Context, environment: &Environment, size: OemSize) -> Oem {
     let texture = upload(context, environment).expect("a small texture");
     let planes = OemPlanes::new(context, size).expect("small planes");
-    let stage = pass.stage(context, environment.layout(), &texture, &planes).expect("a small matrix");
+    let stage =
+        reparameterise::stage(context, environment.layout(), &texture, &planes).expect("a small matrix");
     context.submit(|encoder| stage.record(encoder));
     wait(context, planes.read(context))
 }
@@ -64,7 +65,6 @@ const LAYOUTS: [Layout; 7] = [
 
 /// Compares maps of `sizes` (inner texels and border) from environments of `layouts` with the CPU's.
 pub(super) fn maps(context: &Context, layouts: &[Layout], sizes: &[(u32, u32)]) {
-    let pass = Reparameterise::new(context);
     let mut random = Random::new(41);
     for &layout in layouts {
         for look in [Look::Noise, Look::Suns] {
@@ -72,7 +72,7 @@ pub(super) fn maps(context: &Context, layouts: &[Layout], sizes: &[(u32, u32)]) 
             for &(inner, border) in sizes {
                 let size = OemSize { inner, border };
                 let expected = oem_from_environment(&environment, size).expect("a small matrix");
-                let found = gathered(context, &pass, &environment, size);
+                let found = gathered(context, &environment, size);
                 let bound = bound(layout.texel_count() as f64);
                 let far = difference(expected.texels(), found.texels(), bound, misplaced(&environment));
                 assert_eq!(far, None, "{layout:?} {look:?} {size:?} on {}", context.describe());
@@ -83,11 +83,12 @@ pub(super) fn maps(context: &Context, layouts: &[Layout], sizes: &[(u32, u32)]) 
 
 /// Compares footprints of cubes of `sizes` over environments of `layouts` with the CPU's.
 pub(super) fn footprints(context: &Context, layouts: &[Layout], sizes: &[u32]) {
-    let stage = Reparameterise::new(context);
     let mut random = Random::new(42);
     for &layout in layouts {
         for turn in [0.0, 90.0, 33.0] {
-            let environment = environment(layout, texels(&mut random, Look::Suns, layout)).rotated_y(turn);
+            let environment = environment(layout, texels(&mut random, Look::Suns, layout))
+                .rotated_y(turn)
+                .expect("an angle");
             let texture = upload(context, &environment).expect("a small texture");
             for &size in sizes {
                 let expected: Vec<[f32; 4]> = footprints_from_environment(&environment, size)
@@ -96,7 +97,7 @@ pub(super) fn footprints(context: &Context, layouts: &[Layout], sizes: &[u32]) {
                     .map(|[r, g, b]| [*r, *g, *b, 1.0])
                     .collect();
                 let (stage, buffer) =
-                    stage.footprints(context, &environment, &texture, size).expect("a small cube");
+                    reparameterise::footprints(context, &environment, &texture, size).expect("a small cube");
                 context.submit(|encoder| stage.record(encoder));
                 let found: Vec<[f32; 4]> = wait(context, readback::read(context, &buffer));
                 let bound = bound(layout.texel_count() as f64);

@@ -1,6 +1,7 @@
 //! Compares the WGSL look-ups in mip-mapped octahedral maps with those of double precision.
 
 use super::{UNIT, exceeds, in_full, look};
+use crate::image::oem_mips::rectangular_level;
 use crate::support::common::{Random, landmarks, oem};
 use glam::{DVec2, DVec3};
 use octagloss::Rgb;
@@ -8,9 +9,7 @@ use octagloss::internals::gpu::Context;
 use octagloss::internals::gpu::device::shader;
 use octagloss::internals::image::oem_mips::{Addressing, OemMips, Weights};
 use octagloss::internals::oem::OemSize;
-use octagloss::internals::sphere::oem_lookup::{
-    level_of_cell, quadratic_level, rectangular_level, rectangular_place,
-};
+use octagloss::internals::sphere::oem_lookup::{level_of_cell, quadratic_level, rectangular_place};
 use octagloss::wgpu;
 
 const INNER: u32 = 48;

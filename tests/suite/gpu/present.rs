@@ -12,7 +12,7 @@ fn frames_of_pictures_of_several_sizes_can_share_a_submission() {
     in_full("present", |context| {
         let mut renderer = Renderer::new(context.clone()).expect("shaders that compile");
         let table = ReflectorSettings { oem_size: Some(64), ..ReflectorSettings::default() };
-        let light = renderer.light_with(&synth("sky").expect("the sky"), &table).expect("a small map");
+        let light = renderer.light(&synth("sky").expect("the sky"), &table).expect("a small map");
         let (width, height) = (48, 32);
         let format = wgpu::TextureFormat::Rgba8Unorm;
         // A picture of all samples of its frame, one coarser than it, and another tone.

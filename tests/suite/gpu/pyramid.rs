@@ -1,11 +1,12 @@
 //! Pyramids on the GPU against those of the CPU, which run the same algorithm.
 
+use super::transfer::Upload;
 use super::{exceeds, wait, with_passes};
 use crate::support::common::{Look, Random, landmarks, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;
-use octagloss::internals::gpu::pyramid::{BuildPyramid, PyramidMaps, PyramidQuery};
-use octagloss::internals::gpu::{Context, OemPlanes};
+use octagloss::internals::gpu::pyramid::{self, PyramidMaps};
+use octagloss::internals::gpu::{Context, OemPlanes, build_pyramid};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::pyramid::Pyramid;
 
@@ -21,14 +22,13 @@ fn allowed(levels: f64, peak: f64) -> f64 {
 fn built(context: &Context, oem: &Oem) -> PyramidMaps {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let maps = PyramidMaps::new(context, oem.size().inner).expect("small maps");
-    let stages = BuildPyramid::new(context).stages(context, &planes, &maps);
+    let stages = build_pyramid::stages(context, &planes, &maps);
     context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
     maps
 }
 
 /// Compares look-ups of random maps (texels along an edge, look, scale of the light) with the CPU's.
 pub(super) fn look_ups(context: &Context, cases: &[(u32, Look, f32)], roughness: &[f64]) {
-    let query = PyramidQuery::new(context);
     for &(size, look, scale) in cases {
         let mut random = Random::new(31);
         let light = texels(&mut random, look, Layout::Octahedral { size });
@@ -39,7 +39,7 @@ pub(super) fn look_ups(context: &Context, cases: &[(u32, Look, f32)], roughness:
         directions.extend((0..200).map(|_| random.direction()));
         for &roughness in roughness {
             let queries: Vec<(DVec3, f64)> = directions.iter().map(|d| (*d, roughness)).collect();
-            let mut found = wait(context, query.radiance(context, &maps, &queries));
+            let mut found = wait(context, pyramid::radiance(context, &maps, &queries));
             let truth: Vec<_> = directions.iter().map(|d| expected.radiance(*d, roughness as f32)).collect();
             let peak = f64::from(truth.iter().flatten().copied().fold(0.0, f32::max));
             let levels = f64::from(maps.octaves().count());

@@ -1,19 +1,21 @@
 //! Scenes at the hard cases of maps and arithmetic, through every stage.
 
 use super::boxes::{one_box, packed, radiance_difference, solid_angle};
-use super::{UNIT, exceeds, wait, with_passes};
+use super::transfer::read_sat;
+use super::{UNIT, exceeds, in_full, wait, with_passes};
 use crate::cpu::adaptive::luminance;
 use crate::support::bounds::ServedOracle;
 use crate::support::common::{environment, landmarks};
+use crate::support::oem_oracle::OemOracle;
 use glam::DVec3;
-use octagloss::internals::analysis::oracle::OemOracle;
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::filter::{Bound, Filter};
 use octagloss::internals::geometry::footprints::footprints_from_environment;
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::engine::{Engine, GpuReflector};
-use octagloss::internals::gpu::reparameterise::upload;
+use octagloss::internals::gpu::reparameterise::{self, upload};
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
+use octagloss::internals::gpu::{box_filter, fixed_point, sat_scan};
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::reflector::{Reflector as CpuReflector, ReflectorSettings};
@@ -72,11 +74,11 @@ fn far(expected: f32, found: f32, bound: f64) -> bool {
     exceeds((e - f).abs(), bound * e + 2.4e-38)
 }
 
-fn gathered(context: &Context, passes: &Engine, environment: &Environment, size: OemSize) -> OemPlanes {
+fn gathered(context: &Context, environment: &Environment, size: OemSize) -> OemPlanes {
     let texture = upload(context, environment).expect("a small texture");
     let planes = OemPlanes::new(context, size).expect("small planes");
     let layout = environment.layout();
-    let stage = passes.reparameterise.stage(context, layout, &texture, &planes).expect("a small matrix");
+    let stage = reparameterise::stage(context, layout, &texture, &planes).expect("a small matrix");
     context.submit(|encoder| stage.record(encoder));
     planes
 }
@@ -86,13 +88,13 @@ fn scenes_pass_every_stage() {
     let layouts = [Layout::Cube { size: 8 }, Layout::Panorama { width: 32, height: 16 }];
     let size = OemSize { inner: 16, border: 3 };
     let directions = landmarks();
-    with_passes("scenes", |context, passes| {
+    in_full("scenes", |context| {
         for layout in layouts {
             for (name, source) in scenes(layout) {
                 let case = format!("{name} of {layout:?} on {}", context.describe());
                 // OEM.
                 let expected = oem_from_environment(&source, size).expect("a small matrix");
-                let planes = gathered(context, passes, &source, size);
+                let planes = gathered(context, &source, size);
                 let own = wait(context, planes.read(context));
                 let bound = gather_bound(&source);
                 for (k, (e, f)) in expected.texels().iter().zip(own.texels()).enumerate() {
@@ -100,13 +102,11 @@ fn scenes_pass_every_stage() {
                 }
                 // Table, word for word, of the GPU's own OEM.
                 let sat = SatPlanes::new(context, size).expect("small planes");
-                let stages = [
-                    passes.fixed_point.stage(context, &planes, &sat),
-                    passes.sat_scan.stage(context, &planes, &sat),
-                ];
+                let stages =
+                    [fixed_point::stage(context, &planes, &sat), sat_scan::stage(context, &planes, &sat)];
                 context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
-                let textures = packed(context, passes, &sat);
-                let (fixed, entries) = wait(context, sat.read(context));
+                let textures = packed(context, &sat);
+                let (fixed, entries) = wait(context, read_sat(context, &sat));
                 let table = Sat::new(&own, Scan::default());
                 assert_eq!(fixed, table.fixed_point(), "{case}");
                 assert!(entries == table.entries(), "entries; {case}");
@@ -114,7 +114,7 @@ fn scenes_pass_every_stage() {
                 for roughness in [0.0, 0.3, 0.8] {
                     let alpha: f64 = roughness * roughness;
                     let stack = one_box(solid_angle(Lobe::Ggx, alpha));
-                    let answers = passes.box_filter.radiance(context, &textures, &directions, &stack);
+                    let answers = box_filter::radiance(context, &textures, &directions, &stack);
                     let found = wait(context, answers);
                     if name != "subnormals" {
                         let far = radiance_difference(&own, &table, (Lobe::Ggx, alpha), &directions, &found);
@@ -124,7 +124,7 @@ fn scenes_pass_every_stage() {
                 // Footprints.
                 let texture = upload(context, &source).expect("a small texture");
                 let (stage, buffer) =
-                    passes.reparameterise.footprints(context, &source, &texture, 5).expect("a small cube");
+                    reparameterise::footprints(context, &source, &texture, 5).expect("a small cube");
                 context.submit(|encoder| stage.record(encoder));
                 let found: Vec<[f32; 4]> = wait(context, readback::read(context, &buffer));
                 let expected = footprints_from_environment(&source, 5).expect("a small matrix");
@@ -264,7 +264,7 @@ fn labelled_faces_stay_where_they_are() {
             let source = labelled(16, own);
             assert_eq!(misplaced(context, passes, &source, filter, |d| d), 0, "{case}");
             // +90 carries +Z to +X.
-            let turned = labelled(16, own).rotated_y(90.0);
+            let turned = labelled(16, own).rotated_y(90.0).expect("an angle");
             let carried = |d: DVec3| DVec3::new(d.z, d.y, -d.x);
             assert_eq!(misplaced(context, passes, &turned, filter, carried), 0, "turned; {case}");
             assert!(
@@ -286,7 +286,7 @@ fn labelled_faces_stay_where_they_are() {
         let source = labelled(16, own);
         let texture = upload(context, &source).expect("a small texture");
         let (stage, buffer) =
-            passes.reparameterise.footprints(context, &source, &texture, 16).expect("a small cube");
+            reparameterise::footprints(context, &source, &texture, 16).expect("a small cube");
         context.submit(|encoder| stage.record(encoder));
         let found: Vec<[f32; 4]> = wait(context, readback::read(context, &buffer));
         for (k, (e, f)) in source.texels().iter().zip(&found).enumerate() {
@@ -305,12 +305,11 @@ fn oem_difference(expected: &Oem, found: &Oem, bound: f64) -> Option<usize> {
 #[test]
 fn faults_in_oems_are_detected() {
     let size = OemSize { inner: 16, border: 3 };
-    with_passes("faults in OEMs", |context, passes| {
+    in_full("faults in OEMs", |context| {
         let source = labelled(8, [Face::ALL[0]; 2]);
         let expected = oem_from_environment(&source, size).expect("a small matrix");
         let bound = gather_bound(&source);
-        let found =
-            |source: &Environment| wait(context, gathered(context, passes, source, size).read(context));
+        let found = |source: &Environment| wait(context, gathered(context, source, size).read(context));
         assert_eq!(oem_difference(&expected, &found(&source), bound), None, "the correct OEM passes");
 
         let mut one = source.texels().to_vec();
@@ -320,7 +319,7 @@ fn faults_in_oems_are_detected() {
         let swapped = labelled(8, [Face::ALL[2], Face::ALL[5]]);
         assert!(oem_difference(&expected, &found(&swapped), bound).is_some(), "swapped faces");
         let narrower = OemSize { inner: 16, border: 2 };
-        let planes = gathered(context, passes, &source, narrower);
+        let planes = gathered(context, &source, narrower);
         let read = wait(context, planes.read(context));
         // The same square with the border's rule off by one: each texel displaced by one.
         let side = size.bordered() as usize;

@@ -3,6 +3,7 @@
 use super::{in_full, wait};
 use crate::support::common::Random;
 use crate::support::meshes::{closed, mesh};
+use crate::support::triangle_oracle::corners_of;
 use glam::{DVec2, DVec3};
 use octagloss::internals::direct::{Corner, Triangles};
 use octagloss::internals::gpu::Context;
@@ -80,7 +81,8 @@ fn position(corner: Corner) -> DVec3 {
 fn scene() -> Triangles {
     let room = closed(1, Some(5), 3.0..6.0);
     let mut random = Random::new(31);
-    let mut triangles: Vec<[DVec3; 3]> = (0..room.count()).map(|k| room.triangle(k).map(position)).collect();
+    let mut triangles: Vec<[DVec3; 3]> =
+        (0..room.count()).map(|k| corners_of(&room, k).map(position)).collect();
     for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
         let across = DVec3::new(axis.z, axis.x, axis.y);
         let beside = 0.9 * axis.cross(across);
@@ -99,7 +101,7 @@ fn receivers(triangles: &Triangles, count: usize) -> Vec<Receiver> {
     (0..count)
         .map(|k| {
             let triangle = k % triangles.count();
-            let [a, b, c] = triangles.triangle(triangle).map(position);
+            let [a, b, c] = corners_of(triangles, triangle).map(position);
             let (s, t) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
             let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
             let normal = (b - a).cross(c - a).normalize();
@@ -143,7 +145,7 @@ fn light(triangles: &Triangles, lamp: DVec3, receiver: &Receiver) -> Light {
     let mut is_decided = corners.iter().all(|p| (0.5..=2.0).contains(&(own(*p) / here)));
     let mut shadowed = false;
     for index in (0..triangles.count()).filter(|index| *index != receiver.triangle) {
-        let [a, b, c] = triangles.triangle(index).map(|corner| position(corner) - lamp);
+        let [a, b, c] = corners_of(triangles, index).map(|corner| position(corner) - lamp);
         let determinant = a.dot(b.cross(c));
         let edges = [b.cross(c), c.cross(a), a.cross(b)].map(|normal| normal * determinant.signum());
         let is = |inside: f64| move |edge: &DVec3, p: &DVec3| inside * edge.dot(*p) > SNAP * edge.length();
@@ -302,7 +304,7 @@ fn shadows_are_those_of_rays_from_the_lamp() {
             for (light, receiver) in expected.iter().zip(&receivers) {
                 let blocked =
                     (0..triangles.count()).filter(|index| *index != receiver.triangle).any(|index| {
-                        let corners = triangles.triangle(index).map(|corner| position(corner) - lamp);
+                        let corners = corners_of(&triangles, index).map(|corner| position(corner) - lamp);
                         is_between(corners, receiver.position - lamp)
                     });
                 let of_ray = if blocked { Light::Shadowed } else { Light::Lit };

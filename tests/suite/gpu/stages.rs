@@ -1,7 +1,8 @@
 //! Locates a broken stage: the CPU runs the pipeline up to a given stage, the GPU from there on.
 
 use super::boxes::packed;
-use super::{UNIT, wait, with_passes};
+use super::transfer::{Upload as _, tree_of_cells};
+use super::{UNIT, in_full, wait};
 use crate::cpu::adaptive::luminance;
 use crate::support::common::{Look, Random, environment, landmarks, texels};
 use glam::DVec3;
@@ -11,11 +12,10 @@ use octagloss::internals::cpu::cells::Cells;
 use octagloss::internals::cpu::leaves::{Packet as CpuPacket, Scratch};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::geometry::tent::Reconstruction;
-use octagloss::internals::gpu::adaptive::{LobePart, Packet};
-use octagloss::internals::gpu::cells::CellTree;
-use octagloss::internals::gpu::engine::Engine;
-use octagloss::internals::gpu::reparameterise::upload;
+use octagloss::internals::gpu::adaptive::{self, LobePart, Packet};
+use octagloss::internals::gpu::reparameterise::{self, upload};
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
+use octagloss::internals::gpu::{box_filter, cells, fixed_point, sat_scan};
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::lobe::kernel::{Kernel, leaf_share};
 use octagloss::internals::oem::{Oem, OemSize};
@@ -71,7 +71,6 @@ fn on_the_cpu(oem: &Oem, directions: &[DVec3]) -> Outcome {
 /// Runs with the GPU from `from` on, and makes the stage `broken` fail if it runs on the GPU.
 fn run(
     context: &Context,
-    passes: &Engine,
     (environment, oem): (&Environment, &Oem),
     directions: &[DVec3],
     from: TakeOver,
@@ -85,7 +84,7 @@ fn run(
         let texture = upload(context, environment).expect("a small texture");
         let planes = OemPlanes::new(context, SIZE).expect("small planes");
         let layout = environment.layout();
-        let stage = passes.reparameterise.stage(context, layout, &texture, &planes).expect("a small matrix");
+        let stage = reparameterise::stage(context, layout, &texture, &planes).expect("a small matrix");
         context.submit(|encoder| stage.record(encoder));
         planes
     } else {
@@ -94,12 +93,11 @@ fn run(
     // A texel in the middle of the square, set to ten times the total.
     let middle = u64::from(SIZE.border + SIZE.inner / 2) * u64::from(planes.table().pitch + 1);
     if breaks(TakeOver::Reparameterise) {
-        write(&planes.planes()[1], 4 * middle, (10.0 * oem.totals()[1] as f32).to_bits());
+        write(&planes.planes[1], 4 * middle, (10.0 * oem.totals()[1] as f32).to_bits());
     }
     let sat = if from >= TakeOver::Scan {
         let sat = SatPlanes::new(context, SIZE).expect("small planes");
-        let stages =
-            [passes.fixed_point.stage(context, &planes, &sat), passes.sat_scan.stage(context, &planes, &sat)];
+        let stages = [fixed_point::stage(context, &planes, &sat), sat_scan::stage(context, &planes, &sat)];
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         sat
     } else {
@@ -108,24 +106,24 @@ fn run(
     if breaks(TakeOver::Scan) {
         // The sum of the whole square loses its upper half.
         let last = u64::from(SIZE.border + SIZE.inner - 1) * u64::from(planes.table().pitch + 1);
-        write(&sat.planes()[1], 8 * last + 4, 0);
+        write(&sat.planes[1], 8 * last + 4, 0);
     }
     let cells = if from >= TakeOver::Cells {
-        let (stage, tree) = passes.cells.stage(context, &planes, 1, SPREAD).expect("a small tree");
+        let (stage, tree) = cells::stage(context, &planes, 1, SPREAD).expect("a small tree");
         context.submit(|encoder| stage.record(encoder));
         tree
     } else {
-        CellTree::upload(context, &Cells::new(oem, 1, SPREAD), SIZE.inner, 1, SPREAD)
+        tree_of_cells(context, &Cells::new(oem, 1, SPREAD), SIZE.inner, 1, SPREAD)
     };
     if breaks(TakeOver::Cells) {
-        write(cells.least(), 4, (oem.totals()[1] as f32).to_bits());
+        write(&cells.least, 4, (oem.totals()[1] as f32).to_bits());
     }
-    let textures = packed(context, passes, &sat);
+    let textures = packed(context, &sat);
     let stack = super::boxes::one_box(solid_angle());
-    let mut boxes = wait(context, passes.box_filter.radiance(context, &textures, directions, &stack));
+    let mut boxes = wait(context, box_filter::radiance(context, &textures, directions, &stack));
     let parts = [LobePart { cells: &cells, kernel: kernel(), error: ERROR, share: 1.0 }];
     let packets: Vec<Packet> = directions.iter().map(|direction| Packet::new(&[*direction])).collect();
-    let answers = wait(context, passes.adaptive.evaluate(context, &parts, &packets));
+    let answers = wait(context, adaptive::evaluate(context, &parts, &packets));
     let mut lobes: Vec<[f32; 3]> =
         answers.lanes.iter().step_by(answers.lanes.len() / directions.len()).map(|a| a.radiance).collect();
     if breaks(TakeOver::Queries) {
@@ -161,7 +159,7 @@ fn broken_stage(
 
 /// Compares runs in which the GPU takes over at each stage with the CPU's, and locates each of the `broken`
 /// stages.
-pub(super) fn take_overs(context: &Context, passes: &Engine, broken: &[TakeOver]) {
+pub(super) fn take_overs(context: &Context, broken: &[TakeOver]) {
     let mut random = Random::new(81);
     let layout = Layout::Panorama { width: 32, height: 16 };
     let mut directions = landmarks();
@@ -174,7 +172,7 @@ pub(super) fn take_overs(context: &Context, passes: &Engine, broken: &[TakeOver]
     let mean = luminance([totals[0], totals[1], totals[2]]) / (4.0 * std::f64::consts::PI);
     let found = |broken: Option<TakeOver>| {
         broken_stage(
-            |from| run(context, passes, (&source, &oem), &directions, from, broken),
+            |from| run(context, (&source, &oem), &directions, from, broken),
             |outcome| agree(&expected, outcome, brightest, mean),
         )
     };
@@ -186,5 +184,5 @@ pub(super) fn take_overs(context: &Context, passes: &Engine, broken: &[TakeOver]
 
 #[test]
 fn the_gpu_takes_over_at_any_stage() {
-    with_passes("any stage", |context, passes| take_overs(context, passes, &ALL));
+    in_full("any stage", |context| take_overs(context, &ALL));
 }

@@ -1,6 +1,6 @@
 //! Tennis-ball maps by unwrapped corners, against rays through the pixels.
 
-use super::{in_full, wait};
+use super::{PerAdapter, in_full, wait};
 use crate::support::meshes::closed;
 use glam::{DVec2, DVec3};
 use octagloss::internals::direct::{DirectMap, Triangles};
@@ -17,18 +17,21 @@ const SIZE: u32 = 40;
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
+static PIPELINES: PerAdapter<Unwrap> =
+    PerAdapter::new(|context| Unwrap::new(context, FORMAT).expect("pipelines"));
+
 /// An angle, in radians, that wrong triangles exceed.
 const FAR: f64 = 0.1;
 
 /// Draws a surface whose values are its positions; returns the values and the directions of the pixels in the
 /// panels.
 fn draw(context: &Context, surface: &Triangles, remedy: Remedy) -> Vec<([f32; 4], DVec3)> {
-    let unwrap = Unwrap::new(context, FORMAT).expect("a pipeline");
+    let unwrap = PIPELINES.get(context);
     let mesh = DirectMesh::upload(context, surface).expect("a mesh that fits");
     let target = DirectTarget::new(context, DirectMap::TennisBall { size: SIZE }, FORMAT).expect("a target");
     let frame = unwrap.frame(remedy, &mesh, &target, 0.1).expect("a frame");
-    context.submit(|encoder| frame.record(encoder));
-    let values: Vec<[f32; 4]> = wait(context, readback::read_texture(context, target.colour()));
+    context.submit(|encoder| frame.record(encoder, None));
+    let values: Vec<[f32; 4]> = wait(context, readback::read_texture(context, &target.colour));
     let in_panels = values.into_iter().zip(0..).filter_map(|(value, k): ([f32; 4], u32)| {
         let (x, y) = (k % (3 * SIZE), k / (3 * SIZE));
         let panel = y / SIZE;
@@ -89,7 +92,7 @@ fn other_targets_are_errors_that_name_the_remedy() {
     in_full("unwrapped: errors of targets", |context| {
         let target = |map, format| DirectTarget::new(context, map, format).expect("a target");
         let mesh = DirectMesh::upload(context, &closed(1, None, 1.0..2.0)).expect("a mesh that fits");
-        let unwrap = Unwrap::new(context, FORMAT).expect("a pipeline");
+        let unwrap = PIPELINES.get(context);
         let tennis_ball = DirectMap::TennisBall { size: 8 };
         let half = wgpu::TextureFormat::Rgba16Float;
         for (target, near, part) in [

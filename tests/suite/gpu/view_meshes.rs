@@ -4,13 +4,13 @@ use super::view::renderer;
 use super::{on_every_adapter, wait};
 use crate::support::common::Random;
 use glam::{DMat3, DVec3};
-use octagloss::internals::analysis::oracle;
+use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::bake::dfg;
 use octagloss::internals::chain::{Chain, Level};
 use octagloss::internals::filter::Filter as Bake;
 use octagloss::internals::image::exposure::{self, Exposure};
 use octagloss::internals::lobe::Lobe;
-use octagloss::internals::mesh;
+use octagloss::internals::mesh::Mesh;
 use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::internals::sphere::cube::Face;
 use octagloss::internals::view::{
@@ -18,6 +18,11 @@ use octagloss::internals::view::{
 };
 use octagloss::{Environment, Layout, Rgb};
 use serde_json::{Value, json};
+
+/// Settings for an OEM of `inner` texels along an edge.
+fn table(inner: u32) -> ReflectorSettings {
+    ReflectorSettings { oem_size: Some(inner), ..ReflectorSettings::default() }
+}
 
 /// Pixels along an edge: the middle one sees the origin.
 const SIDE: u32 = 9;
@@ -148,10 +153,12 @@ fn materials_reflect_their_expected_colours() {
     ];
     on_every_adapter("view of materials", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&environment, Some(16)).expect("tables that fit");
+        let light = renderer.light(&environment, &table(16)).expect("tables that fit");
         for (name, front, texel, look, expected) in &cases {
             let bytes = squares(&materials(front.clone()), &[*texel]);
-            renderer.set_mesh(&mesh::parse("squares.gltf", &bytes).expect("a mesh")).expect("a small mesh");
+            renderer
+                .set_mesh(&Mesh::read_from_memory("squares.gltf".as_ref(), &bytes).expect("a mesh"))
+                .expect("a small mesh");
             near(middle(&picture(&mut renderer, look, &light)), encoded(*expected), name);
         }
     });
@@ -165,9 +172,11 @@ fn the_front_is_seen_first_and_masks_have_holes() {
     hole[0]["alphaMode"] = json!("MASK");
     on_every_adapter("view of fronts", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&environment, Some(16)).expect("tables that fit");
+        let light = renderer.light(&environment, &table(16)).expect("tables that fit");
         let mut seen = |bytes: &[u8], look: &Look| {
-            renderer.set_mesh(&mesh::parse("squares.gltf", bytes).expect("a mesh")).expect("a small mesh");
+            renderer
+                .set_mesh(&Mesh::read_from_memory("squares.gltf".as_ref(), bytes).expect("a mesh"))
+                .expect("a small mesh");
             middle(&picture(&mut renderer, look, &light))
         };
         let squares_of_red = squares(&materials(red.clone()), &[[255; 4]]);
@@ -192,22 +201,26 @@ fn diffuse_light_is_the_irradiance() {
     let radiance = |d: DVec3| [0.4 + 0.3 * d.z, 0.4 + 0.3 * d.y, 0.4 - 0.3 * d.x * d.z].map(|c| c as f32);
     let texels = (0..32).flat_map(|j| (0..64).map(move |i| (i, j)));
     let texels: Vec<Rgb> = texels.map(|(i, j)| radiance(layout.direction_from_texel(0, i, j))).collect();
-    let environment = Environment::new(layout, texels).expect("an environment").rotated_y(25.0);
+    let environment =
+        Environment::new(layout, texels).expect("an environment").rotated_y(25.0).expect("an angle");
     let settings = ReflectorSettings { oem_size: Some(64), ..ReflectorSettings::default() };
-    let turned = environment.clone().rotated_y(30.0);
+    let turned = environment.clone().rotated_y(30.0).expect("an angle");
     let reflector = Reflector::new(&turned, &settings).expect("an OEM");
     let glossy =
         reflector.query(DVec3::Z, 0.8, Lobe::Ggx, Bake::Box).expect("a lobe").radiance.map(f64::from);
     let reflected = reflected(DVec3::splat(0.04), 0.8);
-    let diffuse = DVec3::from_array(oracle::reflect(&turned, Lobe::Cosine, 0.0, DVec3::Z));
+    let diffuse =
+        DVec3::from_array(Oracle::new(&turned).reflect(Lobe::Cosine, 0.0, DVec3::Z).expect("valid"));
     let base = DVec3::new(0.8, 0.6, 1.0);
     let expected = reflected * DVec3::from_array(glossy) + base * (DVec3::ONE - reflected) * diffuse;
     let front = json!({"baseColorFactor": [0.8, 0.6, 1, 1], "metallicFactor": 0, "roughnessFactor": 0.8});
     let bytes = squares(&materials(front), &[[255; 4]]);
     on_every_adapter("view of diffuse light", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&environment, Some(64)).expect("tables that fit");
-        renderer.set_mesh(&mesh::parse("squares.gltf", &bytes).expect("a mesh")).expect("a small mesh");
+        let light = renderer.light(&environment, &table(64)).expect("tables that fit");
+        renderer
+            .set_mesh(&Mesh::read_from_memory("squares.gltf".as_ref(), &bytes).expect("a mesh"))
+            .expect("a small mesh");
         let look = Look { turn: 30.0, ..front_look() };
         near(middle(&picture(&mut renderer, &look, &light)), encoded(expected), "a white wall");
     });
@@ -233,6 +246,7 @@ fn own_levels_are_shown_as_they_are() {
         Environment::new(Layout::Cube { size: 1 }, vec![[0.0; 3]; 6])
             .expect("an environment")
             .rotated_y(degrees)
+            .expect("an angle")
             .source_from_world()
     };
     on_every_adapter("view of own levels", |context| {
@@ -242,8 +256,8 @@ fn own_levels_are_shown_as_they_are() {
             let level0 = Environment::new(Layout::Cube { size: 4 }, chain.levels[0].texels.clone())
                 .expect("an environment");
             for turn in [0.0, 90.0] {
-                let turned = level0.clone().rotated_y(turn);
-                let mut light = renderer.light(&turned, Some(16)).expect("tables that fit");
+                let turned = level0.clone().rotated_y(turn).expect("an angle");
+                let mut light = renderer.light(&turned, &table(16)).expect("tables that fit");
                 let levels = Levels::new(chain.clone(), quarter(turn)).expect("levels").expect("several");
                 light.set_levels(context, &levels).expect("a small cube");
                 // The face that contains the world's +X.
@@ -298,7 +312,7 @@ fn automatic_exposure_is_that_of_the_environment() {
     let environment = Environment::new(Layout::Cube { size: 4 }, texels).expect("an environment");
     on_every_adapter("view by automatic exposure", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&environment, Some(16)).expect("tables that fit");
+        let light = renderer.light(&environment, &table(16)).expect("tables that fit");
         let expected = exposure::of_environment(&environment);
         assert!((light.exposure() - expected).abs() < 1e-9, "{} and {expected}", light.exposure());
         let look = Look { filter: Technique::Box, ..Look::default() };

@@ -2,8 +2,8 @@
 //! ray meets, and against the scene's own triangles.
 
 use super::{in_full, wait};
+use crate::support::triangle_oracle::TriangleOracle;
 use glam::{DVec2, DVec3};
-use octagloss::internals::analysis::oracle::TriangleOracle;
 use octagloss::internals::direct::{DirectMap, Triangles};
 use octagloss::internals::gpu::Context;
 use octagloss::internals::gpu::direct::Method;

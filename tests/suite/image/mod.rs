@@ -2,6 +2,6 @@
 
 mod drawing;
 mod error_sheet;
-mod oem_mips;
+pub(super) mod oem_mips;
 pub(super) mod preview;
 mod side_by_side;

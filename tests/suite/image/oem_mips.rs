@@ -10,9 +10,33 @@ use octagloss::internals::sphere::octahedral::{
 };
 use octagloss::internals::sphere::octahedral_rectangular::OctahedralRectangular;
 use octagloss::internals::sphere::oem_lookup::{
-    greatest_level, level_of_cell, level_of_corners, quadratic_coordinates, quadratic_level,
-    rectangular_level, rectangular_place,
+    Cell, greatest_level, level_of_cell, level_of_corners, quadratic_coordinates, quadratic_level,
+    rectangular_place,
 };
+
+/// The mip level of `cell` in layers of `inner` texels along an edge.
+///
+/// A hemisphere is contiguous in its layer. A corner in the other layer is moved to where that layer
+/// continues the pixel's own: beside it by two units, or turned by 180 degrees above and below it.
+pub(crate) fn rectangular_level(cell: Cell, inner: u32) -> f64 {
+    let (layer, own) = rectangular_place(cell[0]);
+    let corner = |direction: DVec3| {
+        let (other, at) = rectangular_place(direction);
+        if other == layer {
+            return at;
+        }
+        let continued = [
+            DVec2::new(at.x + 2.0, at.y),
+            DVec2::new(at.x - 2.0, at.y),
+            DVec2::new(-at.x, 2.0 - at.y),
+            DVec2::new(-at.x, -2.0 - at.y),
+        ];
+        let nearest =
+            continued.into_iter().min_by(|a, b| a.distance_squared(own).total_cmp(&b.distance_squared(own)));
+        nearest.expect("four places")
+    };
+    level_of_corners([own, corner(cell[1]), corner(cell[2])].map(|at| at * (f64::from(inner) / 2.0)))
+}
 
 /// Random directions, and those on axes, folds, cuts and beside them.
 fn directions(count: usize) -> Vec<DVec3> {

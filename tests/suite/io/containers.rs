@@ -1,14 +1,14 @@
 //! KTX 1 and DDS files, read by independent parsers; DDS also by the program's reader.
 
 use crate::io::bc6h::decoded;
-use crate::support::written::{chain, first_difference, to_half};
+use crate::support::written::{chain, first_difference, rgb_from_rgbd, rgb_from_rgbp, to_half};
 use half::f16;
 use octagloss::Rgb;
 use octagloss::internals::chain::Chain;
 use octagloss::internals::format::container::Container;
 use octagloss::internals::format::r11g11b10::{r11g11b10_from_rgb, rgb_from_r11g11b10};
-use octagloss::internals::format::rgbd::{RGBD_MAX, rgb_from_rgbd, rgbd_from_rgb, rgbd_png_bytes};
-use octagloss::internals::format::rgbp::{RGBP_MAX, rgb_from_rgbp, rgbp_from_rgb};
+use octagloss::internals::format::rgbd::{RGBD_MAX, rgbd_from_rgb, rgbd_png_bytes};
+use octagloss::internals::format::rgbp::{RGBP_MAX, rgbp_from_rgb};
 use octagloss::internals::format::{Pixel, rgb_from_rgb9e5, rgb9e5_from_rgb};
 use octagloss::internals::io::cube_write::cube_bytes;
 use octagloss::internals::io::{ReadOptions, read_chain, read_chain_from_memory, read_from_memory};

@@ -237,7 +237,7 @@ fn equal_chains_give_equal_bytes_whatever_the_thread_count() {
 #[test]
 fn hdr_files_come_back_within_half_a_step_without_bias() {
     let original = texels(64 * 32, 3);
-    let bytes = hdr_bytes(64, 32, &original).unwrap();
+    let bytes = hdr_bytes(64, 32, &original, &[]).unwrap();
     let decoded = image::load_from_memory_with_format(&bytes, image::ImageFormat::Hdr).unwrap().to_rgb32f();
     assert_eq!(decoded.dimensions(), (64, 32));
     let (mut sum, mut decoded_sum) = (0.0, 0.0);
@@ -256,7 +256,7 @@ fn hdr_files_come_back_within_half_a_step_without_bias() {
 #[test]
 fn hdr_holds_extremes_without_wrapping() {
     let original = [[0.0; 3], [1e-42; 3], [f32::MAX, 0.0, 1.0], [1e6; 3], [255.9, 0.6, 128.0]];
-    let bytes = hdr_bytes(5, 1, &original).unwrap();
+    let bytes = hdr_bytes(5, 1, &original, &[]).unwrap();
     let decoded = image::load_from_memory_with_format(&bytes, image::ImageFormat::Hdr).unwrap().to_rgb32f();
     let back: Vec<Rgb> = decoded.pixels().map(|p| p.0).collect();
     assert_eq!(back[0], [0.0; 3]);

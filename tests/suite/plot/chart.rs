@@ -29,7 +29,7 @@ fn chart() -> Chart {
 
 #[test]
 fn a_chart_names_its_axes_and_series() {
-    let figure = chart().figure("errors").expect("a chart");
+    let figure = chart().figure().expect("a chart");
     let texts: Vec<String> = figure.texts().into_iter().map(|(text, _)| text).collect();
     for text in
         ["Error over roughness", "roughness", "relative error", "boxes", "fitted", "adaptive", "0.01", "0.4"]
@@ -54,7 +54,7 @@ fn a_chart_is_written_as_its_extension_says() {
     chart().write(&png, Existing::Keep).expect("written");
     chart().write(&svg, Existing::Keep).expect("written");
     let picture = image::load_from_memory(&fs::read(&png).expect("there")).expect("a PNG");
-    assert_eq!([picture.width(), picture.height()], chart().figure("a").expect("a chart").sides());
+    assert_eq!([picture.width(), picture.height()], chart().figure().expect("a chart").sides());
     elements(&fs::read_to_string(&svg).expect("there"));
     let error = chart().write(&png, Existing::Keep).expect_err("it exists");
     assert!(error.to_string().contains("already exists"), "{error}");
@@ -70,24 +70,24 @@ fn what_an_axis_cannot_show_is_named() {
         chart
     };
     for (value, words) in [(f64::NAN, "cannot show NaN"), (0.0, "cannot show 0"), (-1.0, "cannot show -1")] {
-        let error = with(value).figure("a").expect_err(words).to_string();
+        let error = with(value).figure().expect_err(words).to_string();
         assert!(error.contains(words) && error.contains("relative error"), "{error}");
     }
-    let figure = with(f64::INFINITY).figure("a").expect("a lane for infinity");
+    let figure = with(f64::INFINITY).figure().expect("a lane for infinity");
     assert!(figure.texts().iter().any(|(text, _)| text == "\u{221e}"));
     let mut reversed = chart();
     reversed.x.range = Some([1.0, 0.0]);
-    let error = reversed.figure("a").expect_err("reversed").to_string();
+    let error = reversed.figure().expect_err("reversed").to_string();
     assert!(error.contains("invalid range 1 to 0"), "{error}");
     // Powers of ten round to either side of the ends of their axis.
     for low in -6..3_i32 {
         let mut decades = chart();
         decades.series.clear();
         decades.y.range = Some([10_f64.powi(low), 10_f64.powi(low + 3)]);
-        let ticks = decades.figure("a").expect("a chart").texts().len();
+        let ticks = decades.figure().expect("a chart").texts().len();
         decades.y.range = Some([10_f64.powi(low) * 0.999, 10_f64.powi(low + 3) * 1.001]);
-        assert_eq!(ticks, decades.figure("a").expect("a chart").texts().len(), "both ends from 10^{low}");
+        assert_eq!(ticks, decades.figure().expect("a chart").texts().len(), "both ends from 10^{low}");
     }
     let empty = Chart { series: Vec::new(), ..chart() };
-    empty.figure("a").expect("axes alone");
+    empty.figure().expect("axes alone");
 }

@@ -102,10 +102,10 @@ fn no_text_is_cut_off_or_covers_another() {
     };
     let drawn: Vec<Entry> = entries().into_iter().filter(is_drawn).collect();
     assert_eq!(drawn.len(), MAPS.len() + 3 + 14);
-    let figures: Vec<Figure> =
-        drawn.par_iter().map(|entry| entry.draw(&content).expect("a figure")).collect();
-    for figure in figures {
-        let (name, texts, frame) = (figure.name(), figure.texts(), figure.frame());
+    let figures: Vec<(String, Figure)> =
+        drawn.par_iter().map(|entry| (entry.name(), entry.draw(&content).expect("a figure"))).collect();
+    for (name, figure) in figures {
+        let (texts, frame) = (figure.texts(), figure.frame());
         for (k, (text, own)) in texts.iter().enumerate() {
             assert!(frame.holds(own), "{name}: {text:?} is cut off");
             for (other, others) in &texts[..k] {

@@ -3,9 +3,9 @@
 
 use crate::cpu::adaptive::{ask, luminance, reflector};
 use crate::support::common::{Look, Random, environment, oem, sweep, texels};
+use crate::support::oem_oracle::OemOracle;
 use glam::{DQuat, DVec3};
 use octagloss::Layout;
-use octagloss::internals::analysis::oracle::OemOracle;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::oem::{Oem, OemSize};

@@ -3,14 +3,13 @@
 
 use crate::cpu::adaptive::{FURNACE, ask, furnace_error, luminance, reflector};
 use crate::support::common::{Look, Random, environment, landmarks, oem, sweep, texels};
+use crate::support::oem_oracle::OemOracle;
 use glam::{DMat3, DVec2, DVec3};
-use octagloss::internals::analysis::oracle::OemOracle;
 use octagloss::internals::bake::{BakeSettings, bake};
 use octagloss::internals::cpu::blur::blurred;
 use octagloss::internals::filter::Filter;
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::oem::OemSize;
-use octagloss::internals::realtime::fit;
 use octagloss::internals::realtime::tables::triangle::{Grid, node, triangle_from_oct};
 use octagloss::internals::realtime::tables::{COUNTS, OCTAVES, SoftBox, Table};
 use octagloss::internals::sat::{Sat, Scan};
@@ -20,6 +19,12 @@ use octagloss::internals::sphere::octahedral::{
 };
 use octagloss::{Environment, Layout};
 use std::f64::consts::PI;
+
+#[path = "../../../examples/fit_lobes/fit/mod.rs"]
+#[allow(dead_code, reason = "the example uses the rest")]
+mod fit;
+
+use fit::grid::Nodes as _;
 
 /// Returns an octahedral environment of `n` x `n` texels in a `look`.
 fn square(random: &mut Random, look: Look, n: u32) -> Environment {
@@ -109,8 +114,10 @@ fn a_table_s_harmonics_are_those_of_its_environment() {
     let mut random = Random::new(72);
     let environment = square(&mut random, Look::Noise, 128);
     let reflector = reflector(&environment, 128);
-    let (exact, table) =
-        (sh::spherical_harmonics(&environment, sh::MAX_ORDER), sh::table_harmonics(reflector.sat()));
+    let (exact, table) = (
+        sh::spherical_harmonics(&environment, sh::MAX_ORDER).expect("an order"),
+        sh::table_harmonics(&Sat::new(reflector.oem(), Scan::default())),
+    );
     for (k, (exact_k, table_k)) in exact.iter().zip(&table).enumerate() {
         for c in 0..3 {
             assert!((exact_k[c] - table_k[c]).abs() < 2e-4 * exact[0][c], "{k}: {exact_k:?}, {table_k:?}");
@@ -561,5 +568,25 @@ fn a_bake_s_texels_are_its_queries_and_level_0_is_the_footprint_mean() {
         let (a, b) = (sum(&a.texels), sum(&b.texels));
         assert!((a / b - 1.0).abs() < 0.03, "energies of {a} and {b}");
         assert!(a != b, "the filters must differ");
+    }
+}
+
+#[test]
+fn files_are_what_the_fit_would_write() {
+    let files: [&[u8]; 5] = [
+        include_bytes!("../../../src/realtime/tables/one.bin"),
+        include_bytes!("../../../src/realtime/tables/two.bin"),
+        include_bytes!("../../../src/realtime/tables/four.bin"),
+        include_bytes!("../../../src/realtime/tables/eight.bin"),
+        include_bytes!("../../../src/realtime/tables/cone.bin"),
+    ];
+    let tables = COUNTS.map(|count| Table::of(count).expect("a table"));
+    for (table, file) in tables.into_iter().chain([Table::around_cone_points()]).zip(files) {
+        let boxes = table.shape().boxes();
+        assert!(fit::bytes(table) == file, "{boxes} boxes");
+        // Values between steps are rounded to the nearer one.
+        let off =
+            |by: f32| fit::bytes(&Table::new(table.shape(), table.values().iter().map(|x| x + by).collect()));
+        assert!(off(0.4 / 2048.0) == file && off(0.6 / 2048.0) != file, "{boxes} boxes");
     }
 }

@@ -1,9 +1,10 @@
 //! Checks certified bounds against exhaustive integration.
 
 use super::common::{Random, landmarks};
+use super::oem_oracle::OemOracle;
 use glam::DVec3;
 use octagloss::Environment;
-use octagloss::internals::analysis::oracle::{OemOracle, Oracle};
+use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::cpu::leaves::LANES;
 use octagloss::internals::environment::LUMINANCE;
 use octagloss::internals::filter::Bound;
@@ -63,7 +64,7 @@ impl<'a> ServedOracle<'a> {
             over_oem().iter().zip(&mut sum).for_each(|(value, sum)| *sum += share * value);
         }
         if share < 1.0 {
-            let over_source = self.source.reflect(lobe, roughness, direction);
+            let over_source = self.source.reflect(lobe, roughness, direction).expect("valid");
             over_source.iter().zip(&mut sum).for_each(|(value, sum)| *sum += (1.0 - share) * value);
         }
         sum

@@ -1,6 +1,7 @@
 //! Generated inputs: deterministic numbers, directions, environments and OEMs.
 
 use glam::DVec3;
+use octagloss::internals::environment::of_sound;
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sphere::octahedral;
 use octagloss::{Environment, Layout, Rgb};
@@ -88,7 +89,7 @@ impl Look {
 /// Texels of `layout` in a `look`, with independent channels.
 pub(crate) fn texels(random: &mut Random, look: Look, layout: Layout) -> Vec<Rgb> {
     let count = layout.texel_count();
-    let blank = Environment::of_sound(layout, vec![[0.0; 3]; count]).expect("a layout of at least one texel");
+    let blank = of_sound(layout, vec![[0.0; 3]; count]).expect("a layout of at least one texel");
     let tint: [f64; 3] = std::array::from_fn(|_| random.between(0.2, 1.0));
     let (axis, other) = (random.direction(), random.direction());
     let level = random.between(0.01, 1.0);
@@ -115,7 +116,7 @@ pub(crate) fn texels(random: &mut Random, look: Look, layout: Layout) -> Vec<Rgb
 /// An environment of `texels`.
 pub(crate) fn environment(layout: Layout, texels: Vec<Rgb>) -> Environment {
     // Also panoramas that are not 2:1, whose parts files and users cannot make.
-    Environment::of_sound(layout, texels).expect("as many texels")
+    of_sound(layout, texels).expect("as many texels")
 }
 
 /// An OEM whose texels hold `radiance` over their exact solid angles.

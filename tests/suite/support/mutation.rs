@@ -289,10 +289,17 @@ fn ktx2_seeds() -> Vec<Vec<u8>> {
 fn ktx1_seeds() -> Vec<Vec<u8>> {
     let level = |(size, roughness)| Level::cube(size, roughness, inputs::numbered(size, 6 * size));
     let chain = Chain { levels: [(4, 0.0), (2, 0.5), (1, 1.0)].map(level).to_vec() };
-    let pairs = [("octaglossFlip", "x"), ("octaglossRotateY", "37"), ("octaglossSun", "1 0 0, 1 2 3, 0.1")]
-        .map(|(key, value)| (key.to_owned(), value.to_owned()));
-    let seed = |pixel| ktx1_bytes(&chain, pixel, &pairs).unwrap().bytes;
-    [Pixel::F16, Pixel::F32, Pixel::Rgb9e5, Pixel::R11g11b10].map(seed).to_vec()
+    let sun = r#"{"direction":[1,0,0],"irradiance":[1,2,3],"solid_angle":0.1}"#;
+    let recipe = format!(r#"{{"flip":"x","rotate_y":37,"lobe":"ggx","removed_suns":[{sun}]}}"#);
+    let old = [("octaglossFlip", "x"), ("octaglossRotateY", "37"), ("octaglossSun", "1 0 0, 1 2 3, 0.1")];
+    let seed = |(pixel, pairs): (Pixel, &[(&str, &str)])| {
+        let pairs: Vec<_> = pairs.iter().map(|(key, text)| ((*key).to_owned(), (*text).to_owned())).collect();
+        ktx1_bytes(&chain, pixel, &pairs).unwrap().bytes
+    };
+    let new = [("octaglossRecipe", &recipe[..])];
+    [(Pixel::F16, &new[..]), (Pixel::F32, &old[..]), (Pixel::Rgb9e5, &new[..]), (Pixel::R11g11b10, &old[..])]
+        .map(seed)
+        .to_vec()
 }
 
 /// Arrays of three and four columns, float32 and float64, of both byte orders.

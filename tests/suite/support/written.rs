@@ -96,3 +96,15 @@ pub(crate) fn names_in(folder: &Path) -> Vec<String> {
     names.sort();
     names
 }
+
+/// Decodes RGBD. A divisor of 0 is read as 1, the minimum.
+pub(crate) fn rgb_from_rgbd([r, g, b, divisor]: [u8; 4]) -> Rgb {
+    let divisor = f64::from(divisor.max(1)) / 255.0;
+    [r, g, b].map(|code| ((f64::from(code) / 255.0).powf(2.2) / divisor) as f32)
+}
+
+/// Decodes RGBP.
+pub(crate) fn rgb_from_rgbp([r, g, b, scale]: [u8; 4]) -> Rgb {
+    let scale = 8.0 - 7.0 * f64::from(scale) / 255.0;
+    [r, g, b].map(|code| (f64::from(code) / 255.0 * scale).powi(2) as f32)
+}

@@ -57,7 +57,7 @@ fn the_header_names_the_layout_of_environments() {
 #[test]
 fn other_maps_are_no_environments_whatever_their_shape() {
     for row in MAPS.iter().filter(|row| !["equirect", "octahedral", "cube"].contains(&row.name)) {
-        let grid = Grid::new(row.map, 2).expect("a size");
+        let grid = Grid::new(row.map(), 2).expect("a size");
         let (bytes, _) = file(grid.picture_sides(0), &[("octaglossMap", row.name)]);
         for choice in InputLayout::ALL {
             let error = error_of(read_with("a.exr", &bytes, &under(choice)));
@@ -179,7 +179,7 @@ fn every_map_loses_its_border_at_every_size() {
     let folder = TempDir::new().expect("a temporary folder");
     for row in &MAPS {
         for (size, border) in [(1, 1), (2, 2), (3, 1), (16, 2), (9, 9)] {
-            let grid = Grid::new(row.map, size).expect("a size");
+            let grid = Grid::new(row.map(), size).expect("a size");
             let sides = grid.picture_sides(border);
             let text = border.to_string();
             let (bytes, texels) = file(sides, &[("octaglossMap", row.name), ("octaglossBorder", &text)]);

@@ -1,4 +1,4 @@
-//! Fits the parameters of [`crate::realtime::tables`] to the GGX lobe alone; no environment is involved.
+//! Fits the parameters of `realtime::tables` to the GGX lobe alone; no environment is involved.
 //!
 //! **Objective.** The difference between the kernel of the soft boxes and GGX, averaged over cells of several
 //! sizes around the lobe's centre. A level has 24 x 24 cells. The cells of the finest level are a fifth of
@@ -19,7 +19,7 @@
 //! to the next knots of roughness; the other nodes keep their parameters. Interpolation then adds at most a
 //! tenth to the error; nodes fitted separately interpolate to three times the error and more. Cone points
 //! have only one cell and two edges, and their boxes differ from those of adjacent nodes, so the cell at a
-//! cone point has more samples. They have a table of their own besides ([`Shape::around_cone_points`]).
+//! cone point has more samples. They have a table of their own besides .
 //! Nodes on the triangle's sides are tied: there mirrors exchange boxes or keep them, so that the kernel is
 //! the same from both sides of a fold.
 //!
@@ -45,13 +45,17 @@
 //! for k in 1 2 4 8 cone; do cargo run --release --example fit_lobes $k; done
 //! ```
 
+pub(crate) mod grid;
 mod model;
 mod solve;
 
-use crate::realtime::tables::triangle::{Grid, node};
-use crate::realtime::tables::{BOX_PARAMETERS, HARMONICS, KNOTS, OCTAVES, Shape, Table};
 use glam::DVec2;
+use grid::Nodes as _;
 use model::Problem;
+use octagloss::internals::realtime::tables::triangle::{Grid, node};
+use octagloss::internals::realtime::tables::{
+    BOX_PARAMETERS, HARMONICS, KNOTS, OCTAVES, Shape, Table, expected, step,
+};
 use rayon::prelude::*;
 use solve::{Sample, Ties, minimise, total};
 
@@ -82,7 +86,7 @@ type Layers = Vec<Vec<Layer>>;
 
 /// Fits the parameters of `shape`; calls `progress` with messages, on this thread.
 #[must_use]
-pub fn fit(shape: &'static Shape, progress: &dyn Fn(&str)) -> Table {
+pub(crate) fn fit(shape: &'static Shape, progress: &dyn Fn(&str)) -> Table {
     let mut layers: Layers = vec![vec![Vec::new(); KNOTS.len()]; OCTAVES.count()];
     layers[index(FIRST.0)][FIRST.1] = first_layer(shape);
     progress("first layer");
@@ -110,7 +114,7 @@ pub fn fit(shape: &'static Shape, progress: &dyn Fn(&str)) -> Table {
 /// # Panics
 /// If there is no such node.
 #[must_use]
-pub fn refit(table: &Table, octave: u32, knot: usize, place: (usize, usize)) -> [f64; 2] {
+pub(crate) fn refit(table: &Table, octave: u32, knot: usize, place: (usize, usize)) -> [f64; 2] {
     let layers = layers_from_table(table);
     let samples = samples_around(table.shape(), &layers, octave, knot, place);
     let here = &layers[index(octave)][knot][node(place.0, place.1)];
@@ -306,7 +310,7 @@ fn fit_samples(
     start: &[f64],
     iterations: u32,
 ) -> (Parameters, f64) {
-    let on_sides = shape.grid.sides(i, j).into_iter().zip(mirrors(shape));
+    let on_sides = shape.grid.on_sides(i, j).into_iter().zip(mirrors(shape));
     let mirrors: Vec<_> = on_sides.filter(|(on, _)| *on).map(|(_, mirror)| mirror).collect();
     let ties = Ties::new(shape.parameters(), &mirrors);
     minimise(samples, &ties, &|x| clamp(shape, alpha, x), start, iterations)
@@ -329,10 +333,29 @@ fn clamp(shape: &Shape, alpha: f64, x: &mut [f64]) {
     }
 }
 
+/// The image of each box in the mirrors v = 0, u = v and u + v = 1. Lobes are longest across u = v, so there
+/// boxes form pairs; in the other two mirrors each box is its own image. This is the best of all pairings
+/// tried.
+///
+/// Around cone points three groups of four are images of each other in both mirrors, one towards the
+/// diagonals and one along the axes with narrow blurs, and one towards the diagonals with wide ones. There a
+/// small step asks for a quadrupole, which such groups yield linearly, by masses and half-widths.
+fn images(shape: &Shape) -> [Vec<usize>; 3] {
+    let own: Vec<usize> = (0..shape.boxes()).collect();
+    match (shape.grid, shape.boxes()) {
+        (Grid::Triangle, 1) => [own.clone(), own.clone(), own],
+        (Grid::Triangle, _) => [own.clone(), own.iter().map(|k| k ^ 1).collect(), own],
+        (Grid::Cone, _) => {
+            [vec![2, 3, 0, 1, 4, 5, 7, 6, 10, 11, 8, 9], own, vec![1, 0, 2, 3, 7, 6, 5, 4, 9, 8, 10, 11]]
+        }
+    }
+}
+
 /// The mirrors v = 0, u = v and u + v = 1: the parameter that each maps every parameter to, and the sign.
 fn mirrors(shape: &Shape) -> [Vec<(usize, f64)>; 3] {
+    let images = images(shape);
     std::array::from_fn(|side| {
-        let of_boxes = shape.mirrors[side].iter().flat_map(|to| {
+        let of_boxes = images[side].iter().flat_map(|to| {
             let at = to * BOX_PARAMETERS;
             match side {
                 0 => [(at, 1.0), (at + 1, 1.0), (at + 2, -1.0), (at + 3, 1.0), (at + 4, 1.0)],
@@ -343,4 +366,22 @@ fn mirrors(shape: &Shape) -> [Vec<(usize, f64)>; 3] {
         let harmonics = shape.boxes() * BOX_PARAMETERS..shape.parameters();
         of_boxes.chain(harmonics.map(|k| (k, 1.0))).collect()
     })
+}
+
+/// The bytes of the file of `table`.
+pub(crate) fn bytes(table: &Table) -> Vec<u8> {
+    let (parameters, grid) = (table.shape().parameters(), table.shape().grid);
+    let mut folded: Vec<[u8; 2]> = Vec::with_capacity(table.values().len());
+    for parameter in 0..parameters {
+        let step = step(table.shape(), parameter);
+        for layer in table.values().chunks_exact(grid.node_count() * parameters) {
+            let values = layer.iter().skip(parameter).step_by(parameters);
+            let steps: Vec<i32> = values.map(|value| (value / step).round() as i32).collect();
+            for (node, value) in grid.nodes().zip(&steps) {
+                let change = value - expected(&steps, node);
+                folded.push((((change << 1) ^ (change >> 31)) as u16).to_le_bytes());
+            }
+        }
+    }
+    [0, 1].into_iter().flat_map(|byte| folded.iter().map(move |half| half[byte])).collect()
 }

@@ -6,22 +6,20 @@
 //! serves every tile: sums are modulo 2^64, so a tile's boxes are differences of its entries, whatever lies
 //! left of it and above.
 
-mod squares;
-
-use crate::environment::Rgb;
-use crate::error::{Error, Result};
-use crate::oem::{Oem, OemSize};
-use crate::sat::{Sat, Scan};
-use crate::sphere::octahedral::{oct_from_direction, wrap_texel};
-use crate::sphere::oem_lookup::rectangular_place;
+use super::squares::Squares;
 use glam::{DVec2, DVec3};
-use squares::Squares;
+use octagloss::internals::environment::Rgb;
+use octagloss::internals::oem::{Oem, OemSize};
+use octagloss::internals::sat::{Sat, Scan};
+use octagloss::internals::sphere::octahedral::{oct_from_direction, wrap_texel};
+use octagloss::internals::sphere::oem_lookup::rectangular_place;
+use octagloss::{Error, Result};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The directions of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Domain {
+pub(crate) enum Domain {
     /// The sphere, in the quadratic layout.
     Sphere,
     /// The directions with y >= 0, as in the first layer of the rectangular layout: u = x - z, v = x + z for
@@ -31,8 +29,7 @@ pub enum Domain {
 
 impl Domain {
     /// Coordinates in [-1, 1]^2 of `direction`; `None` outside the domain.
-    #[must_use]
-    pub fn coordinates(self, direction: DVec3) -> Option<DVec2> {
+    pub(crate) fn coordinates(self, direction: DVec3) -> Option<DVec2> {
         match (self, rectangular_place(direction)) {
             (Self::Sphere, _) => Some(oct_from_direction(direction)),
             (Self::Hemisphere, (0, at)) => Some(at),
@@ -52,7 +49,7 @@ impl Domain {
 
 /// A tile of an [`Atlas`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Tile {
+pub(crate) struct Tile {
     x: u32,
     y: u32,
     side: u32,
@@ -64,27 +61,23 @@ pub struct Tile {
 
 impl Tile {
     /// Column and row of its first texel in the atlas.
-    #[must_use]
-    pub const fn corner(&self) -> [u32; 2] {
+    pub(crate) const fn corner(&self) -> [u32; 2] {
         [self.x, self.y]
     }
 
     /// Texels along an edge of its map and of the border.
-    #[must_use]
-    pub const fn size(&self) -> OemSize {
+    pub(crate) const fn size(&self) -> OemSize {
         OemSize { inner: self.side - 2 * self.border, border: self.border }
     }
 
     /// Its directions.
-    #[must_use]
-    pub const fn domain(&self) -> Domain {
+    pub(crate) const fn domain(&self) -> Domain {
         self.domain
     }
 
     /// Where `direction` is in the atlas, in texels; `None` outside the tile's domain. A bilinear look-up
     /// there reads this tile only.
-    #[must_use]
-    pub fn place(&self, direction: DVec3) -> Option<DVec2> {
+    pub(crate) fn place(&self, direction: DVec3) -> Option<DVec2> {
         let OemSize { inner, border } = self.size();
         let corner = DVec2::new(f64::from(self.x + border), f64::from(self.y + border));
         Some(corner + (self.domain.coordinates(direction)? + 1.0) * (f64::from(inner) / 2.0))
@@ -93,8 +86,9 @@ impl Tile {
 
 /// A square of texels [L_r*w, L_g*w, L_b*w, w] that tiles are allocated in; zero where there is none.
 #[derive(Clone, Debug)]
-pub struct Atlas {
-    oem: Oem,
+pub(crate) struct Atlas {
+    side: u32,
+    texels: Vec<[f32; 4]>,
     border: u32,
     free: Squares,
     /// Numbers of the tiles, by corner.
@@ -110,7 +104,7 @@ impl Atlas {
     /// # Errors
     /// [`Error::Parameter`] if `side` is not a power of two from 4 to 16384, or `border` is 0 or leaves no
     /// map.
-    pub fn new(side: u32, border: u32) -> Result<Self> {
+    pub(crate) fn new(side: u32, border: u32) -> Result<Self> {
         if !side.is_power_of_two() || !(MIN..=MAX).contains(&side) {
             return Err(Error::Parameter(format!(
                 "an atlas of {side} texels; choose a power of two from {MIN} to {MAX}"
@@ -122,9 +116,9 @@ impl Atlas {
                 side / 2 - 1
             )));
         }
-        let texels = vec![[0.0; 4]; side as usize * side as usize];
         Ok(Self {
-            oem: Oem::from_square(OemSize { inner: side, border: 0 }, texels),
+            side,
+            texels: vec![[0.0; 4]; side as usize * side as usize],
             border,
             free: Squares::new(side),
             tiles: BTreeMap::new(),
@@ -137,8 +131,8 @@ impl Atlas {
     /// # Errors
     /// [`Error::Parameter`] if `side` is not a power of two, larger than twice the border and at most the
     /// atlas's.
-    pub fn allocate(&mut self, side: u32, domain: Domain) -> Result<Option<Tile>> {
-        let (whole, border) = (self.oem.size().inner, self.border);
+    pub(crate) fn allocate(&mut self, side: u32, domain: Domain) -> Result<Option<Tile>> {
+        let (whole, border) = (self.side, self.border);
         if !side.is_power_of_two() || side <= 2 * border || side > whole {
             return Err(Error::Parameter(format!(
                 "a tile of {side} texels; choose a power of two above {} and up to {whole}",
@@ -155,7 +149,7 @@ impl Atlas {
     ///
     /// # Errors
     /// [`Error::Parameter`] if it was released before or is of another atlas.
-    pub fn release(&mut self, tile: Tile) -> Result<()> {
+    pub(crate) fn release(&mut self, tile: Tile) -> Result<()> {
         self.check(tile)?;
         self.tiles.remove(&tile.corner());
         self.fill(tile, |_, _| [0.0; 4]);
@@ -167,7 +161,7 @@ impl Atlas {
     ///
     /// # Errors
     /// Those of [`Atlas::release`], and [`Error::Parameter`] for another number of texels.
-    pub fn write(&mut self, tile: Tile, square: &[[f32; 4]]) -> Result<()> {
+    pub(crate) fn write(&mut self, tile: Tile, square: &[[f32; 4]]) -> Result<()> {
         self.check(tile)?;
         let OemSize { inner, border } = tile.size();
         if square.len() != inner as usize * inner as usize {
@@ -186,11 +180,10 @@ impl Atlas {
 
     /// Sets the texels of `tile` by column and row.
     fn fill(&mut self, tile: Tile, texel: impl Fn(u32, u32) -> [f32; 4]) {
-        let pitch = self.oem.size().inner as usize;
-        let texels = self.oem.texels_mut();
+        let pitch = self.side as usize;
         for j in 0..tile.side {
             let start = (tile.y + j) as usize * pitch + tile.x as usize;
-            let row = &mut texels[start..start + tile.side as usize];
+            let row = &mut self.texels[start..start + tile.side as usize];
             row.iter_mut().zip(0..).for_each(|(place, i)| *place = texel(i, j));
         }
     }
@@ -209,35 +202,35 @@ impl Atlas {
     ///
     /// # Errors
     /// Those of [`Atlas::release`].
-    pub fn radiance(&self, tile: Tile, direction: DVec3) -> Result<Option<Rgb>> {
+    pub(crate) fn radiance(&self, tile: Tile, direction: DVec3) -> Result<Option<Rgb>> {
         self.check(tile)?;
         let Some(at) = tile.place(direction) else { return Ok(None) };
         let low = (at - 0.5).floor();
         let share = at - 0.5 - low;
         let (x, y) = (low.x as u32, low.y as u32);
         let [upper, lower] = [y, y + 1].map(|y| {
-            let [left, right] = [x, x + 1].map(|x| self.oem.radiance(x, y).map(f64::from));
+            let [left, right] = [x, x + 1].map(|x| {
+                let [energy @ .., w] = self.texels[(y * self.side + x) as usize];
+                energy.map(|channel| f64::from(channel / w))
+            });
             mixed(left, right, share.x)
         });
         Ok(Some(mixed(upper, lower, share.y).map(|channel| channel as f32)))
     }
 
     /// All texels, as one square without a border.
-    #[must_use]
-    pub const fn oem(&self) -> &Oem {
-        &self.oem
+    pub(crate) fn oem(&self) -> Oem {
+        Oem::from_square(OemSize { inner: self.side, border: 0 }, self.texels.clone())
     }
 
     /// Texels that no tile has.
-    #[must_use]
-    pub fn free_texels(&self) -> u64 {
+    pub(crate) fn free_texels(&self) -> u64 {
         self.free.area()
     }
 
     /// The exact tables of all tiles, by one scan of the atlas.
-    #[must_use]
-    pub fn sat(&self, scan: Scan) -> AtlasSat {
-        AtlasSat { sat: Sat::new(&self.oem, scan) }
+    pub(crate) fn sat(&self, scan: Scan) -> AtlasSat {
+        AtlasSat { sat: Sat::new(&self.oem(), scan) }
     }
 }
 
@@ -253,20 +246,20 @@ fn mixed(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
 
 /// The exact table of an [`Atlas`]. All tiles have the fixed-point exponents of the whole.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AtlasSat {
+pub(crate) struct AtlasSat {
     sat: Sat,
 }
 
 impl AtlasSat {
     /// The table of the whole atlas.
-    #[must_use]
-    pub const fn whole(&self) -> &Sat {
+    pub(crate) const fn whole(&self) -> &Sat {
         &self.sat
     }
 
     /// The table of `tile`, border included: the same bits as a scan of its texels with these exponents.
-    #[must_use]
-    pub fn tile(&self, tile: Tile) -> Sat {
-        self.sat.part(tile.corner(), tile.size())
+    pub(crate) fn tile(&self, tile: Tile) -> Sat {
+        let ([x, y], side) = (tile.corner().map(i64::from), i64::from(tile.size().bordered()));
+        let entry = |k: i64| self.sat.bordered_box(x, y, x + k % side + 1, y + k / side + 1);
+        Sat::from_entries(tile.size(), self.sat.fixed_point(), (0..side * side).map(entry).collect())
     }
 }

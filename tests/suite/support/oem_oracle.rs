@@ -1,12 +1,15 @@
 //! Exhaustive integration over the texels of an OEM: the lobe that the engines serve.
 
-use super::kernel::Kernel;
-use super::patch::{Accuracy, Measure, Sample, integrate};
-use super::texels::for_each_flat_of_quadrant;
-use crate::lobe::Lobe;
-use crate::oem::{Oem, bilinear_share};
-use crate::sphere::octahedral;
 use glam::{DVec2, DVec3};
+use octagloss::internals::analysis::oracle::integrate::integrate;
+use octagloss::internals::analysis::oracle::kernel::{Kernel, MIRROR, Profile};
+use octagloss::internals::geometry::exact::for_each_flat_of_quadrant;
+use octagloss::internals::geometry::exact::patch::{Accuracy, Sample};
+use octagloss::internals::lobe::Lobe;
+use octagloss::internals::oem::{Oem, bilinear_share};
+use octagloss::internals::sphere::octahedral;
+use octagloss::internals::sphere::quadrature::gauss_legendre;
+use std::f64::consts::PI;
 
 /// Relative accuracy of the kernel's integral over a quadrant of a texel.
 const QUADRANT_ACCURACY: f64 = 1e-9;
@@ -23,7 +26,7 @@ const CONE_LEVELS: u32 = 40;
 /// (E_t - c w_t) per (u, v) area, integrated over the square; it is done quadrant by quadrant of each texel,
 /// where interpolation, map and fold have no kinks.
 #[derive(Debug)]
-pub struct OemOracle {
+pub(crate) struct OemOracle {
     size: u32,
     /// Least radiance of each channel.
     least: [f64; 3],
@@ -33,15 +36,13 @@ pub struct OemOracle {
 
 impl OemOracle {
     /// Takes the square of `oem`; its border is not looked at.
-    #[must_use]
-    pub fn new(oem: &Oem) -> Self {
+    pub(crate) fn new(oem: &Oem) -> Self {
         Self::of_texels(oem.size().inner, |x, y| oem.texel(x, y).map(f64::from))
     }
 
     /// Takes the square whose texel (x, y) has the energies and the solid angle `texel(x, y)`, in double
     /// precision: light that float32 holds, but whose energies it does not.
-    #[must_use]
-    pub fn of_texels(size: u32, texel: impl Fn(u32, u32) -> [f64; 4]) -> Self {
+    pub(crate) fn of_texels(size: u32, texel: impl Fn(u32, u32) -> [f64; 4]) -> Self {
         let mut least = [f64::INFINITY; 3];
         for y in 0..size {
             for x in 0..size {
@@ -80,15 +81,13 @@ impl OemOracle {
     ///
     /// At roughness 0 it is c plus the interpolated density at `direction` over the solid angle per (u, v)
     /// area.
-    #[must_use]
-    pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
+    pub(crate) fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
         let share = bilinear_share(lobe, roughness * roughness, self.size);
         self.reflect_with_share(lobe, roughness, direction, share)
     }
 
     /// The same with the share of bilinear interpolation, in [0, 1], as said.
-    #[must_use]
-    pub fn reflect_with_share(
+    pub(crate) fn reflect_with_share(
         &self,
         lobe: Lobe,
         roughness: f64,
@@ -103,8 +102,7 @@ impl OemOracle {
     ///
     /// # Panics
     /// Where the sizes differ.
-    #[must_use]
-    pub fn reflect_each(
+    pub(crate) fn reflect_each(
         oems: &[&Self],
         lobe: Lobe,
         roughness: f64,
@@ -115,11 +113,11 @@ impl OemOracle {
             return Vec::new();
         };
         assert!(oems.iter().all(|oem| oem.size == size), "OEMs of one size");
-        if roughness < super::kernel::MIRROR && lobe.has_mirror() {
+        if roughness < MIRROR && lobe.has_mirror() {
             return oems.iter().map(|oem| oem.mirror(direction)).collect();
         }
         let kernel = Kernel::new(lobe, roughness, direction.normalize());
-        let accuracy = Accuracy::new(QUADRANT_ACCURACY, CONE_LEVELS);
+        let accuracy = Accuracy::new(QUADRANT_ACCURACY);
         let texels_per_unit = f64::from(size) / 2.0;
         let mut sums = vec![[0.0; 3]; oems.len()];
         for j in 0..2 * size as usize {
@@ -128,15 +126,16 @@ impl OemOracle {
                 // The kernel times 1, a, b and ab, (a, b) the place between the sites.
                 let mut moments = [0.0; 4];
                 let mut add = |s: Sample, value: f64| {
-                    let weighted = s.weight * value;
-                    let place = (s.uv - first) * texels_per_unit;
+                    // On the octahedron, the solid angle of du dv is 1/|point|^3.
+                    let weighted = s.weight * s.length_squared * s.length_squared.sqrt() * value;
+                    let place = (octahedral::oct_from_direction(s.point) - first) * texels_per_unit;
                     moments[0] += weighted;
                     moments[1] += weighted * place.x;
                     moments[2] += weighted * place.y;
                     moments[3] += weighted * place.x * place.y;
                 };
-                for_each_flat_of_quadrant(size, i, j, Measure::Chart, &mut |flat| {
-                    integrate(&flat, &kernel, &accuracy, &mut add);
+                for_each_flat_of_quadrant(size, i, j, &mut |flat| {
+                    integrate(&flat, &kernel, &accuracy, CONE_LEVELS, &mut add);
                 });
                 let [m, a, b, ab] = moments;
                 let mut weights = [m - a - b + ab, a - ab, b - ab, ab].map(|weight| weight * bilinear);
@@ -152,7 +151,7 @@ impl OemOracle {
                 }
             }
         }
-        let integral = kernel.integral();
+        let integral = integral(&kernel);
         let answer = |(oem, sum): (&&Self, [f64; 3])| [0, 1, 2].map(|c| oem.least[c] + sum[c] / integral);
         oems.iter().zip(sums).map(answer).collect()
     }
@@ -185,7 +184,34 @@ fn first_site(size: u32, i: usize, j: usize) -> DVec2 {
 }
 
 /// [`OemOracle::reflect`] for a single question.
-#[must_use]
-pub fn reflect_oem(oem: &Oem, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
+pub(crate) fn reflect_oem(oem: &Oem, lobe: Lobe, roughness: f64, direction: DVec3) -> [f64; 3] {
     OemOracle::new(oem).reflect(lobe, roughness, direction)
+}
+
+/// The kernel's integral over the sphere.
+pub(crate) fn integral(kernel: &Kernel) -> f64 {
+    match kernel.profile {
+        Profile::Ggx { alpha_squared } => {
+            // 4 pi times the integral of the kernel over s in [0, 1/2]; s = a^2 (e^t - 1) makes it
+            // smooth, and panels of width below 1/4 leave Gauss's eighth order nothing to miss.
+            let end = (0.5 / alpha_squared).ln_1p();
+            let panels = (4.0 * end).ceil();
+            let rule = gauss_legendre(8);
+            let mut sum = 0.0;
+            for panel in 0..panels as u32 {
+                for &(node, weight) in &rule {
+                    let t = (f64::from(panel) + node) * end / panels;
+                    let half = alpha_squared * t.exp_m1();
+                    let spread = alpha_squared + (1.0 - alpha_squared) * half;
+                    sum += weight * (1.0 - 2.0 * half) / (spread * spread) * (half + alpha_squared);
+                }
+            }
+            4.0 * alpha_squared * sum * end / panels
+        }
+        Profile::Phong { exponent } => 2.0 * PI / (exponent + 1.0),
+        Profile::Cone { half_angle, .. } => 4.0 * PI * (half_angle / 2.0).sin().powi(2),
+        Profile::Cosine => PI,
+        // With x = 1 - cos: the integral of x^power - x^(power + 1) over [0, 1].
+        Profile::Charlie { power } => 2.0 * PI * (1.0 / (power + 1.0) - 1.0 / (power + 2.0)),
+    }
 }

@@ -1,7 +1,6 @@
-// Look-ups in an atlas of octahedral maps: src/atlas/. Engelhardt and Dachsbacher 2008, section 5.3. The
-// atlas is a texture of radiance; tiles have a border of at least one texel, so that look-ups stay inside
-// them.
-#include "common/oem_lookup.wgsl"
+// Look-ups in an atlas of octahedral maps, after common/oem_lookup.wgsl. Engelhardt and Dachsbacher 2008,
+// section 5.3. The atlas is a texture of radiance; tiles have a border of at least one texel, so that
+// look-ups stay inside them.
 
 // A tile: its first texel in the atlas, its texels along an edge with the border, its border.
 struct AtlasTile {

@@ -1,6 +1,5 @@
 //! Radiance above a pixel format's maximum: clamped, compressed, or rejected.
 
-use crate::bake::result::Bake;
 use crate::chain::Level;
 use crate::environment::{LUMINANCE, Layout, Rgb};
 use crate::error::{Error, Result};
@@ -38,14 +37,9 @@ pub fn compressed(value: f64, most: f64) -> f64 {
     knee + room * above / (room + above)
 }
 
-/// Largest share of a level's luminance energy that clamping in `pixel` removes, over all levels of `bake`.
+/// Share of the luminance energy of `level` that clamping in `pixel` removes; 0 if nothing is clamped.
 #[must_use]
-pub fn clamped_share(bake: &Bake, pixel: Pixel) -> f64 {
-    bake.levels().map(|level| level_clamped_share(level, pixel)).fold(0.0, f64::max)
-}
-
-/// [`clamped_share`] of one level; 0 if nothing is clamped.
-fn level_clamped_share(level: &Level, pixel: Pixel) -> f64 {
+pub fn clamped_share(level: &Level, pixel: Pixel) -> f64 {
     let Level { layout, texels, .. } = level;
     if pixel.clamped(texels) == 0 {
         return 0.0;
@@ -68,21 +62,13 @@ fn level_clamped_share(level: &Level, pixel: Pixel) -> f64 {
 named!(Overflow { Clamp = "clamp", Compress = "compress", Error = "error" });
 
 impl Overflow {
-    /// Prepares every level of `bake` for `pixel`; returns the number of compressed texels. Leaves levels
-    /// within the format's maximum unchanged, and all levels for [`Overflow::Clamp`], which the writers
-    /// perform.
+    /// Prepares `level`, the level `index` of a bake, for `pixel`; returns the number of compressed texels.
+    /// Leaves a level within the format's maximum unchanged, and every level for [`Overflow::Clamp`], which the
+    /// writers perform.
     ///
     /// # Errors
     /// [`Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.
-    pub fn apply_all(self, bake: &mut Bake, pixel: Pixel) -> Result<u64> {
-        bake.levels_mut().enumerate().map(|(index, level)| self.apply(index, level, pixel)).sum()
-    }
-
-    /// [`Overflow::apply_all`] for `level`, the level `index` of a bake.
-    ///
-    /// # Errors
-    /// As [`Overflow::apply_all`].
-    pub fn apply(self, index: usize, level: &mut Level, pixel: Pixel) -> Result<u64> {
+    pub(crate) fn apply(self, index: usize, level: &mut Level, pixel: Pixel) -> Result<u64> {
         let (width, height) = level.layout.sides();
         let (width, area) = (width as usize, width as usize * height as usize);
         let face = |at: usize| match level.layout {
@@ -154,13 +140,13 @@ mod tests {
     #[test]
     fn what_clamping_takes_is_a_share_of_the_energy() {
         let mut level = Level::cube(2, 0.5, vec![[1.0; 3]; 24]);
-        assert_eq!(level_clamped_share(&level, Pixel::F16), 0.0);
+        assert_eq!(clamped_share(&level, Pixel::F16), 0.0);
         level.texels[5] = [2.0 * Pixel::F16.max(); 3];
         // The texels of a face of four are alike: 65504 of 2 * 65504 + 23.
         let expected = 65504.0 / (2.0 * 65504.0 + 23.0);
-        let share = level_clamped_share(&level, Pixel::F16);
+        let share = clamped_share(&level, Pixel::F16);
         assert!((share / expected - 1.0).abs() < 1e-6, "{share}");
-        assert_eq!(level_clamped_share(&level, Pixel::F32), 0.0);
+        assert_eq!(clamped_share(&level, Pixel::F32), 0.0);
     }
 
     #[test]

@@ -5,14 +5,14 @@
 //! sum(l) with l = [a b c]^-1 p, by Cramer's rule. With |p| = 1 in the 1-norm, the point is at distance 1 /
 //! sum(l) in that norm. No projection, clipping or rasterisation takes part.
 
-use crate::direct::{DirectMap, Triangles, check_near};
-use crate::error::{Error, Result};
-use crate::sphere::octahedral::{octahedron_from_oct, texel_centre};
 use glam::{DVec2, DVec3};
+use octagloss::internals::direct::{Corner, DirectMap, Triangles, check_near};
+use octagloss::internals::sphere::octahedral::{octahedron_from_oct, texel_centre};
+use octagloss::{Error, Result};
 
 /// Distance from an edge, in pixels, below which rasterisers may decide either way: they snap corners to a
 /// sixteenth of a pixel at the coarsest (Vulkan's four bits).
-pub const DOUBT: f64 = 1.0 / 16.0;
+pub(crate) const DOUBT: f64 = 1.0 / 16.0;
 
 /// Sine of the angle between a triangle's plane and the origin, relative to its corners, below which double
 /// precision does not resolve on which side the origin is.
@@ -20,22 +20,22 @@ const EDGE_ON: f64 = 1e-13;
 
 /// What a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub(crate) struct Hit {
     /// Index of the triangle.
-    pub triangle: usize,
+    pub(crate) triangle: usize,
     /// `near` over the distance in the 1-norm.
-    pub depth: f64,
+    pub(crate) depth: f64,
     /// The corners' values, interpolated in space.
-    pub value: [f64; 4],
+    pub(crate) value: [f64; 4],
     /// Greatest change of the depth within a pixel, to first order.
-    pub depth_change: f64,
+    pub(crate) depth_change: f64,
     /// Greatest change of each value.
-    pub value_change: [f64; 4],
+    pub(crate) value_change: [f64; 4],
 }
 
 /// A pixel and a triangle that it may show.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Cover {
+pub(crate) enum Cover {
     /// More than [`DOUBT`] inside the triangle.
     Inside(Hit),
     /// Closer to an edge, or to the cut by the near surface; for a triangle in a plane through the origin, to
@@ -45,9 +45,14 @@ pub enum Cover {
     Outside,
 }
 
+/// The corners of triangle `index`.
+pub(crate) fn corners_of(triangles: &Triangles, index: usize) -> [Corner; 3] {
+    std::array::from_fn(|k| triangles.corners()[triangles.indices()[3 * index + k] as usize])
+}
+
 /// Triangles seen from the origin, in an octahedral map.
 #[derive(Clone, Copy, Debug)]
-pub struct TriangleOracle<'a> {
+pub(crate) struct TriangleOracle<'a> {
     triangles: &'a Triangles,
     map: DirectMap,
     near: f64,
@@ -58,7 +63,7 @@ impl<'a> TriangleOracle<'a> {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a cube, an odd size, 0, or an invalid `near`.
-    pub fn new(triangles: &'a Triangles, map: DirectMap, near: f32) -> Result<Self> {
+    pub(crate) fn new(triangles: &'a Triangles, map: DirectMap, near: f32) -> Result<Self> {
         check_near(near)?;
         let size = map.size();
         if !map.is_octahedral() {
@@ -103,9 +108,8 @@ impl<'a> TriangleOracle<'a> {
     }
 
     /// Triangle `index` at pixel (`x`, `y`).
-    #[must_use]
-    pub fn cover(&self, x: u32, y: u32, index: usize) -> Cover {
-        let corners = self.triangles.triangle(index);
+    pub(crate) fn cover(&self, x: u32, y: u32, index: usize) -> Cover {
+        let corners = corners_of(self.triangles, index);
         let [a, b, c] = corners.map(|corner| DVec3::from_array(corner.position.map(f64::from)));
         let [p, along_row, along_column] = self.point(x, y);
         let gradient = |normal: DVec3| DVec2::new(normal.dot(along_row), normal.dot(along_column));
@@ -175,8 +179,7 @@ impl<'a> TriangleOracle<'a> {
     }
 
     /// Every triangle that pixel (`x`, `y`) certainly shows, and the number of others that it may show.
-    #[must_use]
-    pub fn pixel(&self, x: u32, y: u32) -> (Vec<Hit>, usize) {
+    pub(crate) fn pixel(&self, x: u32, y: u32) -> (Vec<Hit>, usize) {
         let mut hits = Vec::new();
         let mut doubtful = 0;
         for index in 0..self.triangles.count() {

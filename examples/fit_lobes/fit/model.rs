@@ -1,10 +1,10 @@
 //! The kernel of the parameters, its distance from the lobe, and the derivatives of that distance.
 
-use crate::lobe::{self, Lobe};
-use crate::realtime::tables::triangle::Grid;
-use crate::realtime::tables::{BOX_PARAMETERS, HARMONICS, Shape};
-use crate::sphere::octahedral::{direction_from_oct, solid_angle_density, wrap_oct};
 use glam::DVec2;
+use octagloss::internals::lobe::{self, Lobe};
+use octagloss::internals::realtime::tables::triangle::Grid;
+use octagloss::internals::realtime::tables::{BOX_PARAMETERS, HARMONICS, Shape};
+use octagloss::internals::sphere::octahedral::{direction_from_oct, solid_angle_density, wrap_oct};
 use std::f64::consts::{LN_2, PI};
 
 /// Cells along an edge of a level.
@@ -272,10 +272,11 @@ fn zonal_kernels(cosine: f64) -> [f64; HARMONICS] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use octagloss::internals::realtime::tables::Table;
 
     #[test]
     fn derivatives_are_those_of_differences() {
-        let shape = Shape::of(2).expect("there are two");
+        let shape = Table::of(2).expect("there are two").shape();
         let problem = Problem::new(shape, 3, 0.15, DVec2::new(0.8, 0.1));
         let x = [0.7, 0.3, -0.2, 0.1, 0.4, 0.6, -0.5, 0.4, 1.1, 0.9, 0.1, -0.03, 0.05, 0.02, -0.01];
         let found = problem.quadratic(&x, true);

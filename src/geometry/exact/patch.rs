@@ -1,65 +1,64 @@
-//! Pieces of the sphere and quadrature of a kernel over them.
-//!
-//! Two kinds: flat pieces of a cube face or an octahedron face, whose central projection is the map, and
-//! bands of a panorama. Both are cut in four until the kernel is smooth on a piece, and then integrated by
-//! Gauss's rule.
+//! Pieces of the sphere with Gauss's rules over them: flat pieces of a cube face or an octahedron face, whose
+//! central projection is the map, and bands of a panorama.
 
-use super::kernel::{Kernel, Side};
 use crate::sphere::quadrature::gauss_legendre;
 use glam::{DVec2, DVec3};
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 /// The orders in use.
 const ORDERS: [u32; 5] = [2, 3, 4, 6, 8];
 static RULES: LazyLock<[Vec<(f64, f64)>; 5]> = LazyLock::new(|| ORDERS.map(gauss_legendre));
 
-/// A quadrature point: where (any length), the squared length, the chart's coordinates and the weight.
+/// A quadrature point: where (any length), the squared length and the weight, a solid angle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sample {
-    pub(super) point: DVec3,
-    pub(super) length_squared: f64,
-    pub(super) uv: DVec2,
-    pub(super) weight: f64,
+pub struct Sample {
+    /// A point in the direction.
+    pub point: DVec3,
+    /// Its squared length.
+    pub length_squared: f64,
+    /// Solid angle.
+    pub weight: f64,
 }
 
-/// How exact an integral is to be.
+/// Nodes in (0, 1) and weights.
+pub type Rule = &'static [(f64, f64)];
+
+/// How exact an integral is to be: the greatest side of a piece, in units of the integrand's reach, for each
+/// order of `ORDERS`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Accuracy {
-    /// Greatest side of a piece, in units of the kernel's reach, for each order of [`ORDERS`].
-    sides: [f64; 5],
-    /// Levels of splitting at a boundary of the support that is not cut exactly.
-    edge_levels: u32,
-}
+pub struct Accuracy([f64; 5]);
 
 impl Accuracy {
     /// Relative error of about `tolerance` on each piece.
     ///
-    /// Gauss's rule of order q misses (1/rho)^2q of an integrand whose nearest pole is at `reach`: over a
+    /// Gauss's rule of order q misses (1/rho)^2q of an integrand whose nearest pole is at its reach: over a
     /// side h, rho = 4 reach/h for small h, less for large ones.
-    pub(super) fn new(tolerance: f64, edge_levels: u32) -> Self {
-        let sides = ORDERS.map(|q| {
+    #[must_use]
+    pub fn new(tolerance: f64) -> Self {
+        Self(ORDERS.map(|q| {
             // rho = z + sqrt(z^2 + 1), z = 2 reach/h, solved for h.
             let rho = tolerance.powf(-0.5 / f64::from(q));
             4.0 * rho / (rho * rho - 1.0)
-        });
-        Self { sides, edge_levels }
+        }))
     }
 
     /// The cheapest rule for a piece of this side, in units of the reach; `None` where it must be split.
-    pub(super) fn rule(&self, side: f64) -> Option<&'static [(f64, f64)]> {
-        let order = self.sides.iter().position(|&limit| side <= limit)?;
+    #[must_use]
+    pub fn rule(&self, side: f64) -> Option<Rule> {
+        let order = self.0.iter().position(|&limit| side <= limit)?;
         Some(&RULES[order])
-    }
-
-    /// The same with another number of levels at edges.
-    pub(super) const fn with_edge_levels(self, edge_levels: u32) -> Self {
-        Self { edge_levels, ..self }
     }
 }
 
+/// The rule of the greatest order.
+#[must_use]
+pub fn finest_rule() -> Rule {
+    &RULES[ORDERS.len() - 1]
+}
+
 /// A piece of the sphere.
-pub(super) trait Patch: Copy {
+pub trait Patch: Copy {
     /// Centre (unit vector) and the chord of a cap around it that holds the piece.
     fn cap(&self) -> (DVec3, f64);
     /// Its size in units of the distance of the nearest singularity of its own shape.
@@ -70,106 +69,50 @@ pub(super) trait Patch: Copy {
     fn split(&self) -> [Self; 4];
     /// Calls `visit` at every point of a product rule.
     fn sample(&self, rule: &[(f64, f64)], visit: &mut impl FnMut(Sample));
-    /// Cuts along the boundary of the kernel's support and calls `keep` with the pieces inside; false where
-    /// that cannot be done, or not yet.
-    fn cut(&self, kernel: &Kernel, keep: &mut impl FnMut(Self)) -> bool;
-}
-
-/// Calls `visit` with quadrature points of `patch` and the kernel there; weights sum to the chart's measure.
-pub(super) fn integrate<P: Patch, V: FnMut(Sample, f64)>(
-    patch: &P,
-    kernel: &Kernel,
-    accuracy: &Accuracy,
-    visit: &mut V,
-) {
-    let (centre, radius) = patch.cap();
-    match kernel.side(centre, radius) {
-        Side::Outside => {}
-        Side::Inside => integrate_inside(patch, kernel, accuracy, 0, visit),
-        Side::Across => {
-            if patch.cut(kernel, &mut |piece| integrate_inside(&piece, kernel, accuracy, 0, visit)) {
-                return;
-            }
-            if accuracy.edge_levels == 0 {
-                patch.sample(&RULES[0], &mut |s| visit(s, kernel.at(s.point, s.length_squared)));
-                return;
-            }
-            let accuracy = accuracy.with_edge_levels(accuracy.edge_levels - 1);
-            for quarter in patch.split() {
-                integrate(&quarter, kernel, &accuracy, visit);
-            }
-        }
-    }
-}
-
-/// The same for a piece on which the kernel is smooth.
-fn integrate_inside<P: Patch, V: FnMut(Sample, f64)>(
-    patch: &P,
-    kernel: &Kernel,
-    accuracy: &Accuracy,
-    level: u32,
-    visit: &mut V,
-) {
-    let (centre, radius) = patch.cap();
-    let nearest = (centre.distance(kernel.direction) - radius).max(0.0);
-    if nearest >= kernel.vanishes {
-        return;
-    }
-    let side = (SQRT_2 * radius / kernel.panel(nearest)).max(patch.bend());
-    // A sixtieth halving is below the rounding of a direction.
-    match accuracy.rule(side).or_else(|| (level == 60).then_some(&RULES[4])) {
-        Some(rule) => patch.sample(rule, &mut |s| visit(s, kernel.at(s.point, s.length_squared))),
-        None => {
-            for quarter in patch.split() {
-                integrate_inside(&quarter, kernel, accuracy, level + 1, visit);
-            }
-        }
-    }
 }
 
 /// A plane of points `origin + u * along_u + v * along_v`, one face of a cube or an octahedron, such that the
 /// solid angle of du dv is 1/|point|^3.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plane {
-    pub(super) origin: DVec3,
-    pub(super) along_u: DVec3,
-    pub(super) along_v: DVec3,
+pub struct Plane {
+    /// The point at (0, 0).
+    pub origin: DVec3,
+    /// Its change with u.
+    pub along_u: DVec3,
+    /// Its change with v.
+    pub along_v: DVec3,
 }
 
 impl Plane {
-    fn point(&self, uv: DVec2) -> DVec3 {
+    /// The point at (u, v).
+    #[must_use]
+    pub fn point(&self, uv: DVec2) -> DVec3 {
         self.origin + self.along_u * uv.x + self.along_v * uv.y
     }
-}
-
-/// What a flat piece's weights add up to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Measure {
-    /// Solid angle.
-    SolidAngle,
-    /// Area in (u, v).
-    Chart,
 }
 
 /// A quadrilateral of a plane, bilinear between its corners in the order 00 10 11 01; a triangle repeats its
 /// first.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Flat {
-    pub(super) plane: Plane,
-    pub(super) measure: Measure,
-    pub(super) corners: [DVec2; 4],
+pub struct Flat {
+    /// The plane.
+    pub plane: Plane,
+    /// Coordinates of the corners.
+    pub corners: [DVec2; 4],
 }
 
 impl Flat {
     /// The rectangle from `low` to `high`.
-    pub(super) fn rectangle(plane: Plane, measure: Measure, low: DVec2, high: DVec2) -> Self {
+    #[must_use]
+    pub fn rectangle(plane: Plane, low: DVec2, high: DVec2) -> Self {
         let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
-        Self { plane, measure, corners }
+        Self { plane, corners }
     }
 
     /// The triangle `a` `b` `c`.
-    pub(super) const fn triangle(plane: Plane, measure: Measure, a: DVec2, b: DVec2, c: DVec2) -> Self {
-        Self { plane, measure, corners: [a, b, c, a] }
+    #[must_use]
+    pub const fn triangle(plane: Plane, a: DVec2, b: DVec2, c: DVec2) -> Self {
+        Self { plane, corners: [a, b, c, a] }
     }
 
     fn at(&self, a: f64, b: f64) -> DVec2 {
@@ -210,47 +153,10 @@ impl Patch for Flat {
                 let point = self.plane.point(uv);
                 let length_squared = point.length_squared();
                 let area = weight_a * weight_b * along_a.perp_dot(along_b).abs();
-                let weight = match self.measure {
-                    Measure::Chart => area,
-                    Measure::SolidAngle => area / (length_squared * length_squared.sqrt()),
-                };
-                visit(Sample { point, length_squared, uv, weight });
+                let weight = area / (length_squared * length_squared.sqrt());
+                visit(Sample { point, length_squared, weight });
             }
         }
-    }
-
-    fn cut(&self, kernel: &Kernel, keep: &mut impl FnMut(Self)) -> bool {
-        if !kernel.is_hemisphere() {
-            // A circle is cut along chords: with pieces this small the area between is below 1e-6 of its own.
-            let (_, radius) = self.cap();
-            if radius > 1e-3 * kernel.support {
-                return false;
-            }
-        }
-        let depth = self.corners.map(|c| kernel.depth(self.plane.point(c)));
-        if depth.iter().all(|d| *d >= 0.0) {
-            keep(*self);
-            return true;
-        }
-        // Walk round the outline, keep what is inside, and cut the edges that cross.
-        let mut outline = [DVec2::ZERO; 8];
-        let mut count = 0;
-        for k in 0..4 {
-            let next = (k + 1) % 4;
-            if depth[k] >= 0.0 {
-                outline[count] = self.corners[k];
-                count += 1;
-            }
-            if (depth[k] > 0.0 && depth[next] < 0.0) || (depth[k] < 0.0 && depth[next] > 0.0) {
-                outline[count] =
-                    self.corners[k].lerp(self.corners[next], depth[k] / (depth[k] - depth[next]));
-                count += 1;
-            }
-        }
-        for k in 2..count {
-            keep(Self::triangle(self.plane, self.measure, outline[0], outline[k - 1], outline[k]));
-        }
-        true
     }
 }
 
@@ -302,7 +208,7 @@ impl Span {
 
 /// A rectangle of a panorama, in longitude about +X and polar angle from +Y, or a part of it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Band {
+pub struct Band {
     longitude: Span,
     polar: Span,
     part: Option<Part>,
@@ -323,7 +229,8 @@ const MAX_PART_WIDTH: f64 = 2.0;
 
 impl Band {
     /// The rectangle between two longitudes and two polar angles.
-    pub(super) fn new(longitude: [f64; 2], polar: [f64; 2]) -> Self {
+    #[must_use]
+    pub fn new(longitude: [f64; 2], polar: [f64; 2]) -> Self {
         Self { longitude: Span::new(longitude), polar: Span::new(polar), part: None }
     }
 
@@ -376,6 +283,26 @@ impl Band {
         }
         places.sort_by(f64::total_cmp);
         places
+    }
+
+    /// Calls `keep` with the parts in the hemisphere around `direction`; false where the pole is too near to
+    /// the great circle, and the band to be split first.
+    pub fn cut_at_hemisphere(&self, direction: DVec3, keep: &mut impl FnMut(Self)) -> bool {
+        let singular = (direction.y.abs() / direction.x.hypot(direction.z)).asinh();
+        if self.longitude.width() > MAX_PART_WIDTH * singular {
+            return false;
+        }
+        let part = Some(Part { direction, singular, shares: [0.0, 1.0] });
+        for ends in self.crossings(direction).windows(2) {
+            let piece = Self { longitude: Span::new([ends[0], ends[1]]), part, ..*self };
+            let [from, to] = piece.ends(piece.longitude.middle);
+            if to - from >= self.polar.width() {
+                keep(Self { part: None, ..piece });
+            } else if from < to {
+                keep(piece);
+            }
+        }
+        true
     }
 }
 
@@ -432,29 +359,9 @@ impl Patch for Band {
                 visit(Sample {
                     point: band_direction(longitude, polar),
                     length_squared: 1.0,
-                    uv: DVec2::new(longitude.radians, polar.radians),
                     weight: area * weight_b * polar.sine,
                 });
             }
         }
-    }
-
-    fn cut(&self, kernel: &Kernel, keep: &mut impl FnMut(Self)) -> bool {
-        let direction = kernel.direction;
-        let singular = (direction.y.abs() / direction.x.hypot(direction.z)).asinh();
-        if !kernel.is_hemisphere() || self.longitude.width() > MAX_PART_WIDTH * singular {
-            return false;
-        }
-        let part = Some(Part { direction, singular, shares: [0.0, 1.0] });
-        for ends in self.crossings(direction).windows(2) {
-            let piece = Self { longitude: Span::new([ends[0], ends[1]]), part, ..*self };
-            let [from, to] = piece.ends(piece.longitude.middle);
-            if to - from >= self.polar.width() {
-                keep(Self { part: None, ..piece });
-            } else if from < to {
-                keep(piece);
-            }
-        }
-        true
     }
 }

@@ -2,8 +2,11 @@
 //! 2, 4 or 8 boxes, or `cone` for the boxes around cone points. Writes FILE, by default the file of the
 //! library in `src/realtime/tables`. Takes two to fifteen minutes on two cores.
 
-use octagloss::internals::realtime::fit::fit;
-use octagloss::internals::realtime::tables::Shape;
+#[allow(dead_code, reason = "a test uses the rest")]
+mod fit;
+
+use fit::{bytes, fit};
+use octagloss::internals::realtime::tables::Table;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -21,14 +24,14 @@ fn main() -> ExitCode {
         }
     };
     let path = arguments.get(1).cloned().unwrap_or_else(|| format!("src/realtime/tables/{name}.bin"));
-    let shape = match arguments[0].parse() {
-        Ok(count) => Shape::of(count).expect("one of them"),
-        Err(_) => Shape::around_cone_points(),
+    let known = match arguments[0].parse() {
+        Ok(count) => Table::of(count).expect("one of them"),
+        Err(_) => Table::around_cone_points(),
     };
     let start = Instant::now();
     let progress = |done: &str| println!("{done} after {:.0} s", start.elapsed().as_secs_f64());
-    let table = fit(shape, &progress);
-    if let Err(error) = std::fs::write(&path, table.bytes()) {
+    let table = fit(known.shape(), &progress);
+    if let Err(error) = std::fs::write(&path, bytes(&table)) {
         eprintln!("{path}: {error}");
         return ExitCode::FAILURE;
     }

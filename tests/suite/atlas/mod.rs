@@ -1,11 +1,14 @@
 //! Atlases of octahedral maps: allocation, look-ups inside a tile, tables of all tiles.
 
+mod squares;
+pub(crate) mod table;
+
 use crate::support::common::{Random, landmarks, oem};
 use glam::DVec3;
 use octagloss::Error;
-use octagloss::internals::atlas::{Atlas, Domain, Tile};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
+use table::{Atlas, Domain, Tile};
 
 const SIDE: u32 = 512;
 const BORDER: u32 = 2;

@@ -1,5 +1,6 @@
-//! Options of a bake, as every front end has them, as plans: files to write, and the settings of their bake.
+//! Recipes as plans: files to write, and the settings of their bake.
 
+use super::{Recipe, wrong};
 use crate::bake::{BakeSettings, Skybox};
 use crate::chain::ChainKind;
 use crate::environment::{Layout, Map};
@@ -9,19 +10,17 @@ use crate::format::container::Container;
 use crate::format::{OutputLayout, Pixel};
 use crate::ladder::Ladder;
 use crate::lobe::Lobe;
-use crate::sat::Scan;
-use crate::sh::window::ShWindow;
-use crate::target::{Diffuse, Flip, Target, TargetPlan, UNTARGETED};
+use crate::target::{Diffuse, Target, TargetPlan, UNTARGETED};
 
 /// Files to write, and the settings of their bake.
 #[derive(Clone, Debug)]
 pub struct BakePlan {
+    /// The recipe of this plan alone, with its defaults filled in: the recipe of the same plan.
+    pub recipe: Recipe,
     /// The files.
     pub plan: TargetPlan,
     /// The bake.
     pub settings: BakeSettings,
-    /// The requested skybox; resolved in the settings once the source is known.
-    pub skybox: Option<Skybox>,
     /// A costly choice of ladder or levels.
     pub warning: Option<String>,
 }
@@ -30,55 +29,64 @@ impl BakePlan {
     /// Resolves the skybox for a source of `layout`.
     #[must_use]
     pub fn settled(&self, layout: Layout) -> Self {
-        let edge = self.skybox.map(|skybox| skybox.edge(layout));
-        Self { settings: BakeSettings { skybox: edge, ..self.settings.clone() }, ..self.clone() }
+        let edge = self.recipe.skybox.map(|skybox| skybox.edge(layout));
+        Self {
+            recipe: Recipe { skybox: edge.map(Skybox::Edge), ..self.recipe.clone() },
+            settings: BakeSettings { skybox: edge, ..self.settings.clone() },
+            ..self.clone()
+        }
+    }
+
+    /// Whether its levels are one file, called by the name of the output, and not a folder.
+    #[must_use]
+    pub const fn is_file(&self) -> bool {
+        !self.plan.is_targeted() && self.plan.is_single()
     }
 }
 
-/// Options of a bake; `None` for those that were not given.
-#[derive(Clone, Debug)]
-pub struct PlanOptions {
-    /// As in [`BakeSettings`].
-    pub size: Option<u32>,
-    /// As in [`BakeSettings`].
-    pub levels: Option<u32>,
-    /// As in [`BakeSettings`].
-    pub ladder: Option<Ladder>,
-    /// As in [`BakeSettings`].
-    pub chain: Option<ChainKind>,
-    /// The lobe.
-    pub lobe: Lobe,
-    /// The filter.
-    pub filter: Filter,
-    /// Container of the files.
-    pub container: Option<Container>,
-    /// Layout of the levels in files.
-    pub out_layout: Option<OutputLayout>,
-    /// Pixel format of the files.
-    pub pixel: Option<Pixel>,
-    /// Edge of the irradiance cube.
-    pub irradiance: Option<u32>,
-    /// Edge of the skybox.
-    pub skybox: Option<Skybox>,
-    /// As in [`BakeSettings`].
-    pub sh_order: u32,
-    /// As in [`BakeSettings`].
-    pub sh_window: ShWindow,
-    /// Flip of a target's cubes.
-    pub flip: Option<Flip>,
-    /// Diffuse light of a target.
-    pub diffuse: Option<Diffuse>,
-    /// Whether every texel's error bound is written.
-    pub bounds: bool,
-    /// As in [`BakeSettings`].
-    pub oem_size: Option<u32>,
-    /// As in [`BakeSettings`].
-    pub border: Option<u32>,
-    /// As in [`BakeSettings`].
-    pub scan: Option<Scan>,
-}
+impl Recipe {
+    /// One plan a target, or one without a target.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for options out of range, and for those that contradict each other or the target.
+    pub fn plans(&self) -> Result<Vec<BakePlan>> {
+        self.check()?;
+        match &self.target[..] {
+            [] => Ok(vec![self.untargeted()?]),
+            targets => targets.iter().map(|target| self.targeted(target)).collect(),
+        }
+    }
 
-impl PlanOptions {
+    /// The plan `plan` with `settings`, and the recipe of it.
+    fn plan(&self, plan: TargetPlan, settings: BakeSettings, warning: Option<String>) -> Result<BakePlan> {
+        let (target, is_targeted) = (plan.target, plan.is_targeted());
+        let mut recipe = Self {
+            target: if is_targeted { vec![target] } else { Vec::new() },
+            size: Some(settings.size),
+            ladder: Some(settings.ladder),
+            chain: Some(settings.chain()),
+            sh_order: Some(settings.sh_order),
+            ..self.clone()
+        };
+        recipe.levels = Some(settings.level_specs()?.len() as u32).filter(|_| target.map != Map::Panorama);
+        recipe.table.scan = settings.filter.reads_sat().then_some(settings.scan);
+        recipe.input.rotate_y.get_or_insert(0.0);
+        recipe.input.scale.get_or_insert(1.0);
+        if target.has_container() {
+            recipe.format = Some(plan.container);
+            recipe.pixel = Some(plan.pixel).filter(|pixel| Pixel::CHOICES.contains(pixel));
+        }
+        if !is_targeted {
+            recipe.out_layout = Some(plan.layout);
+        } else if target.has_container() {
+            (recipe.diffuse, recipe.irradiance) = (Some(plan.diffuse), settings.irradiance);
+        }
+        if is_targeted && target.map == Map::Cube {
+            recipe.flip = Some(plan.flip);
+        }
+        Ok(BakePlan { recipe, plan, settings, warning })
+    }
+
     /// The plan of one file, or of a folder of images: the given container, else the layout's, and pixels
     /// that it can hold.
     ///
@@ -101,7 +109,7 @@ impl PlanOptions {
             return wrong(format!("`skybox` is a cube; omit it or `out_layout` {name}"));
         }
         let images = layout != OutputLayout::Faces;
-        let container = self.container.unwrap_or(if images { Container::Exr } else { Container::Ktx2 });
+        let container = self.format.unwrap_or(if images { Container::Exr } else { Container::Ktx2 });
         let pixel = self.pixel_in(container, layout)?;
         let diffuse = if self.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
         let skybox = self.skybox.is_some();
@@ -109,10 +117,10 @@ impl PlanOptions {
         let size = settings.size;
         let warning =
             self.costly(&settings, &Ladder::ALL.map(|ladder| (ladder, ladder.default_levels(map, size))));
-        Ok(BakePlan { plan, settings, skybox: self.skybox, warning })
+        self.plan(plan, settings, warning)
     }
 
-    /// The settings of [`PlanOptions::untargeted`], without what files of several images cannot hold.
+    /// The settings of [`Recipe::untargeted`], without what files of several images cannot hold.
     ///
     /// # Errors
     /// [`Error::Parameter`] for options that contradict each other.
@@ -156,8 +164,7 @@ impl PlanOptions {
         if images && container.is_single() {
             return wrong(format!("`out_layout` {} is for exr and hdr, not {name}", layout.name()));
         }
-        let is_auto = container == Container::Exr && !is_one_exr;
-        container.pixel(self.pixel, if is_auto { Pixel::Auto } else { Pixel::default() })
+        container.pixel(self.pixel, container.default_pixel(layout))
     }
 
     /// The preset of `target` with these options.
@@ -178,8 +185,8 @@ impl PlanOptions {
         }
         let fixed = |option: &str| wrong(format!("target {name} has a fixed format; omit {option}"));
         if !target.has_container() {
-            if self.container.is_some() {
-                return fixed("`container`");
+            if self.format.is_some() {
+                return fixed("`format`");
             }
             if self.pixel.is_some() {
                 return fixed("`pixel`");
@@ -188,16 +195,16 @@ impl PlanOptions {
                 return fixed("`diffuse` and `irradiance`");
             }
         }
-        plan.container = self.container.unwrap_or(plan.container);
+        plan.container = self.format.unwrap_or(plan.container);
         if plan.container == Container::Hdr {
             return wrong(
-                "`container` hdr is a folder of faces and cannot be combined with `target`; use ktx2, ktx, \
+                "`format` hdr is a folder of faces and cannot be combined with `target`; use ktx2, ktx, \
                  dds or exr",
             );
         }
         if target.map == Map::Octahedral && !matches!(plan.container, Container::Ktx2 | Container::Exr) {
             let container = plan.container.name();
-            return wrong(format!("target {name}: `container` {container} is for cubes; use ktx2 or exr"));
+            return wrong(format!("target {name}: `format` {container} is for cubes; use ktx2 or exr"));
         }
         if target.map != Map::Cube && self.flip.is_some() {
             return wrong(format!("target {name} has no cube; omit `flip`"));
@@ -209,7 +216,7 @@ impl PlanOptions {
         plan.flip = self.flip.unwrap_or(plan.flip);
         plan.diffuse = self.diffuse_of(plan.diffuse)?;
         plan.skybox |= self.skybox.is_some();
-        self.filter.check(self.lobe, self.oem_size)?;
+        self.filter.check(self.lobe, self.table.oem_size)?;
         plan.check()?;
         let size = self.size.unwrap_or(target.size);
         let irradiance = self.irradiance.unwrap_or(target.irradiance_size);
@@ -226,7 +233,7 @@ impl PlanOptions {
         let check = || plan.check_levels(size, settings.level_specs()?.len() as u32, settings.ladder);
         check().map_err(|error| Error::Parameter(format!("target {name}: {error}")))?;
         let warning = self.costly(&settings, &[(target.ladder, target.levels(size))]);
-        Ok(BakePlan { plan, settings, skybox: self.skybox, warning })
+        self.plan(plan, settings, warning)
     }
 
     /// The diffuse light of a target whose own is `own`: with a cube, if its size was given.
@@ -250,11 +257,11 @@ impl PlanOptions {
         BakeSettings {
             lobe: self.lobe,
             filter: self.filter,
-            oem_size: self.oem_size,
-            border: self.border,
-            scan: self.scan.unwrap_or_default(),
+            oem_size: self.table.oem_size,
+            border: self.table.border,
+            scan: self.table.scan.unwrap_or_default(),
             chain: self.chain,
-            sh_order: self.sh_order,
+            sh_order: self.sh_order.unwrap_or(2),
             sh_window: self.sh_window,
             ..BakeSettings::default()
         }
@@ -289,7 +296,3 @@ impl PlanOptions {
 
 /// Ratio of estimated errors above which a choice is warned about.
 const COSTLY: f64 = 2.0;
-
-fn wrong<T>(message: impl Into<String>) -> Result<T> {
-    Err(Error::Parameter(message.into()))
-}

@@ -4,30 +4,33 @@
 //! of the cube. What is worked out once is a *block*; a *frame* carries a source direction into the block's
 //! own space.
 
-use super::kernel::Kernel;
-use super::patch::{Accuracy, Band, Flat, Measure, Patch, Plane, Sample, integrate};
+pub mod patch;
+
 use crate::environment::Layout;
 use crate::sphere::{cube, equirect, octahedral};
 use glam::{DMat3, DVec2, DVec3};
+use patch::{Accuracy, Band, Flat, Patch, Plane, Sample};
 use std::f64::consts::{PI, TAU};
 
-/// What a texel is, in its own space.
+/// Outline of a texel, in its own space.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Texel {
+pub struct Texel {
     /// Exact solid angle.
-    pub(crate) solid_angle: f64,
+    pub solid_angle: f64,
     /// Mean direction, shorter than 1.
-    pub(crate) mean: DVec3,
+    pub mean: DVec3,
     /// Covariance of the direction.
-    pub(crate) covariance: DMat3,
-    /// Centre and chord of a cap that holds it.
-    pub(super) centre: DVec3,
-    pub(super) radius: f64,
+    pub covariance: DMat3,
+    /// Centre of a cap that holds it.
+    pub centre: DVec3,
+    /// The chord.
+    pub radius: f64,
 }
 
 impl Texel {
     /// Mean of l l^T.
-    pub(crate) fn second_moment(&self) -> DMat3 {
+    #[must_use]
+    pub fn second_moment(&self) -> DMat3 {
         self.covariance + outer(self.mean)
     }
 }
@@ -39,7 +42,7 @@ fn outer(v: DVec3) -> DMat3 {
 
 /// All texels of a layout.
 #[derive(Debug)]
-pub(crate) struct SourceTexels {
+pub struct ExactTexels {
     layout: Layout,
     blocks: Vec<Texel>,
     frames: Vec<DMat3>,
@@ -48,8 +51,10 @@ pub(crate) struct SourceTexels {
 /// The plane of the canonical cube face: (s, t, 1).
 const CUBE_PLANE: Plane = Plane { origin: DVec3::Z, along_u: DVec3::X, along_v: DVec3::Y };
 
-impl SourceTexels {
-    pub(crate) fn new(layout: Layout) -> Self {
+impl ExactTexels {
+    /// Works out the distinct texels of `layout`.
+    #[must_use]
+    pub fn new(layout: Layout) -> Self {
         let (block_count, frames) = match layout {
             Layout::Panorama { width, height } => {
                 let frames = (0..width)
@@ -72,17 +77,19 @@ impl SourceTexels {
     }
 
     /// The distinct texels.
-    pub(crate) fn blocks(&self) -> &[Texel] {
+    #[must_use]
+    pub fn blocks(&self) -> &[Texel] {
         &self.blocks
     }
 
     /// Rotations (or reflections) from the source's space into the blocks' own.
-    pub(crate) fn frames(&self) -> &[DMat3] {
+    #[must_use]
+    pub fn frames(&self) -> &[DMat3] {
         &self.frames
     }
 
     /// Calls `visit` with the index of every texel, its block and its frame.
-    pub(crate) fn for_each(&self, mut visit: impl FnMut(usize, usize, usize)) {
+    pub fn for_each(&self, mut visit: impl FnMut(usize, usize, usize)) {
         let (blocks, frames) = (self.blocks.len(), self.frames.len());
         if let Layout::Panorama { .. } = self.layout {
             for block in 0..blocks {
@@ -99,26 +106,10 @@ impl SourceTexels {
         }
     }
 
-    /// The integral of `kernel`, given in the block's own space, over a block.
-    pub(super) fn integrate(&self, block: usize, kernel: &Kernel, accuracy: &Accuracy) -> f64 {
-        let mut sum = 0.0;
-        let mut add = |s: Sample, value: f64| sum += s.weight * value;
-        match self.layout {
-            Layout::Panorama { width, height } => {
-                integrate(&panorama_texel(width, height, block), kernel, accuracy, &mut add);
-            }
-            Layout::Cube { size } => integrate(&cube_texel(size, block), kernel, accuracy, &mut add),
-            Layout::Octahedral { size } => {
-                for_each_octahedral_piece(size, block, |piece| integrate(&piece, kernel, accuracy, &mut add));
-            }
-        }
-        sum
-    }
-
     /// Calls `visit` with directions and weights over a block, in its own space: a quadrature that integrates
     /// polynomials of the direction to rounding; weights sum to the solid angle.
-    pub(crate) fn for_each_sample(&self, block: usize, visit: &mut impl FnMut(DVec3, f64)) {
-        let accuracy = Accuracy::new(1e-15, 0);
+    pub fn for_each_sample(&self, block: usize, visit: &mut impl FnMut(DVec3, f64)) {
+        let accuracy = Accuracy::new(1e-15);
         match self.layout {
             Layout::Panorama { width, height } => {
                 sample(&panorama_texel(width, height, block), &accuracy, visit);
@@ -177,39 +168,33 @@ fn sample<P: Patch>(patch: &P, accuracy: &Accuracy, visit: &mut impl FnMut(DVec3
     }
 }
 
-fn panorama_texel(width: u32, height: u32, row: usize) -> Band {
+/// The piece that is row `row` around longitude 0.
+#[must_use]
+pub fn panorama_texel(width: u32, height: u32, row: usize) -> Band {
     let half = PI / f64::from(width);
     let edge = |k: usize| k as f64 / f64::from(height) * PI;
     Band::new([-half, half], [edge(row), edge(row + 1)])
 }
 
-fn cube_texel(size: u32, block: usize) -> Flat {
+/// The piece that is texel `block` of the canonical face.
+#[must_use]
+pub fn cube_texel(size: u32, block: usize) -> Flat {
     let edge = |k: usize| 2.0 * k as f64 / f64::from(size) - 1.0;
     let (i, j) = (block % size as usize, block / size as usize);
-    Flat::rectangle(
-        CUBE_PLANE,
-        Measure::SolidAngle,
-        DVec2::new(edge(i), edge(j)),
-        DVec2::new(edge(i + 1), edge(j + 1)),
-    )
+    Flat::rectangle(CUBE_PLANE, DVec2::new(edge(i), edge(j)), DVec2::new(edge(i + 1), edge(j + 1)))
 }
 
-fn for_each_octahedral_piece(size: u32, block: usize, mut visit: impl FnMut(Flat)) {
+/// Calls `visit` with the pieces of texel `block` of an octahedral square.
+pub fn for_each_octahedral_piece(size: u32, block: usize, mut visit: impl FnMut(Flat)) {
     let (x, y) = (block % size as usize, block / size as usize);
     for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-        for_each_flat_of_quadrant(size, 2 * x + i, 2 * y + j, Measure::SolidAngle, &mut visit);
+        for_each_flat_of_quadrant(size, 2 * x + i, 2 * y + j, &mut visit);
     }
 }
 
 /// The flat pieces of quadrant (`i`, `j`) of an octahedral square of `size` x `size` texels, its half-texels
 /// counted from 0 to 2 `size`: one, or two where the fold runs through it from corner to corner.
-pub(super) fn for_each_flat_of_quadrant(
-    size: u32,
-    i: usize,
-    j: usize,
-    measure: Measure,
-    visit: &mut impl FnMut(Flat),
-) {
+pub fn for_each_flat_of_quadrant(size: u32, i: usize, j: usize, visit: &mut impl FnMut(Flat)) {
     let n = size as usize;
     // Half-texels from the axis to the nearer and the farther edge, and on which side.
     let span = |k: usize| if k >= n { (k - n, 1.0) } else { (n - 1 - k, -1.0) };
@@ -230,11 +215,11 @@ pub(super) fn for_each_flat_of_quadrant(
     let (near, far) = (at(a, b), at(a + 1, b + 1));
     let (across_u, across_v) = (at(a + 1, b), at(a, b + 1));
     if a + b + 2 <= n {
-        visit(Flat::rectangle(upper, measure, near, far));
+        visit(Flat::rectangle(upper, near, far));
     } else if a + b >= n {
-        visit(Flat::rectangle(lower, measure, near, far));
+        visit(Flat::rectangle(lower, near, far));
     } else {
-        visit(Flat::triangle(upper, measure, near, across_u, across_v));
-        visit(Flat::triangle(lower, measure, far, across_u, across_v));
+        visit(Flat::triangle(upper, near, across_u, across_v));
+        visit(Flat::triangle(lower, far, across_u, across_v));
     }
 }

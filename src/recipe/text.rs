@@ -1,0 +1,120 @@
+//! Options as text in JSON, as on the command line. Texts of numbers are numbers.
+
+use crate::analysis::extraction::Suns;
+use crate::bake::Skybox;
+use crate::chain::ChainKind;
+use crate::filter::{self, Filter};
+use crate::format::container::Container;
+use crate::format::overflow::Overflow;
+use crate::format::{OutputLayout, Pixel};
+use crate::image::exposure::Exposure;
+use crate::io::{InputLayout, Pad};
+use crate::ladder::Ladder;
+use crate::lobe::Lobe;
+use crate::names::unknown;
+use crate::sat::Scan;
+use crate::sh::window::{self, ShWindow};
+use crate::target::{Diffuse, Flip, TARGETS, Target};
+use serde::de::{Deserialize, Deserializer, Error};
+use serde::ser::{Serialize, Serializer};
+use serde_json::{Number, Value};
+
+/// Writes `text`, a number as such.
+fn write<S: Serializer>(text: &str, serializer: S) -> Result<S::Ok, S::Error> {
+    match text.parse::<Number>() {
+        Ok(number) => number.serialize(serializer),
+        Err(_) => text.serialize(serializer),
+    }
+}
+
+/// Reads a text, or a number as text.
+fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    match Value::deserialize(deserializer)? {
+        Value::String(text) => Ok(text),
+        Value::Number(number) => Ok(number.to_string()),
+        _ => Err(D::Error::custom("a text is needed")),
+    }
+}
+
+/// Implements `Serialize` and `Deserialize` by a text and its parser.
+macro_rules! as_text {
+    ($($type:ty: $text:expr, $parse:expr;)+) => {$(
+        impl Serialize for $type {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                write(&$text(self), serializer)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $type {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                $parse(&read(deserializer)?).map_err(D::Error::custom)
+            }
+        }
+    )+};
+}
+
+as_text! {
+    ChainKind: ChainKind::to_string, str::parse::<ChainKind>;
+    Container: Container::to_string, str::parse::<Container>;
+    Diffuse: Diffuse::to_string, str::parse::<Diffuse>;
+    Exposure: Exposure::to_string, str::parse::<Exposure>;
+    Flip: Flip::to_string, str::parse::<Flip>;
+    InputLayout: InputLayout::to_string, str::parse::<InputLayout>;
+    Ladder: Ladder::to_string, str::parse::<Ladder>;
+    Lobe: Lobe::to_string, str::parse::<Lobe>;
+    OutputLayout: OutputLayout::to_string, str::parse::<OutputLayout>;
+    Overflow: Overflow::to_string, str::parse::<Overflow>;
+    Pad: Pad::to_string, str::parse::<Pad>;
+    Scan: Scan::to_string, str::parse::<Scan>;
+    Filter: Filter::to_string, filter::parsed;
+    Pixel: Pixel::to_string, pixel;
+    ShWindow: ShWindow::to_string, window::parsed;
+    Skybox: Skybox::to_string, Skybox::parsed;
+    Suns: Suns::to_string, Suns::parsed;
+}
+
+/// Parses the name of a pixel format that a recipe can choose.
+fn pixel(text: &str) -> Result<Pixel, String> {
+    let names = Pixel::CHOICES.map(Pixel::name);
+    Pixel::CHOICES.into_iter().find(|pixel| pixel.name() == text).ok_or_else(|| unknown(&names))
+}
+
+/// Parses a target's name.
+pub(super) fn target(text: &str) -> Result<&'static Target, String> {
+    Target::named(text).ok_or_else(|| {
+        let names: Vec<_> = TARGETS.iter().map(|target| target.name).collect();
+        format!("there are {}", names.join(", "))
+    })
+}
+
+/// Parses a number of the command line.
+#[cfg(feature = "cli")]
+pub(super) fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "not a number".to_owned())
+}
+
+/// Names of targets: a text with commas, or a list; null for none.
+pub(super) mod targets {
+    use super::{Deserialize, Deserializer, Error as _, Serialize, Serializer, Target, Value, target};
+
+    pub(in crate::recipe) fn serialize<S: Serializer>(
+        targets: &[&'static Target],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let names: Vec<&str> = targets.iter().map(|target| target.name).collect();
+        Some(names.join(",")).filter(|names| !names.is_empty()).serialize(serializer)
+    }
+
+    pub(in crate::recipe) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<&'static Target>, D::Error> {
+        let names: Vec<String> = match Value::deserialize(deserializer)? {
+            Value::Null => Vec::new(),
+            Value::String(text) => text.split(',').map(|name| name.trim().to_owned()).collect(),
+            list => {
+                Vec::deserialize(list).map_err(|_| D::Error::custom("a text or a list of texts is needed"))?
+            }
+        };
+        names.iter().map(|name| target(name).map_err(D::Error::custom)).collect()
+    }
+}
