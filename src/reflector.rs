@@ -395,9 +395,10 @@ impl<'a> Reflector<'a> {
         let directions = &units(directions)?[..];
         let block = |directions: &[DVec3]| {
             let mut answers = Vec::with_capacity(directions.len());
-            lobes.evaluate(directions, &mut Workspace::default(), &mut answers).map(|()| answers)
+            lobes.evaluate_units(directions, &mut Workspace::default(), &mut answers);
+            answers
         };
-        let answers = directions.par_chunks(BLOCK).map(block).collect::<Result<Vec<_>>>()?.concat();
+        let answers = directions.par_chunks(BLOCK).map(block).collect::<Vec<_>>().concat();
         check_answers(directions, &answers)?;
         Ok(answers)
     }
@@ -409,11 +410,8 @@ impl<'a> Reflector<'a> {
     pub fn query(&self, direction: DVec3, roughness: f64, lobe: Lobe, filter: Filter) -> Result<Answer> {
         let directions = units(&[direction])?;
         let mut answers = Vec::with_capacity(1);
-        self.lobes(lobe, roughness, filter)?.evaluate(
-            &directions,
-            &mut Workspace::default(),
-            &mut answers,
-        )?;
+        let lobes = self.lobes(lobe, roughness, filter)?;
+        lobes.evaluate_units(&directions, &mut Workspace::default(), &mut answers);
         check_answers(&directions, &answers)?;
         Ok(answers[0])
     }
@@ -533,6 +531,17 @@ impl Lobes<'_> {
         if let Some(direction) = directions.iter().find(|direction| !is_unit(direction)) {
             return Err(Error::Parameter(format!("the direction {direction} is no unit vector")));
         }
+        self.evaluate_units(directions, workspace, answers);
+        Ok(())
+    }
+
+    /// [`Lobes::evaluate`] of directions that are known to be unit vectors.
+    pub(crate) fn evaluate_units(
+        &self,
+        directions: &[DVec3],
+        workspace: &mut Workspace,
+        answers: &mut Vec<Answer>,
+    ) {
         let source_from_world = self.source_from_world;
         let first_answer = answers.len();
         let unbounded = |radiance: Rgb| Answer { radiance, bound: None };
@@ -583,6 +592,5 @@ impl Lobes<'_> {
         for answer in &mut answers[first_answer..] {
             *answer = self.scale.answer(*answer);
         }
-        Ok(())
     }
 }

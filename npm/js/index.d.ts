@@ -140,7 +140,10 @@ export interface QueryOptions extends InputOptions, CallOptions {
     roughness?: number | ArrayLike<number>;
     lobe?: Lobe;
     filter?: string;
-    /** Add four numbers to each answer: certified errors of luminance, red, green and blue; Infinity for mirrors. */
+    /**
+     * Add four numbers to each answer: certified errors of luminance, red, green and blue; Infinity for
+     * mirrors.
+     */
     bound?: boolean;
     oemSize?: number;
     border?: number;

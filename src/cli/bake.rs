@@ -333,7 +333,7 @@ impl Work {
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let (source, plans) = self.opened(job, console)?;
         // The hashes in the report are those of the light.
-        if fingerprint::requested(&job.source, &self.options)?.0 != request {
+        if fingerprint::request(&job.source, &self.options)? != request {
             return Err(Error::input(job.source.path(), CHANGED).into());
         }
         let source = Source { files: input_files, ..source };

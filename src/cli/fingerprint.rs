@@ -95,7 +95,8 @@ pub(super) fn joined(hashes: impl IntoIterator<Item = Result<Hash>>) -> Result<H
     Ok(hasher.finalize())
 }
 
-/// Hashes a file's content, or the names and contents of a folder's files whose name `counts`; with their size.
+/// Hashes a file's content, or the names and contents of a folder's files whose name `counts`; with their
+/// size.
 fn hash_where(path: &Path, counts: &dyn Fn(&str) -> bool) -> Result<(Hash, u64)> {
     let fail = |error| Error::io(path, error);
     let metadata = fs::metadata(path).map_err(fail)?;

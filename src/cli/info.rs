@@ -218,7 +218,8 @@ fn environment_info(input: String, bytes: u64, opened: Source) -> EnvironmentInf
     }
 }
 
-/// Writes what a bake's file records, with defaults. Texel statistics are in the file's world, with flips undone.
+/// Writes what a bake's file records, with defaults. Texel statistics are in the file's world, with flips
+/// undone.
 fn origin<S: Serializer>(origin: &Option<Provenance>, serializer: S) -> Result<S::Ok, S::Error> {
     let Some(origin) = origin else { return serializer.serialize_none() };
     let Provenance { target, content, flip, quarter_turns, rotate_y, mirror, suns, .. } = origin;

@@ -202,8 +202,8 @@ impl Outputs {
         Ok(files.map(|(path, content)| format!("{}\t{content}\n", escaped(&path))).collect())
     }
 
-    /// Writes `products` and their completed reports, and moves everything into place in one step. Returns the
-    /// reports, and the bytes written without the preview.
+    /// Writes `products` and their completed reports, and moves everything into place in one step. Returns
+    /// the reports, and the bytes written without the preview.
     pub(super) fn write(
         &self,
         common: &Common,

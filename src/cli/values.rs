@@ -2,6 +2,7 @@
 
 use crate::environment::MAX_DEGREES;
 pub(super) use crate::filter::parsed as filter;
+use crate::recipe::text::number;
 use clap::ValueEnum;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -19,10 +20,6 @@ pub(super) enum EngineArg {
 pub(super) enum Texels {
     Some(usize),
     All,
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    text.parse().map_err(|_| "not a number".to_owned())
 }
 
 /// Parses a number in a range.

@@ -257,7 +257,8 @@ fn losses(plan: &TargetPlan, bake: &Bake, report: &Report) -> Vec<String> {
     let mut losses = Vec::new();
     if clamped > 0 && pixel == Pixel::Rgbe {
         losses.push(format!(
-            "{clamped} texels exceed the RGBE maximum of {RGBE_MAX:.1e} and were clamped; `format` exr keeps them",
+            "{clamped} texels exceed the RGBE maximum of {RGBE_MAX:.1e} and were clamped; `format` exr keeps \
+             them",
         ));
     } else if clamped > 0 && share_matters(share) {
         let remedy = if plan.target.has_container() { "; `pixel` f32 keeps them" } else { "" };

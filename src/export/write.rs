@@ -72,8 +72,8 @@ pub fn write_files<'a>(
     output::commit(output::stage_all(&outputs(path, is_file, files), existing)?)
 }
 
-/// The files and folders that hold `files`: the folder `path`; or if it `is_file` the file, which has its name
-/// among `files`, and what is next to it.
+/// The files and folders that hold `files`: the folder `path`; or if it `is_file` the file, which has its
+/// name among `files`, and what is next to it.
 pub fn outputs<'a>(
     path: &Path,
     is_file: bool,

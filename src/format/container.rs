@@ -49,8 +49,8 @@ impl Container {
         }
     }
 
-    /// The pixel format of the levels in `layout` by default: in folders of EXR images floats where half floats
-    /// are insufficient.
+    /// The pixel format of the levels in `layout` by default: in folders of EXR images floats where half
+    /// floats are insufficient.
     #[must_use]
     pub const fn default_pixel(self, layout: OutputLayout) -> Pixel {
         match (self, layout) {

@@ -63,8 +63,8 @@ named!(Overflow { Clamp = "clamp", Compress = "compress", Error = "error" });
 
 impl Overflow {
     /// Prepares `level`, the level `index` of a bake, for `pixel`; returns the number of compressed texels.
-    /// Leaves a level within the format's maximum unchanged, and every level for [`Overflow::Clamp`], which the
-    /// writers perform.
+    /// Leaves a level within the format's maximum unchanged, and every level for [`Overflow::Clamp`], which
+    /// the writers perform.
     ///
     /// # Errors
     /// [`Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.

@@ -18,9 +18,9 @@
 //!
 //! [`direct`] draws triangles into octahedral maps, in place of a texture to reparameterise.
 //!
-//! A pass is a function ([`sat_scan::stage`]) that binds pipelines to buffers: a [`Stage`], which records into
-//! the caller's encoder. Recording allocates nothing, submits nothing and waits for nothing. The [`Context`]
-//! compiles pipelines when they are first asked for, and keeps them.
+//! A pass is a function ([`sat_scan::stage`]) that binds pipelines to buffers: a [`Stage`], which records
+//! into the caller's encoder. Recording allocates nothing, submits nothing and waits for nothing. The
+//! [`Context`] compiles pipelines when they are first asked for, and keeps them.
 
 pub mod adaptive;
 pub mod blur;

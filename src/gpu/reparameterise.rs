@@ -259,7 +259,8 @@ impl Matrix {
         })
     }
 
-    /// Dispatches over `texels` the entry point that suits the matrix: a texel by an invocation, or by a group.
+    /// Dispatches over `texels` the entry point that suits the matrix: a texel by an invocation, or by a
+    /// group.
     fn dispatch(
         &self,
         context: &Context,

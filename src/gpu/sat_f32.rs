@@ -3,6 +3,7 @@
 
 use super::device::stage::Dispatch;
 use super::oem::{OemPlanes, Table};
+use super::sat_hensley::doublings;
 use super::{Context, Stage};
 use crate::error::Result;
 
@@ -37,14 +38,7 @@ pub fn stage(context: &Context, oem: &OemPlanes) -> Result<(Stage, wgpu::Buffer,
     let buffers = [(); 2].map(|()| context.storage("float32 table", bytes));
     let partials = context.storage("sums of groups", 16 * u64::from(GROUPS));
     let mean = context.storage("mean", 16);
-    let strides: Vec<(u32, u32)> = [0, 1]
-        .into_iter()
-        .flat_map(|axis| {
-            std::iter::successors(Some(1_u32), |stride| stride.checked_mul(2))
-                .take_while(|stride| *stride < side)
-                .map(move |stride| (axis, stride))
-        })
-        .collect();
+    let strides = doublings(side, 2);
     // The last pass writes the first buffer.
     let back = |pass: usize| &buffers[(strides.len() - pass) % 2];
     let planes = oem.bindings();

@@ -18,7 +18,8 @@ pub struct Doubling {
     stride: u32,
 }
 
-/// Stage that writes the table of `oem` to `sat`, whose exponents must be filled, in passes of `radix` samples.
+/// Stage that writes the table of `oem` to `sat`, whose exponents must be filled, in passes of `radix`
+/// samples.
 ///
 /// # Panics
 /// If `radix` is below 2.
@@ -27,14 +28,7 @@ pub fn stage(context: &Context, radix: u32, oem: &OemPlanes, sat: &SatPlanes) ->
     assert!(radix >= 2, "a radix of at least 2");
     let double_sums = context.pipeline("sat_hensley.wgsl", "double_sums", Some(("RADIX", radix)));
     let Table { side, pitch, .. } = oem.table();
-    let passes: Vec<(u32, u32)> = [0, 1]
-        .into_iter()
-        .flat_map(|axis| {
-            std::iter::successors(Some(1_u32), |stride| stride.checked_mul(radix))
-                .take_while(|stride| *stride < side)
-                .map(move |stride| (axis, stride))
-        })
-        .collect();
+    let passes = doublings(side, radix);
     let bytes = 8 * oem.table().count();
     let other: [_; CHANNELS / 2] = std::array::from_fn(|_| context.storage("SAT ping-pong", bytes));
     let groups = [side.div_ceil(EDGE), side.div_ceil(EDGE), 1];
@@ -77,4 +71,14 @@ pub fn stage(context: &Context, radix: u32, oem: &OemPlanes, sat: &SatPlanes) ->
         }
     }
     Stage::new("sat_hensley", dispatches)
+}
+
+/// Axes and strides of recursive doubling over `side` entries, `radix` samples a pass: along rows, then
+/// columns.
+pub(super) fn doublings(side: u32, radix: u32) -> Vec<(u32, u32)> {
+    let strides = || {
+        std::iter::successors(Some(1_u32), move |stride| stride.checked_mul(radix))
+            .take_while(move |stride| *stride < side)
+    };
+    [0, 1].into_iter().flat_map(|axis| strides().map(move |stride| (axis, stride))).collect()
 }

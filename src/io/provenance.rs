@@ -9,12 +9,12 @@
 //!
 //! # Storage
 //!
-//! A file of a bake has the bake's recipe under one key, as JSON, with what is of this file alone: its content,
-//! its quarter turns, and the suns that its light lacks. KTX and KTX2 store it as a key/value pair, OpenEXR as
-//! an attribute, Radiance .hdr as a header line. DDS stores its flip in reserved words of its header; the rest
-//! is in the report of the bake, which lists the BLAKE3 hash of every file. A report that lists another hash
-//! for a file is ignored. The file takes precedence over its report. Files of versions 0.1 and 0.2 have a key
-//! for each value.
+//! A file of a bake has the bake's recipe under one key, as JSON, with what is of this file alone: its
+//! content, its quarter turns, and the suns that its light lacks. KTX and KTX2 store it as a key/value pair,
+//! OpenEXR as an attribute, Radiance .hdr as a header line. DDS stores its flip in reserved words of its
+//! header; the rest is in the report of the bake, which lists the BLAKE3 hash of every file. A report that
+//! lists another hash for a file is ignored. The file takes precedence over its report. Files of versions 0.1
+//! and 0.2 have a key for each value.
 
 use super::pad::Pad;
 use crate::chain::{Chain, ChainKind, Level};
@@ -329,7 +329,8 @@ mod tests {
             ("octaglossMirror", "yes"),
             (
                 "octaglossSun",
-                "0.6 0 -0.8, 0.00001 2.5 1000000000000000000000000000000, 0.000068; 0 1 0, 0.5 0.5 0.5, 0.001",
+                "0.6 0 -0.8, 0.00001 2.5 1000000000000000000000000000000, 0.000068; \
+                 0 1 0, 0.5 0.5 0.5, 0.001",
             ),
             ("octaglossScale", "0.1"),
             ("octaglossCrop", "yes"),

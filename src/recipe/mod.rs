@@ -4,7 +4,7 @@
 mod help;
 pub mod plan;
 pub mod source;
-mod text;
+pub(crate) mod text;
 
 use crate::analysis::extraction::Suns;
 use crate::bake::Skybox;
@@ -272,22 +272,22 @@ pub struct InputOptions {
     pub strict: bool,
     /// Remove the sun, or the lights of WHICH, and use the rest
     ///
-    /// A sun is the region connected to a peak and at least a tenth as bright, with its glow. The peak must be
-    /// 100 times as bright as the median 10 to 30 degrees around it, and the whole at most 0.01 sr (of coarse
-    /// pictures nine texels, up to 0.2 sr). Windows and area lights stay, with a warning, and so does what a
-    /// directional light cannot replace: the rest and the suns light every surface as the source does, within
-    /// 1 % of the greatest irradiance. The hole is filled from its surroundings.
+    /// A sun is the region connected to a peak and at least a tenth as bright, with its glow. The peak must
+    /// be 100 times as bright as the median 10 to 30 degrees around it, and the whole at most 0.01 sr (of
+    /// coarse pictures nine texels, up to 0.2 sr). Windows and area lights stay, with a warning, and so does
+    /// what a directional light cannot replace: the rest and the suns light every surface as the source does,
+    /// within 1 % of the greatest irradiance. The hole is filled from its surroundings.
     ///
     /// Without WHICH, the brightest light. --extract-sun=N: the N lights of the greatest irradiance, 1 to 32,
-    /// each at least 0.1 % of the light. --extract-sun=A,E or =X,Y,Z: the light within 10 degrees of azimuth A
-    /// and elevation E in degrees, as info prints them, or of the vector X,Y,Z, after --mirror and --rotate-y;
-    /// separate several by colons.
+    /// each at least 0.1 % of the light. --extract-sun=A,E or =X,Y,Z: the light within 10 degrees of azimuth
+    /// A and elevation E in degrees, as info prints them, or of the vector X,Y,Z, after --mirror and
+    /// --rotate-y; separate several by colons.
     ///
     /// bake writes the suns as directional lights to OUT.sun.json, for glTF to OUT.sun.gltf
     /// (KHR_lights_punctual), or to sun.json and sun.gltf in OUT if that is a folder, and to the report.
     /// sun.json holds one object, or null; with WHICH a list.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "WHICH", value_parser = Suns::parsed, num_args = 0..=1))]
-    #[cfg_attr(feature = "cli", arg(require_equals = true))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "WHICH", value_parser = Suns::parsed))]
+    #[cfg_attr(feature = "cli", arg(num_args = 0..=1, require_equals = true))]
     #[cfg_attr(feature = "cli", arg(default_missing_value = "brightest"))]
     pub extract_sun: Option<Suns>,
 }
@@ -297,8 +297,8 @@ pub(crate) fn wrong<T>(message: impl Into<String>) -> Result<T> {
     Err(Error::Parameter(message.into()))
 }
 
-/// Options of type `T` from JSON, by their names in it: numbers, `true` and `false`, lists, and texts as on the
-/// command line; null for the default.
+/// Options of type `T` from JSON, by their names in it: numbers, `true` and `false`, lists, and texts as on
+/// the command line; null for the default.
 ///
 /// # Errors
 /// [`Error::Parameter`] for an option that there is not, and for a value that it cannot have.

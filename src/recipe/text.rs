@@ -36,12 +36,12 @@ fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> 
     }
 }
 
-/// Implements `Serialize` and `Deserialize` by a text and its parser.
+/// Implements `Serialize` and `Deserialize` by the text of `Display` and its parser.
 macro_rules! as_text {
-    ($($type:ty: $text:expr, $parse:expr;)+) => {$(
+    ($($type:ty: $parse:expr;)+) => {$(
         impl Serialize for $type {
             fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                write(&$text(self), serializer)
+                write(&self.to_string(), serializer)
             }
         }
 
@@ -54,23 +54,23 @@ macro_rules! as_text {
 }
 
 as_text! {
-    ChainKind: ChainKind::to_string, str::parse::<ChainKind>;
-    Container: Container::to_string, str::parse::<Container>;
-    Diffuse: Diffuse::to_string, str::parse::<Diffuse>;
-    Exposure: Exposure::to_string, str::parse::<Exposure>;
-    Flip: Flip::to_string, str::parse::<Flip>;
-    InputLayout: InputLayout::to_string, str::parse::<InputLayout>;
-    Ladder: Ladder::to_string, str::parse::<Ladder>;
-    Lobe: Lobe::to_string, str::parse::<Lobe>;
-    OutputLayout: OutputLayout::to_string, str::parse::<OutputLayout>;
-    Overflow: Overflow::to_string, str::parse::<Overflow>;
-    Pad: Pad::to_string, str::parse::<Pad>;
-    Scan: Scan::to_string, str::parse::<Scan>;
-    Filter: Filter::to_string, filter::parsed;
-    Pixel: Pixel::to_string, pixel;
-    ShWindow: ShWindow::to_string, window::parsed;
-    Skybox: Skybox::to_string, Skybox::parsed;
-    Suns: Suns::to_string, Suns::parsed;
+    ChainKind: str::parse;
+    Container: str::parse;
+    Diffuse: str::parse;
+    Exposure: str::parse;
+    Filter: filter::parsed;
+    Flip: str::parse;
+    InputLayout: str::parse;
+    Ladder: str::parse;
+    Lobe: str::parse;
+    OutputLayout: str::parse;
+    Overflow: str::parse;
+    Pad: str::parse;
+    Pixel: pixel;
+    Scan: str::parse;
+    ShWindow: window::parsed;
+    Skybox: Skybox::parsed;
+    Suns: Suns::parsed;
 }
 
 /// Parses the name of a pixel format that a recipe can choose.
@@ -89,7 +89,7 @@ pub(super) fn target(text: &str) -> Result<&'static Target, String> {
 
 /// Parses a number of the command line.
 #[cfg(feature = "cli")]
-pub(super) fn number(text: &str) -> Result<f64, String> {
+pub(crate) fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "not a number".to_owned())
 }
 

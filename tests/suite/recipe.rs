@@ -21,7 +21,9 @@ fn the_recipe_of_a_plan_makes_the_same_plan() {
         json!({"format": "exr", "bounds": true, "size": 32}),
         json!({"lobe": "cosine"}),
         json!({"filter": "fitted:4", "oem_size": 256, "border": 0, "ladder": "filament", "pixel": "f32"}),
-        json!({"filter": "box", "scan": "hensley:4", "chain": "sampled", "sh_order": 4, "sh_window": "lanczos:3"}),
+        json!({
+            "filter": "box", "scan": "hensley:4", "chain": "sampled", "sh_order": 4, "sh_window": "lanczos:3"
+        }),
         json!({"rotate_y": -90.5, "scale": 2, "mirror": true, "pad": "edge", "extract_sun": "0,1,0:-1,0,0"}),
     ];
     let layouts = OutputLayout::ALL.map(|layout| json!({"out_layout": layout.name()}));
@@ -30,7 +32,9 @@ fn the_recipe_of_a_plan_makes_the_same_plan() {
         [json!({"target": [target.name]}), changed, json!({"target": target.name, "skybox": 8, "name": "a"})]
     });
     let more = [
-        json!({"target": "three,generic", "diffuse": "both", "irradiance": 8, "format": "exr", "flip": "none"}),
+        json!({
+            "target": "three,generic", "diffuse": "both", "irradiance": 8, "format": "exr", "flip": "none"
+        }),
         json!({"target": "generic", "ladder": "unity", "levels": 3, "pixel": "f32", "format": "dds"}),
     ];
     let mut count = 0;

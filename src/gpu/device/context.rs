@@ -134,8 +134,8 @@ impl Context {
         self.compiled.module(&self.device, file)
     }
 
-    /// The pipeline of an entry point of the shader `file`, compiled when it is first asked for; `constant` is
-    /// the value of one of the shader's `override` declarations.
+    /// The pipeline of an entry point of the shader `file`, compiled when it is first asked for; `constant`
+    /// is the value of one of the shader's `override` declarations.
     pub(in crate::gpu) fn pipeline(
         &self,
         file: &str,

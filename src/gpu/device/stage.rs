@@ -20,8 +20,8 @@ pub(in crate::gpu) struct Dispatch {
 }
 
 impl Dispatch {
-    /// An entry point of the shader `file` over `workgroups`, with resources at the bindings of its group 0 that
-    /// they are listed with.
+    /// An entry point of the shader `file` over `workgroups`, with resources at the bindings of its group 0
+    /// that they are listed with.
     pub(in crate::gpu) fn new(
         context: &Context,
         (file, entry_point): (&'static str, &'static str),

@@ -5,8 +5,8 @@ use crate::error::{Error, Result};
 use crate::gpu::Context;
 use crate::gpu::device::resources::DEPTH;
 
-/// The depth test of draws that keep the nearest surface. Depth is `near` over the distance: 0 where nothing is
-/// drawn, 1 at the near surface.
+/// The depth test of draws that keep the nearest surface. Depth is `near` over the distance: 0 where nothing
+/// is drawn, 1 at the near surface.
 pub(super) const NEAREST: (bool, wgpu::CompareFunction) = (true, wgpu::CompareFunction::Greater);
 
 /// A colour texture and its depth.
