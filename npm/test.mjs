@@ -293,11 +293,11 @@ try {
             ['.'],
         );
         await compare(
-            'fitted',
+            'pyramid',
             sky,
-            { size: 32, filter: 'fitted:4', chain: 'solved' },
+            { size: 32, filter: 'pyramid', chain: 'solved' },
             (folder) => [
-                ...'--size 32 --filter fitted:4 --chain solved -o'.split(' '),
+                ...'--size 32 --filter pyramid --chain solved -o'.split(' '),
                 join(folder, 'sky.ktx2'),
             ],
             ['sky.ktx2'],

@@ -3,7 +3,7 @@
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::lobe::Lobe;
-use crate::realtime::tables::COUNTS;
+use crate::pyramid::Octaves;
 use crate::sat::Scan;
 
 /// The least error that [`Filter::Adaptive`] takes.
@@ -20,9 +20,9 @@ pub enum Filter {
     /// Adaptive quadrature with a certified bound; the value is the target relRMSE over the sphere, in
     /// [`MIN_ERROR`, 1).
     Adaptive(f64),
-    /// The real-time tier: 1, 2, 4 or 8 soft boxes and a harmonic term, fitted to GGX; see
-    /// [`crate::realtime::tables`]. Irradiance uses [`Filter::Adaptive`] with 0.005.
-    Fitted(u32),
+    /// The real-time tier: Gaussians, harmonics and suns whose sum is GGX; see [`crate::pyramid`]. Irradiance
+    /// uses [`Filter::Adaptive`] with 0.005.
+    Pyramid,
     /// The single box of the 2008 paper.
     Box,
     /// Exhaustive integration over the source texels in double precision: slow, for auditing.
@@ -40,7 +40,7 @@ impl std::fmt::Display for Filter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Adaptive(error) => write!(f, "adaptive:{error}"),
-            Self::Fitted(count) => write!(f, "fitted:{count}"),
+            Self::Pyramid => f.write_str("pyramid"),
             Self::Box => f.write_str("box"),
             Self::Reference => f.write_str("reference"),
         }
@@ -48,11 +48,11 @@ impl std::fmt::Display for Filter {
 }
 
 impl Filter {
-    /// Filter for a chain's secondary lobes, sheen and irradiance: fitted lobes support only GGX.
+    /// Filter for a chain's secondary lobes, sheen and irradiance: pyramids support only GGX.
     #[must_use]
     pub const fn for_other_lobes(self) -> Self {
         match self {
-            Self::Fitted(_) => Self::Adaptive(0.005),
+            Self::Pyramid => Self::Adaptive(0.005),
             other => other,
         }
     }
@@ -60,7 +60,7 @@ impl Filter {
     /// Whether the filter reads a summed-area table.
     #[must_use]
     pub const fn reads_sat(self) -> bool {
-        matches!(self, Self::Box | Self::Fitted(_))
+        matches!(self, Self::Box)
     }
 
     /// Checks that the filter reads a summed-area table if a `scan` other than the default is requested.
@@ -70,7 +70,7 @@ impl Filter {
     pub fn check_scan(self, scan: Scan) -> Result<()> {
         if scan != Scan::default() && !self.reads_sat() {
             return Err(Error::Parameter(format!(
-                "`scan` {scan} is for the filters over a summed-area table; use `filter` box or fitted:K"
+                "`scan` {scan} is for the filter over a summed-area table; use `filter` box"
             )));
         }
         scan.check()
@@ -79,8 +79,8 @@ impl Filter {
     /// Checks that the filter supports `lobe`, and an OEM of `inner` texels if given.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an adaptive error outside [1e-6, 1); for fitted filters with a lobe other
-    /// than GGX, an unsupported box count, or an OEM that is not a power of two of at least 16.
+    /// [`Error::Parameter`] for an adaptive error outside [1e-6, 1); for a pyramid of a lobe other than
+    /// GGX, or over an OEM that is not a power of two from 32 to 2048.
     pub fn check(self, lobe: Lobe, inner: Option<u32>) -> Result<()> {
         let wrong = |message: String| Err(Error::Parameter(message));
         match self {
@@ -90,18 +90,10 @@ impl Filter {
             Self::Box if lobe == Lobe::Charlie => {
                 wrong("the box filter does not support Charlie; use `filter` adaptive:E".to_owned())
             }
-            Self::Fitted(count) if !COUNTS.contains(&count) => {
-                wrong(format!("fitted:{count}: the number of boxes must be 1, 2, 4 or 8"))
+            Self::Pyramid if lobe != Lobe::Ggx => {
+                wrong(format!("pyramid supports ggx only; for {} use adaptive:E", lobe.name()))
             }
-            Self::Fitted(count) if lobe != Lobe::Ggx => {
-                wrong(format!("fitted:{count} supports ggx only; for {} use adaptive:E", lobe.name()))
-            }
-            Self::Fitted(count) => match inner {
-                Some(inner) if !inner.is_power_of_two() || inner < 16 => wrong(format!(
-                    "an OEM of {inner} texels: fitted:{count} needs a power of two from 16 as `oem_size`"
-                )),
-                _ => Ok(()),
-            },
+            Self::Pyramid => inner.map_or(Ok(()), |inner| Octaves::over(inner).map(|_| ())),
             _ => Ok(()),
         }
     }
@@ -121,20 +113,16 @@ pub fn parsed(text: &str) -> Result<Filter, String> {
                 "the error of adaptive:E must be at least {MIN_ERROR:e}, the float32 limit, and below 1"
             )),
         },
-        ("fitted", count) => fitted_count(count).map(Filter::Fitted),
+        ("pyramid", None) => Ok(Filter::Pyramid),
         ("box", None) => Ok(Filter::Box),
         ("reference", None) => Ok(Filter::Reference),
-        _ => Err("choose one of adaptive:E, fitted:K, box, reference".to_owned()),
+        ("fitted", _) => Err(FITTED.to_owned()),
+        _ => Err("choose one of adaptive:E, pyramid, box, reference".to_owned()),
     }
 }
 
-/// Parses the K of `fitted:K`; 4 without one.
-pub(crate) fn fitted_count(text: Option<&str>) -> Result<u32, String> {
-    match text.map_or(Ok(4), str::parse) {
-        Ok(count) if COUNTS.contains(&count) => Ok(count),
-        _ => Err("the boxes of fitted:K must be 1, 2, 4 or 8".to_owned()),
-    }
-}
+/// What names of the filter before [`Filter::Pyramid`] are answered with.
+pub(crate) const FITTED: &str = "fitted:K is no more; use pyramid, which is more accurate and faster";
 
 impl std::ops::Add for Bound {
     type Output = Self;

@@ -8,14 +8,15 @@
 //!       |                                              +--> query: one direction
 //!       |                                              +--> bake: a cube chain
 //!       +----> OEM, bordered: L*w and w per texel (w = solid angle)
-//!       |        +----> exact 64-bit SAT ---> boxes, fitted lobes
+//!       |        +----> exact 64-bit SAT ---> boxes
+//!       |        +----> pyramid of Gaussians ---> the real-time tier
 //!       +----> oracle: exhaustive integration, the reference of the tests
 //! ```
 //!
 //! A quadtree over the environment's texels with the first three moments of their energy serves adaptive
 //! lobes with bounds. The octahedral environment map (OEM) is resampled by exact overlap areas: no energy is
-//! lost, and a constant stays constant. Its summed-area table (SAT) in 64-bit fixed point serves boxes and
-//! fitted lobes. The GPU engine runs the same stages as compute passes, and the tests compare its
+//! lost, and a constant stays constant. Its summed-area table (SAT) in 64-bit fixed point serves boxes, a mip
+//! chain of Gaussians over it the real-time tier. The GPU engine runs the same stages as compute passes, and the tests compare its
 //! results with the CPU's. `docs/architecture.md` draws the modules, `docs/algorithm.md` explains the
 //! mathematics.
 //!
@@ -142,7 +143,6 @@ mod percent;
 #[cfg(feature = "plot")]
 mod plot;
 mod pyramid;
-mod realtime;
 mod recipe;
 mod reflector;
 mod sat;
@@ -241,7 +241,7 @@ pub mod reflectance {
     pub use crate::bake::dfg::{DfgBlue, DfgForm, DfgTable, dfg_table};
 }
 
-/// Suns of environments, and the emitters that can be taken out of them.
+/// Suns of environments, which can be taken out of them.
 pub mod suns {
     pub use crate::analysis::extraction::{Extraction, Kept, Lamp, Suns, Why, extract};
     pub use crate::analysis::sun::{Brightest, Sun};
@@ -292,7 +292,6 @@ pub mod internals {
         lobe,
         oem,
         pyramid,
-        realtime,
         recipe,
         reflector,
         sat,

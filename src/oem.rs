@@ -138,7 +138,6 @@ impl Oem {
     }
 
     /// Radiance of texel (`x`, `y`) of the square.
-    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn radiance(&self, x: u32, y: u32) -> Rgb {
         let [r, g, b, w] = self.texel(x, y);

@@ -4,9 +4,8 @@ use crate::analysis::oracle::Oracle;
 use crate::cpu::adaptive::Adaptive;
 use crate::cpu::box_filter::BoxFilter;
 use crate::cpu::cells::{Cells, SourceLight};
-use crate::cpu::fitted::{Fitted, finest_octave};
 use crate::cpu::leaves::{LANES, Packet, Scratch};
-use crate::cpu::{blur, mirror, reparameterise};
+use crate::cpu::{mirror, reparameterise};
 use crate::direction::units;
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
@@ -17,10 +16,8 @@ use crate::light_scale::LightScale;
 use crate::lobe::kernel::Kernel;
 use crate::lobe::{self, Lobe};
 use crate::oem::{Oem, OemSize, bilinear_share};
-use crate::realtime::emitters::{self, Emitter};
-use crate::realtime::tables::Table;
+use crate::pyramid::{Octaves, Pyramid, PyramidLobes};
 use crate::sat::{Sat, Scan};
-use crate::sh;
 use crate::table_bytes::{LIMIT, LobeRequest, SOURCE, Tables, at_most, largest_oem, largest_that};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -43,8 +40,8 @@ pub struct ReflectorSettings {
     /// The least roughness above 0 of later [`Filter::Adaptive`] queries, in \[0, 1\]: much finer cells are
     /// not kept.
     pub sharpest: f64,
-    /// Whether [`Filter::Fitted`] will be used: rounds the default size up to a power of two.
-    pub fitted: bool,
+    /// Whether [`Filter::Pyramid`] will be used: the default size is one that has a pyramid.
+    pub pyramid: bool,
 }
 
 impl ReflectorSettings {
@@ -59,10 +56,7 @@ impl ReflectorSettings {
             return Err(Error::Parameter(format!("`sharpest` {} is outside [0, 1]", self.sharpest)));
         }
         let border = self.border.unwrap_or(0);
-        let inner = self.oem_size.unwrap_or_else(|| {
-            let inner = default_oem_size(layout, border, self.sharpest);
-            if self.fitted { inner.next_power_of_two() } else { inner }
-        });
+        let inner = self.oem_size.unwrap_or_else(|| self.default_oem_size(layout));
         if inner == 0 {
             return Err(Error::Parameter("an OEM of 0 texels: `oem_size` must be at least 1".to_owned()));
         }
@@ -116,12 +110,35 @@ impl ReflectorSettings {
     /// The largest OEM that takes at most `limit` bytes with the tables of the lobes `served` together.
     pub(crate) fn largest_oem(&self, layout: Layout, served: &[LobeRequest], limit: u64) -> Option<u32> {
         let source = layout.texel_count() as u64 * SOURCE;
-        largest_oem(self.fitted, |size| {
+        largest_oem(self.pyramid, |size| {
             let settings = Self { oem_size: Some(size), ..*self };
             let plan = settings.plan(layout);
             let peak = |(size, block)| source + Tables::new(layout, size, block, self.scan, served).peak();
             plan.is_ok_and(|plan| peak(plan) <= limit)
         })
+    }
+
+    /// Texels along an edge of the OEM for a source of `layout`, if none are asked for: as many as resolve
+    /// lobes of roughness `sharpest` (0 for any) and above, at most twice the source's own, and at least the
+    /// source's own up to 512, for suns smaller than any lobe; rounded up to a multiple of 64, at most 4096
+    /// with its border. A pyramid takes its suns out, so its map has at most the source's own.
+    ///
+    /// Finer texels cost time without benefit; coarser ones would widen the lobe. Energy is conserved at any
+    /// size.
+    pub(crate) fn default_oem_size(&self, layout: Layout) -> u32 {
+        let own = source_oem_size(layout);
+        let alpha = self.sharpest * self.sharpest;
+        if self.pyramid {
+            return Octaves::size_for(own.min(Octaves::texels_for(alpha)));
+        }
+        let asked = if alpha > 0.0 {
+            let asked = (TEXELS_PER_ALPHA * 2.0 / alpha).min(2.0 * f64::from(own)) as u32;
+            asked.max(own.min(ENOUGH_FOR_SUNS))
+        } else {
+            own
+        };
+        let most = LARGEST_DEFAULT.saturating_sub(2 * self.border.unwrap_or(0)).max(64);
+        asked.min(most).next_multiple_of(64).min(most)
     }
 
     /// Texels along an edge of the finest cells of an OEM of `inner` texels.
@@ -159,25 +176,6 @@ pub(crate) const fn source_oem_size(layout: Layout) -> u32 {
     }
 }
 
-/// The OEM's default size for lobes of roughness `sharpest` (0 for any) and above: as many texels as resolve
-/// that lobe, at most twice the source's own, and at least the source's own up to 512, for suns smaller than
-/// any lobe; rounded up to a multiple of 64, at most 4096 with its border.
-///
-/// Finer texels cost time without benefit; coarser ones would widen the lobe. Energy is conserved at any
-/// size.
-#[must_use]
-pub(crate) fn default_oem_size(layout: Layout, border: u32, sharpest: f64) -> u32 {
-    let own = source_oem_size(layout);
-    let asked = if sharpest > 0.0 {
-        let asked = (TEXELS_PER_ALPHA * 2.0 / (sharpest * sharpest)).min(2.0 * f64::from(own)) as u32;
-        asked.max(own.min(ENOUGH_FOR_SUNS))
-    } else {
-        own
-    };
-    let most = LARGEST_DEFAULT.saturating_sub(border.saturating_mul(2)).max(64);
-    asked.min(most).next_multiple_of(64).min(most)
-}
-
 /// An environment's OEM and tables for queries. Tables are built on first use.
 #[derive(Debug)]
 pub struct Reflector<'a> {
@@ -190,7 +188,7 @@ pub struct Reflector<'a> {
     source: OnceLock<Cells>,
     bilinear: OnceLock<Cells>,
     sat: OnceLock<Sat>,
-    soft: OnceLock<SoftTables>,
+    pyramid: OnceLock<Pyramid>,
 }
 
 impl<'a> Reflector<'a> {
@@ -253,7 +251,7 @@ impl<'a> Reflector<'a> {
             source: OnceLock::new(),
             bilinear: OnceLock::new(),
             sat: OnceLock::new(),
-            soft: OnceLock::new(),
+            pyramid: OnceLock::new(),
         }
     }
 
@@ -313,27 +311,16 @@ impl<'a> Reflector<'a> {
         SourceLight::new(&self.environment, self.scale)
     }
 
-    /// Emitters, and blurred tables and harmonics of the residual map. The OEM's size must be a power of two.
-    fn soft(&self) -> &SoftTables {
-        self.soft.get_or_init(|| {
-            let (emitters, rest) = emitters::extracted(self.map());
-            let sat = Sat::new(&rest, self.settings.scan);
-            SoftTables {
-                emitters,
-                blurred: (0..=finest_octave(self.size.inner)).map(|_| OnceLock::new()).collect(),
-                harmonics: sh::table_harmonics(&sat),
-                least: rest.least_radiance(),
-                sat,
-            }
-        })
+    /// The map's pyramid. Its size must have one.
+    fn pyramid(&self) -> &Pyramid {
+        self.pyramid.get_or_init(|| Pyramid::of_oem(self.map()).expect("a checked size"))
     }
 
     /// Lobes of one family and roughness, evaluated by one filter.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a roughness outside [0, 1], an adaptive error outside [1e-6, 1), a filter
-    /// that does not support the lobe, an unsupported count of fitted boxes, and fitted lobes over an OEM
-    /// whose size is not a power of two of at least 16; [`Error::Limit`] if the lobes' tables take more than
+    /// that does not support the lobe, and an OEM whose size has no pyramid, for [`Filter::Pyramid`]; [`Error::Limit`] if the lobes' tables take more than
     /// [`Reflector::new`] allows.
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_>> {
         if !(0.0..=1.0).contains(&roughness) {
@@ -348,20 +335,7 @@ impl<'a> Reflector<'a> {
         let method = match filter {
             Filter::Reference => Evaluation::Reference(Oracle::new(&self.environment), lobe, roughness),
             Filter::Box => Evaluation::Box(BoxFilter::new(self.sat(), lobe, alpha)),
-            Filter::Fitted(count) => {
-                let table = Table::of(count).expect("checked");
-                let SoftTables { emitters, sat, blurred, harmonics, least } = self.soft();
-                let blurred = |octave| blurred[octave as usize].get_or_init(|| blur::blurred(sat, octave));
-                Evaluation::Fitted(Fitted::new(
-                    table,
-                    alpha,
-                    self.map(),
-                    emitters,
-                    *least,
-                    &blurred,
-                    harmonics,
-                ))
-            }
+            Filter::Pyramid => Evaluation::Pyramid(self.pyramid().lobes(roughness as f32)),
             Filter::Adaptive(_) if mirror => Evaluation::Mirror(self.map(), self.map().least_radiance()),
             Filter::Adaptive(error) => {
                 let share = bilinear_share(lobe, alpha, self.size.inner);
@@ -464,18 +438,6 @@ pub fn check_answers(directions: &[DVec3], answers: &[Answer]) -> Result<()> {
     Ok(())
 }
 
-/// Tables of fitted lobes; blurred tables are built on first use.
-#[derive(Debug)]
-struct SoftTables {
-    emitters: Vec<Emitter>,
-    /// SAT of the residual map, as are the tables below.
-    sat: Sat,
-    /// Blurred tables by octave.
-    blurred: Vec<OnceLock<Sat>>,
-    harmonics: [[f64; 4]; 25],
-    least: Rgb,
-}
-
 #[derive(Debug)]
 enum Evaluation<'r> {
     Adaptive {
@@ -485,8 +447,8 @@ enum Evaluation<'r> {
         widest: f64,
     },
     Box(BoxFilter<'r>),
-    Fitted(Fitted<'r>),
     Mirror(&'r Oem, Rgb),
+    Pyramid(PyramidLobes<'r>),
     Reference(Oracle<'r>, Lobe, f64),
 }
 
@@ -578,8 +540,8 @@ impl Lobes<'_> {
             Evaluation::Box(filter) => {
                 answers.extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d))))
             }
-            Evaluation::Fitted(fitted) => {
-                answers.extend(directions.iter().map(|d| unbounded(fitted.radiance(source_from_world * *d))))
+            Evaluation::Pyramid(lobes) => {
+                answers.extend(directions.iter().map(|d| unbounded(lobes.radiance(source_from_world * *d))))
             }
             Evaluation::Mirror(oem, least) => answers.extend(
                 directions.iter().map(|d| unbounded(mirror::radiance(oem, *least, source_from_world * *d))),

@@ -8,7 +8,6 @@
 use crate::error::{Error, Result};
 use crate::oem::{Oem, OemSize};
 use glam::DVec2;
-use rayon::prelude::*;
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
@@ -184,23 +183,6 @@ impl Sat {
     #[must_use]
     pub const fn from_entries(size: OemSize, fixed: FixedPoint, entries: Vec<[u64; 4]>) -> Self {
         Self { size, fixed, entries }
-    }
-
-    /// The table of the square without its border, with `factor` x `factor` texels merged: a subset of this
-    /// table's entries.
-    ///
-    /// # Panics
-    /// If `factor` does not divide the square's side.
-    pub(crate) fn coarsened(&self, factor: u32) -> Self {
-        let Self { size, fixed, .. } = *self;
-        assert!(size.inner.is_multiple_of(factor), "whole texels");
-        let inner = size.inner / factor;
-        let at = |k: u32| i64::from((k + 1) * factor);
-        let entries = (0..inner * inner)
-            .into_par_iter()
-            .map(|k| self.bordered_box(0, 0, at(k % inner), at(k / inner)))
-            .collect();
-        Self { size: OemSize { inner, border: 0 }, fixed, entries }
     }
 
     /// Size of the OEM summed.

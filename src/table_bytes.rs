@@ -1,7 +1,7 @@
 //! Memory required by an octahedral map and its tables, computed before allocation.
 //!
 //! Figures follow from the sizes of the types and were checked against the resident size. At 8192 texels the
-//! program took, in bytes a texel: OEM 28.4, box filter table 47, fitted tables 64, cells of one texel 161
+//! program took, in bytes a texel: OEM 28.4, box filter table 47, cells of one texel 161
 //! for one reconstruction and 246 for both.
 
 use crate::environment::Layout;
@@ -9,6 +9,7 @@ use crate::filter::Filter;
 use crate::geometry::source_texels::most_runs;
 use crate::lobe::Lobe;
 use crate::oem::{OemSize, bilinear_share};
+use crate::pyramid::Octaves;
 use crate::sat::Scan;
 
 /// Memory limit of a bake, a query or the viewer's tables: 4 GiB; 3 GiB in WebAssembly, whose addresses end
@@ -29,6 +30,9 @@ const CELL: u64 = 75 + 12;
 const CELL_MAKING: u64 = 70;
 /// Bytes of a run of the source's texels, and of the list that it is sorted from.
 const RUN: u64 = 12 + 16;
+/// Bytes of a pyramid for a texel of its map: mirror, sharp level, the levels, and while they are made
+/// directions and light.
+const PYRAMID: u64 = 16 + 16 + 22 + 32;
 /// A lobe to evaluate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LobeRequest {
@@ -51,7 +55,7 @@ impl Tables {
         let square = |side: u32| u64::from(side) * u64::from(side);
         let (inner, bordered) = (square(size.inner), square(size.bordered()));
         let border = if size.border > 0 { OEM * bordered } else { 0 };
-        let (mut bilinear, mut source, mut boxes, mut fitted) = (false, false, false, false);
+        let (mut bilinear, mut source, mut boxes, mut pyramid) = (false, false, false, false);
         for &LobeRequest { lobe, roughness, filter } in served {
             match filter {
                 Filter::Adaptive(_) if lobe.has_mirror() && roughness == 0.0 => {}
@@ -60,7 +64,7 @@ impl Tables {
                     bilinear |= share > 0.0;
                     source |= share < 1.0;
                 }
-                Filter::Fitted(_) => fitted = true,
+                Filter::Pyramid => pyramid = true,
                 Filter::Box => boxes = true,
                 Filter::Reference => {}
             }
@@ -70,14 +74,13 @@ impl Tables {
         let cells = square(width);
         let runs = if source { most_runs(layout, width) } else { 0 };
         // Recursive doubling alternates between the table and a copy.
-        let copied = matches!(scan, Scan::Hensley { .. }) && (boxes || fitted);
+        let copied = matches!(scan, Scan::Hensley { .. }) && boxes;
         let resident = OEM * bordered
             + if copied { TABLE * bordered } else { 0 }
             + cells * (CELL * trees + CELL_MAKING * trees.min(1))
             + runs * RUN
             + if boxes { TABLE * bordered } else { 0 }
-            // The residual map, its table, and the coarse blurred tables.
-            + if fitted { (OEM + TABLE + 4) * bordered } else { 0 };
+            + if pyramid { PYRAMID * inner } else { 0 };
         Self { making: OEM_MAKING * inner + border, resident }
     }
 
@@ -100,10 +103,10 @@ pub(crate) fn largest_that(least: u32, most: u32, fits: impl Fn(u32) -> bool) ->
     Some(if low >= 64 { low / 64 * 64 } else { low })
 }
 
-/// Largest OEM that fits; a power of two for fitted lobes.
-pub(crate) fn largest_oem(fitted: bool, fits: impl Fn(u32) -> bool) -> Option<u32> {
-    if fitted {
-        return (4..=14).rev().map(|log2| 1 << log2).find(|size| fits(*size));
+/// Largest OEM that fits; a power of two for a pyramid.
+pub(crate) fn largest_oem(pyramid: bool, fits: impl Fn(u32) -> bool) -> Option<u32> {
+    if pyramid {
+        return Octaves::sizes().rev().find(|size| fits(*size));
     }
     largest_that(1, 16_384, fits)
 }

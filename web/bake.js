@@ -14,7 +14,7 @@ const NUMBERS = [
     ['border', 'its border', "filter's"],
 ];
 const TEXTS = [
-    ['filter', 'adaptive:E, fitted:K, box', 'adaptive:0.005'],
+    ['filter', 'adaptive:E, pyramid, box', 'adaptive:0.005'],
     ['sh-window', 'window of harmonics', 'none'],
     ['exposure', 'of the preview, in EV', 'auto'],
 ];

@@ -155,7 +155,7 @@ await run(async () => {
     await page.evaluate(() => document.getElementById('scene').click());
     await page.waitForFunction(() => window.octagloss.state().side === 'scene', slow);
     // A software driver draws larger maps for minutes.
-    const quick = { oem_size: 32, filter: 'fitted:1', probes: 1 };
+    const quick = { oem_size: 32, filter: 'pyramid', probes: 1 };
     await page.evaluate((settings) => window.octagloss.set(settings), quick);
     const first = await state(page);
     await page.waitForFunction((was) => window.octagloss.state().scene_time > was, slow, first.scene_time);
@@ -180,7 +180,7 @@ await run(async () => {
     for (const [change, words] of [
         [{ proxy: 'cone' }, 'proxy must be none, box or sphere'],
         [{ direct: 'magic' }, 'direct must be octants, '],
-        [{ filter: 'box' }, 'use fitted:K'],
+        [{ filter: 'box' }, 'use pyramid'],
         [{ roughness: 2 }, 'roughness 2 is outside [0, 1]'],
         [{ probes: 0 }, '1 to 8'],
         [{ oem_size: 100 }, 'a power of two'],
@@ -207,7 +207,7 @@ await run(async () => {
     await set(page, { gpu_times: false, probe_budget: null });
 
     // A scene of one's own, from its first look.
-    const mine = { scene_time: 1, oem_size: 64, filter: 'fitted:2', tone: 'neutral', exposure: 0 };
+    const mine = { scene_time: 1, oem_size: 64, filter: 'pyramid', tone: 'neutral', exposure: 0 };
     await drop(page, 'mine.glb', glb(), (name) => window.octagloss.state().scene === name);
     writeFileSync(join(work, 'mine.glb'), glb());
     await check(page, 'scene-file', mine, [join(work, 'mine.glb')]);

@@ -42,7 +42,7 @@ const most = { mean: 0.2, share: 0.005 };
 const agrees = ({ mean, share }) => mean <= most.mean && share <= most.share;
 
 // The program's picture of the page's default view, with the given changes.
-function expected(name, file, { roughness = 0.3, filter = 'fitted:4', size, yaw = 0, mesh }) {
+function expected(name, file, { roughness = 0.3, filter = 'pyramid', size, yaw = 0, mesh }) {
     const degrees = (radians) => (radians * 180) / Math.PI;
     const args = [file, '--roughness', roughness, '--filter', filter, '--yaw', degrees(yaw)];
     return programPicture(
@@ -203,7 +203,7 @@ await run(async () => {
     await check(page, 'levels', sky, { filter: 'levels' });
     await check(page, 'adaptive', sky, { filter: 'adaptive' });
     console.log(`       other filters: ${since()}`);
-    await set(page, { filter: 'fitted:4' });
+    await set(page, { filter: 'pyramid' });
 
     await checkIdle(page, 'the sky');
 

@@ -63,7 +63,7 @@ export interface BakeOptions extends InputOptions, CallOptions {
     ladder?: 'linear' | 'filament' | 'unity' | 'babylon';
     chain?: 'sampled' | 'solved' | 'mixed';
     lobe?: Lobe;
-    /** adaptive:E, fitted:K, box or reference. Default: adaptive:0.005. */
+    /** adaptive:E, pyramid, box or reference. Default: adaptive:0.005. */
     filter?: string;
     format?: 'ktx2' | 'ktx' | 'dds' | 'exr' | 'hdr';
     outLayout?:

@@ -53,7 +53,7 @@ impl Query {
             border: self.table.border,
             scan: self.table.scan.unwrap_or_default(),
             sharpest: sharpest(self.lobe, &each).unwrap_or(1.0),
-            fitted: matches!(self.filter, Filter::Fitted(_)),
+            pyramid: self.filter == Filter::Pyramid,
             ..ReflectorSettings::default()
         };
         let reflector = Reflector::new(environment, &settings)?;

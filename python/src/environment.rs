@@ -243,8 +243,7 @@ impl Environment {
     /// roughness: perceptual, in [0, 1], 0 for a mirror: one number, or one for each direction; its shape and
     /// that of the directions broadcast, so (n, 1, 3) and (9,) give (n, 9, 3). The cosine lobe has none.
     /// lobe: ggx, phong, cone, cosine or charlie. filter: adaptive:E (certified, E the relative RMS error
-    /// over the sphere), fitted:K (the real-time tier, 1, 2, 4 or 8 boxes), box, or reference (exhaustive
-    /// integration).
+    /// over the sphere), pyramid (the real-time tier), box, or reference (exhaustive integration).
     ///
     /// bounds: return (radiance, bounds), where bounds (..., 4) certify the errors of luminance, red, green
     /// and blue. They need adaptive:E. Mirrors are look-ups without bounds: theirs are infinite.
@@ -273,7 +272,7 @@ impl Environment {
             oem_size,
             border,
             sharpest: sharpest_of(lobe, asked.roughness.all(), sharpest)?,
-            fitted: matches!(filter, Filter::Fitted(_)),
+            pyramid: filter == Filter::Pyramid,
             ..ReflectorSettings::default()
         };
         answers(py, (self.light(), Arc::clone(&self.tables)), asked, (lobe, filter), settings, (bounds, 1.0))

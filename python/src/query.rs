@@ -55,7 +55,7 @@ fn prepared<'t>(
     Ok(&tables.as_ref().expect("made above").reflector)
 }
 
-/// Lobes prepared together. Those of fitted filters hold tables.
+/// Lobes prepared together.
 const LOBES_AT_ONCE: usize = 256;
 
 /// Answers each direction independently, as the command line does.

@@ -1,6 +1,7 @@
 // Glossy reflections of any roughness and irradiance out of a pyramid: `Pyramid` of src/pyramid/mod.rs. At
 // most five bilinear reads.
-#include "common/pyramid_light.wgsl"
+#include "common/harmonics.wgsl"
+#include "common/light.wgsl"
 
 const INTERVALS = 640u;
 
@@ -36,25 +37,7 @@ fn place_of(direction: vec3<f32>) -> vec2<f32> {
 
 // Harmonics of radiance around the unit vector `d`, the sum of each order times its weight.
 fn harmonics_around(probe: u32, d: vec3<f32>, weights: array<f32, 5>) -> vec3<f32> {
-    let x = d.x;
-    let y = d.y;
-    let z = d.z;
-    let xx = x * x;
-    let yy = y * y;
-    let zz = z * z;
-    var basis = array<f32, 25>(
-        0.28209479,
-        0.48860251 * y, 0.48860251 * z, 0.48860251 * x,
-        1.09254843 * x * y, 1.09254843 * y * z, 0.31539157 * (3.0 * zz - 1.0), 1.09254843 * x * z,
-        0.54627422 * (xx - yy),
-        0.59004359 * y * (3.0 * xx - yy), 2.89061144 * x * y * z, 0.45704580 * y * (5.0 * zz - 1.0),
-        0.37317633 * z * (5.0 * zz - 3.0), 0.45704580 * x * (5.0 * zz - 1.0), 1.44530572 * z * (xx - yy),
-        0.59004359 * x * (xx - 3.0 * yy),
-        2.50334294 * x * y * (xx - yy), 1.77013077 * y * z * (3.0 * xx - yy),
-        0.94617470 * x * y * (7.0 * zz - 1.0), 0.66904654 * y * z * (7.0 * zz - 3.0),
-        0.10578555 * (35.0 * zz * zz - 30.0 * zz + 3.0), 0.66904654 * x * z * (7.0 * zz - 3.0),
-        0.47308735 * (xx - yy) * (7.0 * zz - 1.0), 1.77013077 * x * z * (xx - 3.0 * yy),
-        0.62583574 * (xx * xx - 6.0 * xx * yy + yy * yy));
+    var basis = harmonic_basis(d);
     var sum = vec3<f32>();
     for (var order = 0u; order < 5u; order++) {
         var own = vec3<f32>();

@@ -4,7 +4,7 @@
 #include "common/reduce.wgsl"
 #include "common/table.wgsl"
 #include "common/bordered.wgsl"
-#include "common/pyramid_light.wgsl"
+#include "common/light.wgsl"
 
 const GROUP_SIZE = 64u;
 // Cells along an edge of the finest grid.

@@ -2,7 +2,7 @@
 #include "common/octahedral.wgsl"
 #include "common/table.wgsl"
 #include "common/bordered.wgsl"
-#include "common/pyramid_light.wgsl"
+#include "common/light.wgsl"
 
 const EDGE = 8u;
 // The sharp level's Gaussian ends at so many standard deviations.

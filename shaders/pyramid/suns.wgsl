@@ -4,7 +4,7 @@
 #include "common/octahedral.wgsl"
 #include "common/reduce.wgsl"
 #include "common/table.wgsl"
-#include "common/pyramid_light.wgsl"
+#include "common/light.wgsl"
 
 const GROUP_SIZE = 256u;
 // Blocks along an edge of the finest grid.

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
-use crate::reflector::{ReflectorSettings, default_oem_size, source_oem_size};
+use crate::reflector::{ReflectorSettings, source_oem_size};
 use crate::sat::Scan;
 use crate::sh;
 use std::sync::atomic::AtomicU64;
@@ -117,7 +117,10 @@ impl<'a> Job<'a> {
         let sharpest = sharpest(self.roughnesses());
         let oem_size = settings.iter().filter_map(|settings| settings.oem_size).max();
         // Border that allows plain four-corner reads for the widest box of the ladders.
-        let inner = oem_size.unwrap_or_else(|| default_oem_size(environment.layout(), 0, sharpest));
+        let pyramid = settings.iter().any(|settings| settings.filter == Filter::Pyramid);
+        let scan = shared_scan(settings).expect("checked");
+        let table = ReflectorSettings { oem_size, border: None, scan, sharpest, pyramid };
+        let inner = oem_size.unwrap_or_else(|| table.default_oem_size(environment.layout()));
         let roughest = self.roughnesses().fold(0.0, f64::max);
         let own = |settings: &BakeSettings| {
             settings.border.or_else(|| {
@@ -126,9 +129,7 @@ impl<'a> Job<'a> {
             })
         };
         let border = settings.iter().filter_map(own).max();
-        let fitted = settings.iter().any(|settings| matches!(settings.filter, Filter::Fitted(_)));
-        let scan = shared_scan(settings).expect("checked");
-        ReflectorSettings { oem_size, border, scan, sharpest, fitted }
+        ReflectorSettings { border, ..table }
     }
 
     /// Assembles the bakes from the levels with their durations in seconds, and the OEM's size and energy in
@@ -148,7 +149,8 @@ impl<'a> Job<'a> {
         }
         let mut warnings = Vec::new();
         let source = self.environment.layout();
-        let asked = default_oem_size(source, 0, sharpest(self.roughnesses())).min(source_oem_size(source));
+        let table = ReflectorSettings { border: None, ..self.reflector_settings() };
+        let asked = table.default_oem_size(source).min(source_oem_size(source));
         if oem.inner < asked {
             warnings.push(format!(
                 "the octahedral map of {0} x {0} texels is coarser than the source; lobes sharper than its \

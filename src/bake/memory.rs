@@ -155,7 +155,7 @@ fn check_bake_within(
                 narrow(settings, border);
             })
         });
-        let fitted = settings.iter().any(|settings| matches!(settings.filter, Filter::Fitted(_)));
+        let pyramid = settings.iter().any(|settings| settings.filter == Filter::Pyramid);
         let oem = |size: u32| {
             fits(&|settings| {
                 shrink(settings, 1);
@@ -164,7 +164,7 @@ fn check_bake_within(
         };
         match narrowed {
             Some(border) => at_most("`border`", Some(border)),
-            None => at_most("`oem_size`", largest_oem(fitted, oem)),
+            None => at_most("`oem_size`", largest_oem(pyramid, oem)),
         }
     };
     Err(Error::Limit { what: "this bake".to_owned(), needed, available: limit, remedy })
@@ -231,7 +231,7 @@ mod tests {
         check_bake(&environment, &[BakeSettings { size, ..wide.clone() }], 8).expect("the size named fits");
         let more = BakeSettings { size: size + 64, ..wide };
         assert_eq!(remedy(check_bake(&environment, &[more], 8)), too_large, "and none above");
-        for filter in [Filter::Adaptive(0.005), Filter::Box, Filter::Fitted(4)] {
+        for filter in [Filter::Adaptive(0.005), Filter::Box, Filter::Pyramid] {
             let settings = BakeSettings { filter, oem_size: Some(16_384), border: Some(0), ..small.clone() };
             let words = remedy(check_bake(&environment, std::slice::from_ref(&settings), 8));
             let size: u32 = words.split(' ').nth(1).and_then(|word| word.parse().ok()).expect("a size");

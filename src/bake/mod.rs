@@ -143,7 +143,7 @@ async fn typical_error(
     let filter = match settings.filter {
         Filter::Reference => Filter::Reference,
         Filter::Adaptive(error) => Filter::Adaptive((FINER * error).max(FINEST)),
-        Filter::Box | Filter::Fitted(_) => Filter::Adaptive(0.005),
+        Filter::Box | Filter::Pyramid => Filter::Adaptive(0.005),
     };
     let lookup = ChainLookup::new(&chain.levels);
     let mut errors = Vec::new();

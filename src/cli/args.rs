@@ -171,7 +171,7 @@ pub(super) struct QueryArgs {
     /// ggx, phong, cone, cosine or charlie
     #[arg(long, value_name = "LOBE", default_value = "ggx", hide_possible_values = true)]
     pub(super) lobe: Lobe,
-    /// adaptive:E, fitted:K, box or reference
+    /// adaptive:E, pyramid, box or reference
     ///
     /// As in bake.
     #[arg(long, value_name = "F", default_value = "adaptive:0.005", value_parser = filter)]

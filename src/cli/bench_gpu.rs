@@ -10,13 +10,12 @@ use crate::bake::memory;
 use crate::filter::Filter;
 use crate::geometry::tent::Reconstruction;
 use crate::gpu::device::timer::Timer;
-use crate::gpu::fitted::FittedTables;
+use crate::gpu::pyramid::{self, PyramidMaps};
 use crate::gpu::reparameterise::{self, upload};
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on};
-use crate::gpu::{box_filter, build_fitted, cells, copy, fixed_point, sat_f32, sat_hensley, sat_scan};
+use crate::gpu::{box_filter, build_pyramid, cells, copy, fixed_point, sat_f32, sat_hensley, sat_scan};
 use crate::ladder::Ladder;
 use crate::oem::OemSize;
-use crate::sat::Scan;
 use crate::sphere::equirect::direction_from_equirect;
 use crate::{Environment, Layout};
 use glam::DVec3;
@@ -89,12 +88,12 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         stages.push(stage);
         names.push("cells_block_2".to_owned());
     }
-    if let Ok(tables) = FittedTables::new(context, size, 4) {
-        let rebuild = build_fitted::stages(context, Scan::Blocks, &planes, &tables)?;
-        names.extend(rebuild.iter().map(|stage| stage.label().replace(' ', "_")));
+    if let Ok(maps) = PyramidMaps::new(context, size) {
+        let rebuild = build_pyramid::stages(context, &planes, &maps);
+        names.extend(rebuild.iter().map(|stage| format!("pyramid_{}", stage.label())));
         stages.extend(rebuild);
-        stages.push(engine.fitted.stage(context, &tables, &frame()).0);
-        names.push("fitted_4_1920x1080".to_owned());
+        stages.push(pyramid::stage(context, &maps, &frame()).0);
+        names.push("pyramid_1920x1080".to_owned());
     }
     stages.push(copy::stage(context, &sat));
     let (mut each, _) = clock.time(&stages.iter().collect::<Vec<_>>())?;
@@ -141,7 +140,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         "runs": args.runs,
         // Reads and writes 24 bytes per texel, the minimum traffic of a scan.
         "copy": copy,
-        // Each pass over an octahedral map of `size` texels, and a frame of fitted lobes with per-pixel
+        // Each pass over an octahedral map of `size` texels, and a frame by the pyramid with per-pixel
         // roughness.
         "stages": stages,
         // Cube of 6 x 512^2 to an octahedral map of 1024^2 to its exact table, all dispatches.

@@ -67,7 +67,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
             border: args.table.border,
             scan: args.table.scan.unwrap_or_default(),
             sharpest: sharpest(lobe, &roughness).unwrap_or_else(|| lobe.served_roughness(shared)),
-            fitted: matches!(args.filter, Filter::Fitted(_)),
+            pyramid: args.filter == Filter::Pyramid,
         };
         let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
         let query = Query { lobe, filter: args.filter, directions: &directions, roughness: &roughness };

@@ -9,6 +9,7 @@ use crate::gpu::{Context, block_on};
 use crate::io::LoadedChain;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::Existing;
+use crate::pyramid::Octaves;
 use crate::reflector::ReflectorSettings;
 use crate::synth::synth;
 use crate::view::{
@@ -22,8 +23,8 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     if let Err(error) = look.check() {
         return usage(error.to_string());
     }
-    if let Some(size) = args.oem_size.filter(|size| !size.is_power_of_two()) {
-        return usage(format!("--oem-size {size} must be a power of two for fitted lobes"));
+    if let Some(Err(error)) = args.oem_size.map(Octaves::over) {
+        return usage(error.to_string());
     }
     if args.scene.scene.is_some() {
         return view_scene::run(args);
@@ -48,8 +49,8 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     };
     if let Some(scan) = args.scan.filter(|_| !look.reads_sat()) {
         return usage(format!(
-            "--scan {scan} is for pictures from a summed-area table, but --filter {} reads none; use box or \
-             fitted:K, or omit --scan",
+            "--scan {scan} is for pictures from a summed-area table, but --filter {} reads none; use box, or \
+             omit --scan",
             look.filter
         ));
     }

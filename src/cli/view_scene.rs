@@ -10,7 +10,7 @@ use crate::image::exposure::Exposure;
 use crate::io::ldr::write::png_bytes;
 use crate::io::output::Existing;
 use crate::view::scene::{
-    MAX_PROBES, Scene, SceneLook, SceneRenderer, SceneSettings, SceneStart, run_scene, scene_boxes,
+    MAX_PROBES, Scene, SceneLook, SceneRenderer, SceneSettings, SceneStart, check_scene_filter, run_scene,
     screenshot_of_scene,
 };
 use crate::view::{Camera, Mesh, Screenshot};
@@ -20,10 +20,9 @@ use std::time::Instant;
 const SLOW: f64 = 5.0;
 
 pub(super) fn run(args: ViewArgs) -> Outcome {
-    let boxes = match args.look.filter.map(scene_boxes).transpose() {
-        Ok(boxes) => boxes.unwrap_or(SceneSettings::default().boxes),
-        Err(error) => return usage(error.to_string()),
-    };
+    if let Some(Err(error)) = args.look.filter.map(check_scene_filter) {
+        return usage(error.to_string());
+    }
     let file = args.scene.scene.clone().flatten();
     let console = Console::new(args.quiet);
     let scene = match &file {
@@ -35,7 +34,6 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
         method: args.scene.direct,
         probes: args.scene.probes.map_or(MAX_PROBES, |probes| probes as usize),
         size: args.oem_size.unwrap_or(SceneSettings::default().size),
-        boxes,
     };
     if let Some(probes) = args.scene.probes.filter(|probes| *probes as usize > scene.glossy_parts()) {
         console.warn(&format!(

@@ -1,6 +1,6 @@
 //! Scans of an OEM into an exact summed-area table. All give the same bits.
 
-use crate::oem::{Oem, OemSize};
+use crate::oem::Oem;
 use crate::sat::{FixedPoint, Sat, Scan};
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -18,18 +18,6 @@ impl Sat {
         let mut entries = vec![[0; 4]; side * side];
         self::scan(scan, fixed, oem.texels(), side, &mut entries);
         Self::from_entries(oem.size(), fixed, entries)
-    }
-
-    /// The table of `values`, row-major, one per texel of a square without a border, in units of `fixed`.
-    ///
-    /// # Panics
-    /// If they do not form a square.
-    pub(crate) fn from_values(fixed: FixedPoint, values: Vec<[u64; 4]>) -> Self {
-        let inner = values.len().isqrt();
-        assert!(inner > 0 && inner * inner == values.len(), "texels of a square");
-        let mut entries = values;
-        sum_up(&mut entries, inner);
-        Self::from_entries(OemSize { inner: inner as u32, border: 0 }, fixed, entries)
     }
 }
 
@@ -68,18 +56,6 @@ fn serial(fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out: &mut [[u64;
         out[k] = std::array::from_fn(|c| {
             value[c].wrapping_add(left[c]).wrapping_add(above[c]).wrapping_sub(corner[c])
         });
-    }
-}
-
-/// Computes the prefix sums of `entries` in place, with rows of `width`.
-pub(crate) fn sum_up(entries: &mut [[u64; 4]], width: usize) {
-    for k in 0..entries.len() {
-        if k % width > 0 {
-            entries[k] = add(entries[k], entries[k - 1]);
-        }
-    }
-    for k in width..entries.len() {
-        entries[k] = add(entries[k], entries[k - width]);
     }
 }
 

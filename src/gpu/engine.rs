@@ -4,9 +4,9 @@ use super::adaptive::{Answers, LobePart, Packet, Packets};
 use super::box_filter::SatTextures;
 use super::cells::CellTree;
 use super::device::readback;
-use super::fitted::{Fitted, FittedTables};
+use super::pyramid::{self, PyramidMaps};
 use super::{Context, OemPlanes, SatPlanes, Stage};
-use super::{adaptive, box_filter, build_fitted, cells, fixed_point, reparameterise, table_scan};
+use super::{adaptive, box_filter, build_pyramid, cells, fixed_point, reparameterise, table_scan};
 use crate::bake::job::Job;
 use crate::bake::level::{Advance, BakedLevel, LeafCounts, LevelJob};
 use crate::bake::{self, Bake, BakeSettings, OnProgress, Processor};
@@ -25,6 +25,7 @@ use crate::light_scale::LightScale;
 use crate::lobe::Lobe;
 use crate::lobe::kernel::Kernel;
 use crate::oem::{OemSize, bilinear_share};
+use crate::pyramid::Octaves;
 use crate::reflector::{ReflectorSettings, Workspace, check_answers};
 use crate::sat::Scan;
 use glam::{DMat3, DVec3};
@@ -39,8 +40,6 @@ const SHARPEST_ALPHA: f64 = 1e-4;
 #[derive(Clone, Debug)]
 pub struct Engine {
     context: Context,
-    /// Fitted lobes over their tables.
-    pub fitted: Fitted,
 }
 
 impl Engine {
@@ -49,7 +48,7 @@ impl Engine {
     /// # Errors
     /// [`Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context) -> Result<Self> {
-        let engine = Self { fitted: Fitted::new(&context), context };
+        let engine = Self { context };
         engine.context.check()?;
         Ok(engine)
     }
@@ -103,8 +102,7 @@ impl Engine {
                 CellTree::check_members_fit(&self.context, environment.layout(), width)
             }
             Filter::Box => SatPlanes::check_fits(&self.context, size),
-            Filter::Fitted(_) => SatPlanes::check_fits(&self.context, size)
-                .and_then(|()| FittedTables::check_fits(&self.context, size.inner, 1)),
+            Filter::Pyramid => PyramidMaps::check_fits(&self.context, Octaves::over(size.inner)?, 1),
             Filter::Reference => Err(unsupported("the reference filter")),
         }
     }
@@ -165,7 +163,7 @@ pub struct GpuReflector<'a> {
     source: OnceLock<CellTree>,
     bilinear: OnceLock<(CellTree, Stage)>,
     sat: OnceLock<SatTextures>,
-    fitted: OnceLock<FittedTables>,
+    pyramid: OnceLock<PyramidMaps>,
 }
 
 impl<'a> GpuReflector<'a> {
@@ -198,7 +196,7 @@ impl<'a> GpuReflector<'a> {
             source: OnceLock::new(),
             bilinear: OnceLock::new(),
             sat: OnceLock::new(),
-            fitted: OnceLock::new(),
+            pyramid: OnceLock::new(),
         })
     }
 
@@ -251,16 +249,15 @@ impl<'a> GpuReflector<'a> {
         Ok(self.sat.get_or_init(|| textures))
     }
 
-    fn fitted(&self, count: u32) -> Result<&FittedTables> {
-        let context = &self.engine.context;
-        if let Some(tables) = self.fitted.get() {
-            tables.set_count(context, count)?;
-            return Ok(tables);
+    fn pyramid(&self) -> Result<&PyramidMaps> {
+        if let Some(maps) = self.pyramid.get() {
+            return Ok(maps);
         }
-        let tables = FittedTables::new(context, self.planes.size().inner, count)?;
-        let stages = build_fitted::stages(context, self.settings.scan, &self.planes, &tables)?;
+        let context = &self.engine.context;
+        let maps = PyramidMaps::new(context, self.planes.size().inner)?;
+        let stages = build_pyramid::stages(context, &self.planes, &maps);
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
-        Ok(self.fitted.get_or_init(|| tables))
+        Ok(self.pyramid.get_or_init(|| maps))
     }
 
     /// Answers to `directions` (in world space, any length but zero), evaluated one by one.
@@ -310,7 +307,7 @@ impl<'a> GpuReflector<'a> {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
         }
         filter.check(lobe, Some(self.planes.size().inner))?;
-        let Engine { context, fitted } = self.engine;
+        let context = &self.engine.context;
         let source_from_world = self.environment.source_from_world();
         let alpha = roughness * roughness;
         let directions = || -> Vec<DVec3> {
@@ -322,9 +319,9 @@ impl<'a> GpuReflector<'a> {
         };
         let error = match filter {
             Filter::Reference => return Err(unsupported("the reference filter")),
-            Filter::Fitted(count) => {
+            Filter::Pyramid => {
                 let queries: Vec<_> = directions().into_iter().map(|d| (d, roughness)).collect();
-                return unbounded(fitted.radiance(context, self.fitted(count)?, &queries).await?);
+                return unbounded(pyramid::radiance(context, self.pyramid()?, &queries).await?);
             }
             Filter::Box => {
                 let stack = [single_box(lobe, alpha)];

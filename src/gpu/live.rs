@@ -1,27 +1,24 @@
 //! An environment that a renderer updates while it runs.
 //!
 //! ```text
-//! texture --reparameterise--> OEM planes --build_fitted--> tables +-> octagloss_radiance(...)
-//!                                                                +-> octagloss_irradiance(...)
+//! texture --reparameterise--> OEM planes --build_pyramid--> maps +-> octagloss_radiance(...)
+//!                                                               +-> octagloss_irradiance(...)
 //! ```
 //!
 //! The texture is the renderer's, or the octahedral map that [`LiveEnvironment::draw`] draws into.
 
-use super::build_fitted::{Scratch, stages_through};
+use super::build_pyramid;
 use super::device::names::named;
 use super::device::shader;
 use super::direct::{Surroundings, view_layout};
-use super::fitted::FittedTables;
+use super::pyramid::{PyramidMaps, wgsl};
 use super::reparameterise::{self, check_readable, upload};
-use super::{Context, OemPlanes, SatPlanes, Stage};
+use super::{Context, OemPlanes, Stage};
 use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::oem::OemSize;
-use crate::sat::Scan;
+use crate::pyramid::Octaves;
 use glam::{DMat3, DVec3};
-
-/// Boxes of a fitted lobe at first.
-pub(super) const BOXES: u32 = 4;
 
 /// Glossy reflections of any roughness out of a texture that changes, for the caller's own shaders.
 ///
@@ -35,9 +32,8 @@ pub(super) const BOXES: u32 = 4;
 pub struct LiveEnvironment {
     context: Context,
     planes: OemPlanes,
-    scratch: Scratch,
-    tables: FittedTables,
-    /// From the planes to the tables.
+    maps: PyramidMaps,
+    /// From the planes to the maps.
     build: Vec<Stage>,
     /// The texture of the last update, and the stage that reads it.
     source: Option<(wgpu::Texture, Stage)>,
@@ -49,13 +45,13 @@ pub struct LiveEnvironment {
 }
 
 impl LiveEnvironment {
-    /// Allocates tables over an octahedral map of `size` texels along an edge, at least 1, rounded up to a
-    /// power of two from 16 on. A panorama of 1024 x 512 needs 512. The environment is black until the first
-    /// update.
+    /// Allocates maps over an octahedral map of `size` texels along an edge, at least 1, rounded up to a
+    /// power of two from 32 to 2048. A panorama of 1024 x 512 needs 512. The environment is black until the
+    /// first update.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a size of 0; [`Error::Limit`] where the tables exceed the buffers or textures
-    /// of the device; it names the largest size that fits.
+    /// [`Error::Parameter`] for a size of 0 or above 2048; [`Error::Limit`] where the device's textures are
+    /// smaller; it names the largest size that fits.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
         Ok(Self::several(&context, size, 1)?.remove(0))
@@ -70,8 +66,8 @@ impl LiveEnvironment {
     /// of the other need a submission each.
     #[must_use]
     pub fn sibling(&self) -> Self {
-        let tables = self.tables.sibling(&self.context, BOXES);
-        let live = Self::over(&self.context, &self.planes, &self.scratch, tables);
+        let maps = PyramidMaps::new(&self.context, self.size()).expect("as large as the first");
+        let live = Self::over(&self.context, &self.planes, maps);
         let drawn = self.drawn.as_ref().map(|(surroundings, stage)| {
             (surroundings.sharing_target(&self.context, &live.draw_layout), stage.clone())
         });
@@ -81,27 +77,22 @@ impl LiveEnvironment {
     /// `count` environments over maps of `size` texels along an edge, which share buffers.
     pub(super) fn several(context: &Context, size: u32, count: u32) -> Result<Vec<Self>> {
         let inner = checked_inner(context, size, count)?;
-        let tables = FittedTables::sharing(context, inner, BOXES, count)?;
+        let maps = PyramidMaps::sharing(context, inner, count)?;
         let planes = OemPlanes::new(context, OemSize { inner, border: 0 })?;
-        let scratch = Scratch::new(context, &planes)?;
-        let over = |tables| Self::over(context, &planes, &scratch, tables);
-        Ok(tables.into_iter().map(over).collect())
+        Ok(maps.into_iter().map(|maps| Self::over(context, &planes, maps)).collect())
     }
 
-    /// An environment of these tables, planes and buffers between passes.
-    fn over(context: &Context, planes: &OemPlanes, scratch: &Scratch, tables: FittedTables) -> Self {
-        let device = context.device();
-        let build = stages_through(context, Scan::Blocks, planes, scratch, &tables)
-            .expect("every device scans by blocks");
-        tables.set_rotation(context, columns(DMat3::IDENTITY));
-        let layout = layout(device);
-        let bind_group = tables.bind_group(device, &layout);
+    /// An environment of these maps over these planes.
+    fn over(context: &Context, planes: &OemPlanes, maps: PyramidMaps) -> Self {
+        let build = build_pyramid::stages(context, planes, &maps);
+        maps.set_rotation(context, columns(DMat3::IDENTITY));
+        let layout = layout(context);
+        let bind_group = maps.bind_group(context, &layout);
         let draw_layout = view_layout(context);
         Self {
             context: context.clone(),
             planes: planes.clone(),
-            scratch: scratch.clone(),
-            tables,
+            maps,
             build,
             source: None,
             drawn: None,
@@ -231,17 +222,8 @@ impl LiveEnvironment {
                 "`source_from_world` is {source_from_world}; its columns must be unit vectors at right angles"
             )));
         }
-        self.tables.set_rotation(&self.context, columns(source_from_world.transpose()));
+        self.maps.set_rotation(&self.context, columns(source_from_world.transpose()));
         Ok(())
-    }
-
-    /// Selects lobes of `count` boxes (1, 2, 4 or 8; 4 at first) from the next submission on: more are slower
-    /// and more accurate. Environments of one [`LiveProbes`](super::live_probes::LiveProbes) have one count.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for any other count.
-    pub fn set_boxes(&self, count: u32) -> Result<()> {
-        self.tables.set_count(&self.context, count)
     }
 
     /// WGSL with `octagloss_radiance(direction, roughness)` and `octagloss_irradiance(normal)`, both of
@@ -252,7 +234,7 @@ impl LiveEnvironment {
     /// what a zero vector, NaN or another roughness gives is undefined, NaN as a rule.
     #[must_use]
     pub fn wgsl(group: u32) -> String {
-        look_ups("array<OctaglossLight, 1>", group)
+        wgsl(1, group)
     }
 
     /// [`Self::wgsl`] with the prefix `name`, so that one shader can look up several environments:
@@ -282,30 +264,18 @@ impl LiveEnvironment {
     /// The resources as a group of `layout`, which wgpu derived for a pipeline from its shader.
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        self.tables.bind_group(self.context.device(), layout)
+        self.maps.bind_group(&self.context, layout)
     }
 
-    pub(super) const fn tables(&self) -> &FittedTables {
-        &self.tables
+    pub(super) const fn maps(&self) -> &PyramidMaps {
+        &self.maps
     }
 }
 
 /// The layout of a group for shaders that look environments up.
-pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+pub(crate) fn layout(context: &Context) -> wgpu::BindGroupLayout {
     let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
-    FittedTables::bind_group_layout(device, visibility)
-}
-
-/// WGSL of the look-ups over `lights`, with their resources in bind group `group`.
-pub(super) fn look_ups(lights: &str, group: u32) -> String {
-    let resources = [
-        "var<uniform> octagloss_octaves: OctaglossOctaves",
-        &format!("var<uniform> octagloss_lights: {lights}"),
-        "var<storage, read> octagloss_entries: array<Sum>",
-        "var<storage, read> octagloss_parameters: array<vec4<u32>>",
-        "var octagloss_oems: texture_2d_array<f32>",
-    ];
-    shader::for_callers("common/live.wgsl", &resources, group, "octagloss")
+    PyramidMaps::bind_group_layout(context, visibility)
 }
 
 /// WGSL for draws into octahedral maps, with its resource in bind group `group`.
@@ -314,42 +284,25 @@ pub(super) fn draw_wgsl(group: u32) -> String {
     shader::for_callers("common/direct_view.wgsl", &resources, group, "octagloss_draw")
 }
 
-/// Edge of the octahedral map for `size` texels, rounded up as [`LiveEnvironment::new`] says.
-pub(super) fn inner_of(size: u32) -> u32 {
-    size.max(16).checked_next_power_of_two().unwrap_or(1 << 31)
-}
-
-/// [`inner_of`] for `count` environments that share buffers, before any is allocated.
+/// Edge of the octahedral map for `size` texels of `count` environments that share textures, before any is
+/// allocated.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a size of 0, [`Error::Limit`] where the device is too small; it names the
-/// parameters `size` and `count` that fit.
+/// [`Error::Parameter`] for a size of 0 or above [`Octaves::LARGEST`], [`Error::Limit`] where the device is
+/// too small; it names the parameter `size` or `count` that fits.
 fn checked_inner(context: &Context, size: u32, count: u32) -> Result<u32> {
-    if size == 0 {
-        return Err(Error::Parameter("`size` is 0; choose at least one texel along an edge".to_owned()));
+    let most = Octaves::LARGEST;
+    if !(1..=most).contains(&size) {
+        return Err(Error::Parameter(format!("`size` is {size}; choose 1 to {most} texels along an edge")));
     }
-    let fits = |inner: u32, count: u32| {
-        FittedTables::check_fits(context, inner, count)?;
-        SatPlanes::check_fits(context, OemSize { inner, border: 0 })
-    };
-    let inner = inner_of(size);
-    fits(inner, count).map(|()| inner).map_err(|error| match error {
-        Error::Limit { what, needed, available, .. } => {
-            let smaller =
-                (4..inner.ilog2()).rev().map(|log2| 1 << log2).find(|size| fits(*size, count).is_ok());
-            let fewer = (1..count).rev().find(|count| fits(inner, *count).is_ok());
-            let remedies = [("count", fewer), ("size", smaller)]
-                .into_iter()
-                .filter_map(|(name, most)| Some(format!("`{name}` of at most {}", most?)))
-                .collect::<Vec<_>>();
-            let remedy = match &remedies[..] {
-                [] => "use a device with larger buffers".to_owned(),
-                some => format!("choose {}", some.join(", or ")),
-            };
-            Error::Limit { what, needed, available, remedy }
+    let inner = Octaves::size_for(size);
+    match PyramidMaps::check_fits(context, Octaves::over(inner)?, count) {
+        Err(Error::Limit { what, needed, available, remedy }) => {
+            let remedy = remedy.replace("`oem_size`", "`size`");
+            Err(Error::Limit { what, needed, available, remedy })
         }
-        other => other,
-    })
+        other => other.map(|()| inner),
+    }
 }
 
 /// The layout of an environment in a texture of `size`.

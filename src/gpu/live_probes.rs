@@ -1,13 +1,13 @@
-//! Environments of one size in shared buffers, which one look-up reads.
+//! Environments of one size in shared textures, which one look-up reads.
 
 use super::Context;
-use super::fitted::{FittedTables, MAX_LIGHTS};
-use super::live::{LiveEnvironment, inner_of, look_ups};
+use super::live::LiveEnvironment;
+use super::pyramid::{MAX_PROBES, wgsl};
 use crate::error::{Error, Result};
 use std::ops::{Deref, DerefMut};
 
-/// Probes of a scene: environments whose tables lie in one buffer, and their maps in one texture, so that one
-/// draw blends any of them. `examples/probes.rs` does so.
+/// Probes of a scene: environments whose maps are layers of the same textures, so that one draw blends any of
+/// them. `examples/probes.rs` does so.
 ///
 /// It is a slice of [`LiveEnvironment`]: each is updated or drawn by itself, in turns if all take too long,
 /// has its own rotation, and can also be looked up alone, by its own group. They share what an update only
@@ -16,12 +16,12 @@ use std::ops::{Deref, DerefMut};
 pub struct LiveProbes {
     probes: Vec<LiveEnvironment>,
     bind_group: wgpu::BindGroup,
-    device: wgpu::Device,
+    context: Context,
 }
 
 impl LiveProbes {
     /// Most environments: WebGPU's least limit of a uniform, 64 KiB, holds the lights of as many.
-    pub const MAX: u32 = MAX_LIGHTS;
+    pub const MAX: u32 = MAX_PROBES;
 
     /// Allocates the tables of `count` environments over octahedral maps of `size` texels along an edge,
     /// rounded up as [`LiveEnvironment::new`] does. All are black until their first update.
@@ -42,14 +42,13 @@ impl LiveProbes {
             return Err(Error::Parameter(format!("`count` is {count} environments; choose 1 to {most}")));
         }
         let probes = LiveEnvironment::several(context, size, count)?;
-        let device = context.device().clone();
-        let bind_group = probes[0].tables().bind_group_of_all(&device, probes[0].bind_group_layout());
-        Ok(Self { probes, bind_group, device })
+        let bind_group = probes[0].maps().bind_group_of_all(context, probes[0].bind_group_layout());
+        Ok(Self { probes, bind_group, context: context.clone() })
     }
 
-    /// Most environments over maps of `size` texels whose tables fit one binding of the device.
-    pub(crate) fn most(context: &Context, size: u32) -> u32 {
-        FittedTables::most_probes(context, inner_of(size))
+    /// Most environments whose maps share textures on the device.
+    pub(crate) fn most(context: &Context) -> u32 {
+        (context.device().limits().max_texture_array_layers / 2).min(Self::MAX)
     }
 
     /// WGSL with `octagloss_radiance_of(probe, direction, roughness)` and `octagloss_irradiance_of(probe,
@@ -57,7 +56,7 @@ impl LiveProbes {
     /// bind group `group`.
     #[must_use]
     pub fn wgsl(group: u32) -> String {
-        look_ups("array<OctaglossLight, MAX_LIGHTS>", group)
+        wgsl(MAX_PROBES, group)
     }
 
     /// The layout of [`Self::bind_group`], for the caller's pipeline layouts: that of a [`LiveEnvironment`].
@@ -75,7 +74,7 @@ impl LiveProbes {
     /// The resources as a group of `layout`, which wgpu derived for a pipeline from its shader.
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        self.probes[0].tables().bind_group_of_all(&self.device, layout)
+        self.probes[0].maps().bind_group_of_all(&self.context, layout)
     }
 }
 

@@ -7,8 +7,7 @@
 //!
 //! ```text
 //! texture --reparameterise--> OEM planes --fixed_point--> exponents --sat_scan--> SAT planes --pack--> boxes
-//!                                 +--emitters--> emitters, residual SAT --blur, harmonics--+
-//!                                 +--mirror--> texture, least radiance --------------------+--> fitted lobes
+//!                                 +--build_pyramid--> mip chain of Gaussians, suns, harmonics --> pyramid
 //!                                 +--cells--> quadtree of moments --adaptive--> lobes with bounds
 //! ```
 //!
@@ -23,25 +22,18 @@
 //! [`Context`] compiles pipelines when they are first asked for, and keeps them.
 
 pub mod adaptive;
-pub mod blur;
 pub mod box_filter;
-pub mod build_fitted;
 pub mod build_pyramid;
 pub mod cells;
 pub mod copy;
 pub mod device;
 pub mod direct;
-pub mod emitters;
 pub mod engine;
-pub mod fitted;
 pub mod fixed_point;
-pub mod harmonics;
 pub mod lamp;
 mod least;
 pub mod live;
 pub mod live_probes;
-pub mod mirror;
-pub mod octaves;
 pub mod oem;
 pub mod pyramid;
 pub mod reparameterise;

@@ -90,14 +90,6 @@ impl OemPlanes {
         Ok(Self { size, planes, table: context.uniform("OEM table", &table) })
     }
 
-    /// Zeroed energy planes that share this OEM's solid angles.
-    #[must_use]
-    pub fn of_the_same_solid_angles(&self, context: &Context) -> Self {
-        let energy = || context.storage("OEM plane", self.planes[0].size());
-        let planes = [energy(), energy(), energy(), self.planes[3].clone()];
-        Self { planes, ..self.clone() }
-    }
-
     /// Size of the OEM.
     #[must_use]
     pub const fn size(&self) -> OemSize {

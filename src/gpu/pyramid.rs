@@ -7,7 +7,7 @@ use super::device::stage::{Dispatch, in_rows};
 use super::{Context, Stage};
 use crate::error::{Error, Result};
 use crate::oem::OemSize;
-use crate::pyramid::fit::{INTERVALS, WEIGHTS, Weights};
+use crate::pyramid::fit::{self, INTERVALS, WEIGHTS};
 use crate::pyramid::{COARSEST, Octaves, cells, suns};
 use glam::DVec3;
 
@@ -111,7 +111,7 @@ impl PyramidMaps {
             context.texture(label, FORMAT, [side, side, layers], mips, usage | wgpu::TextureUsages::COPY_SRC)
         };
         let mut weights = [[0.0; WEIGHTS]; INTERVALS as usize + 1];
-        weights.copy_from_slice(Weights::of(octaves).nodes());
+        weights.copy_from_slice(fit::table(octaves));
         let table =
             OctaglossPyramid { inner: inner as f32, border: size.border as f32, pad: [0; 2], weights };
         let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;

@@ -156,9 +156,8 @@ impl Provenance {
 
     /// Whether a report can add to it.
     pub(super) fn is_partial(&self) -> bool {
-        // Only filters over a summed-area table have a scan.
-        let has_scan =
-            self.filter.as_ref().is_some_and(|filter| filter == "box" || filter.starts_with("fitted:"));
+        // Only the filter over a summed-area table has a scan.
+        let has_scan = self.filter.as_deref() == Some("box");
         self.rotate_y.is_none() || (has_scan && self.scan.is_none())
     }
 

@@ -8,6 +8,7 @@
 
 use super::{Octaves, WIDEST, suns};
 use crate::lobe::{self, Lobe, legendre};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -60,39 +61,25 @@ const PEAK: f64 = 3.0;
 /// Radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
 const FLOOR: f64 = 0.015;
 
-/// Weights of the levels at [`INTERVALS`] + 1 nodes over roughness.
-#[derive(Debug)]
-pub struct Weights {
-    nodes: Vec<[f32; WEIGHTS]>,
+/// Weights of the levels of `octaves` at [`INTERVALS`] + 1 nodes over roughness, fitted at the first call.
+#[must_use]
+pub fn table(octaves: Octaves) -> &'static [[f32; WEIGHTS]] {
+    static FITTED: [OnceLock<Vec<[f32; WEIGHTS]>>; Octaves::MOST as usize] =
+        [const { OnceLock::new() }; Octaves::MOST as usize];
+    FITTED[octaves.count() as usize - 1].get_or_init(|| {
+        (0..=INTERVALS).into_par_iter().map(|node| fitted(octaves, roughness_of(f64::from(node)))).collect()
+    })
 }
 
-impl Weights {
-    /// The table for a pyramid of `octaves`, fitted at the first call.
-    #[must_use]
-    pub fn of(octaves: Octaves) -> &'static Self {
-        static FITTED: [OnceLock<Weights>; Octaves::MOST as usize] =
-            [const { OnceLock::new() }; Octaves::MOST as usize];
-        FITTED[octaves.count() as usize - 1].get_or_init(|| Self {
-            nodes: (0..=INTERVALS).map(|node| fitted(octaves, roughness_of(f64::from(node)))).collect(),
-        })
-    }
-
-    /// The nodes in order of roughness.
-    #[must_use]
-    pub fn nodes(&self) -> &[[f32; WEIGHTS]] {
-        &self.nodes
-    }
-
-    /// Weights at `roughness` in [0, 1], interpolated.
-    #[must_use]
-    pub fn at(&self, roughness: f32) -> [f32; WEIGHTS] {
-        let place =
-            (1.0 + SPREAD as f32 * roughness).log2() * ((INTERVALS as f32) / (1.0 + SPREAD as f32).log2());
-        let node = (place as usize).min(INTERVALS as usize - 1);
-        let share = place - node as f32;
-        let [low, high] = [self.nodes[node], self.nodes[node + 1]];
-        std::array::from_fn(|k| low[k] + share * (high[k] - low[k]))
-    }
+/// Weights at `roughness` in [0, 1], between the two nodes of [`table`] around it.
+#[must_use]
+pub fn weights_at(octaves: Octaves, roughness: f32) -> [f32; WEIGHTS] {
+    let place =
+        (1.0 + SPREAD as f32 * roughness).log2() * ((INTERVALS as f32) / (1.0 + SPREAD as f32).log2());
+    let node = (place as u32).min(INTERVALS - 1);
+    let share = place - node as f32;
+    let [low, high] = [node, node + 1].map(|node| fitted(octaves, roughness_of(f64::from(node))));
+    std::array::from_fn(|k| low[k] + share * (high[k] - low[k]))
 }
 
 /// Roughness of a place in the table, a node where it is integral.

@@ -24,7 +24,7 @@ use crate::error::{Error, Result};
 use crate::oem::{Oem, OemSize};
 use crate::sh::basis;
 use cells::Cells;
-use fit::{COSINE, LOBE, ORDERS, Weights};
+use fit::{COSINE, LOBE, ORDERS, WEIGHTS, weights_at};
 use glam::{DVec3, Vec3A};
 use levels::Map;
 use suns::Suns;
@@ -43,17 +43,35 @@ impl Octaves {
     /// Most levels: those of a map of 2048 x 2048.
     pub const MOST: u32 = 7;
 
+    /// Texels along an edge of the largest map.
+    pub const LARGEST: u32 = COARSEST << (Self::MOST - 1);
+
+    /// The sizes of maps, from small to large.
+    pub(crate) fn sizes() -> impl DoubleEndedIterator<Item = u32> {
+        (0..Self::MOST).map(|octave| COARSEST << octave)
+    }
+
+    /// The least size of a map that is at least `inner`, or the largest there is.
+    pub(crate) fn size_for(inner: u32) -> u32 {
+        Self::sizes().find(|size| *size >= inner).unwrap_or(Self::LARGEST)
+    }
+
+    /// Texels along an edge of a map whose sharp level is half as wide as lobes of `alpha`, or finer.
+    pub(crate) fn texels_for(alpha: f64) -> u32 {
+        (WIDEST * f64::from(COARSEST) / alpha).min(f64::from(Self::LARGEST)).ceil() as u32
+    }
+
     /// The levels over a map of `inner` texels along an edge.
     ///
     /// # Errors
     /// [`Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048.
     pub fn over(inner: u32) -> Result<Self> {
-        if inner.is_power_of_two() && (COARSEST..=COARSEST << (Self::MOST - 1)).contains(&inner) {
+        if Self::sizes().any(|size| size == inner) {
             return Ok(Self(inner.ilog2() - COARSEST.ilog2() + 1));
         }
         Err(Error::Parameter(format!(
-            "`oem_size` {inner} has no pyramid; choose a power of two from {COARSEST} to {}",
-            COARSEST << (Self::MOST - 1)
+            "an OEM of {inner} texels has no pyramid; choose a power of two from {COARSEST} to {} as `oem_size`",
+            Self::LARGEST
         )))
     }
 
@@ -97,7 +115,7 @@ impl Octaves {
 /// An environment's pyramid.
 #[derive(Debug)]
 pub struct Pyramid {
-    weights: &'static Weights,
+    octaves: Octaves,
     /// Mirror, sharp level, levels from fine to coarse. Light is multiplied by 2^-exponent.
     maps: Vec<Map>,
     cosine: Map,
@@ -135,27 +153,17 @@ impl Pyramid {
         maps.insert(0, mirror);
         let cells = Cells::new(oem, suns.clamp, exponent);
         let (cosine, harmonics) = (cells.cosine(), cells.harmonics());
-        Ok(Self { weights: Weights::of(octaves), maps, cosine, harmonics, suns, exponent })
+        Ok(Self { octaves, maps, cosine, harmonics, suns, exponent })
     }
 
-    /// Radiance of a GGX reflection around `direction` (any length but zero, in the map's space) at
-    /// `roughness` in [0, 1].
+    /// GGX lobes of `roughness` in [0, 1].
     #[must_use]
-    pub fn radiance(&self, direction: DVec3, roughness: f32) -> Rgb {
-        let direction = direction.normalize();
-        let weights = self.weights.at(roughness);
-        let mut sum = Vec3A::ZERO;
-        let maps = self.maps.iter().zip(weights).chain([(&self.cosine, weights[COSINE])]);
-        for (map, weight) in maps.filter(|(_, weight)| *weight != 0.0) {
-            sum += weight * map.around(direction);
+    pub fn lobes(&self, roughness: f32) -> PyramidLobes<'_> {
+        PyramidLobes {
+            pyramid: self,
+            weights: weights_at(self.octaves, roughness),
+            alpha: roughness * roughness,
         }
-        for (k, (basis, coefficient)) in basis(direction).into_iter().zip(self.harmonics).enumerate() {
-            sum += weights[ORDERS + k.isqrt()] * basis as f32 * coefficient;
-        }
-        let sum = self.unscaled(sum.max(Vec3A::ZERO));
-        let (alpha, direction) = (roughness * roughness, direction.as_vec3a());
-        let suns: Vec3A = self.suns.suns.iter().map(|sun| sun.glossy(alpha, weights[LOBE], direction)).sum();
-        (sum + (1.0 - weights[0]) * suns).to_array()
     }
 
     /// Irradiance on a surface with `normal` (any length but zero) over pi.
@@ -198,5 +206,35 @@ impl Pyramid {
     #[must_use]
     pub const fn exponent(&self) -> i32 {
         self.exponent
+    }
+}
+
+/// Lobes of one roughness over a pyramid.
+#[derive(Debug)]
+pub struct PyramidLobes<'a> {
+    pyramid: &'a Pyramid,
+    weights: [f32; WEIGHTS],
+    alpha: f32,
+}
+
+impl PyramidLobes<'_> {
+    /// Radiance of a reflection around `direction` (any length but zero, in the map's space).
+    #[must_use]
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        let Self { pyramid, weights, alpha } = self;
+        let direction = direction.normalize();
+        let mut sum = Vec3A::ZERO;
+        let maps = pyramid.maps.iter().zip(*weights).chain([(&pyramid.cosine, weights[COSINE])]);
+        for (map, weight) in maps.filter(|(_, weight)| *weight != 0.0) {
+            sum += weight * map.around(direction);
+        }
+        for (k, (basis, coefficient)) in basis(direction).into_iter().zip(pyramid.harmonics).enumerate() {
+            sum += weights[ORDERS + k.isqrt()] * basis as f32 * coefficient;
+        }
+        let sum = pyramid.unscaled(sum.max(Vec3A::ZERO));
+        let direction = direction.as_vec3a();
+        let glossy = |sun: &suns::Sun| sun.glossy(*alpha, weights[LOBE], direction);
+        let suns: Vec3A = pyramid.suns.suns.iter().map(glossy).sum();
+        (sum + (1.0 - weights[0]) * suns).to_array()
     }
 }

@@ -80,12 +80,12 @@ pub struct Recipe {
     #[cfg_attr(feature = "cli", arg(long, value_name = "LOBE", default_value = "ggx"))]
     #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
     pub lobe: Lobe,
-    /// adaptive:E, fitted:K, box or reference
+    /// adaptive:E, pyramid, box or reference
     ///
     /// adaptive:E is quadrature with a certified bound; E, from 1e-6 to 1, is the target relative RMS error.
-    /// adaptive means adaptive:0.005. fitted:K is the real-time tier: K soft boxes (1, 2, 4 or 8) and
-    /// spherical harmonics fitted to ggx. fitted means fitted:4. box is the single box of the octahedron
-    /// environment maps paper. reference integrates exhaustively in double precision: slow, for auditing.
+    /// adaptive means adaptive:0.005. pyramid is the real-time tier, the fastest, for ggx without bounds: a
+    /// mip chain of Gaussians. box is the single box of the octahedron environment maps paper. reference
+    /// integrates exhaustively in double precision: slow, for auditing.
     #[cfg_attr(feature = "cli", arg(long, value_name = "F", default_value = "adaptive:0.005"))]
     #[cfg_attr(feature = "cli", arg(value_parser = filter::parsed))]
     pub filter: Filter,
@@ -215,7 +215,7 @@ pub struct TableOptions {
     pub border: Option<u32>,
     /// blocks, hensley:2, :4, :8 or :16 [default: blocks]
     ///
-    /// Scan of the summed-area table that box and fitted:K read. All scans give the same bits. blocks is the
+    /// Scan of the summed-area table that box reads. All scans give the same bits. blocks is the
     /// engine's own and the fastest. hensley:R is recursive doubling as in the papers, R samples per pass.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SCAN"))]
     pub scan: Option<Scan>,
@@ -383,8 +383,7 @@ impl TableOptions {
         in_ranges(&[("oem_size", self.oem_size, 1, MAX_SIZE), ("border", self.border, 0, MAX_SIZE)])?;
         match self.scan {
             Some(scan) if !filter.reads_sat() => wrong(format!(
-                "`scan` {scan} is for the filters over a summed-area table; use `filter` box or fitted:K, or \
-                 omit `scan`"
+                "`scan` {scan} is for the filter over a summed-area table; use `filter` box, or omit `scan`"
             )),
             _ => Ok(()),
         }

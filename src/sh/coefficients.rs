@@ -8,8 +8,6 @@
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::geometry::exact::ExactTexels;
-use crate::sat::Sat;
-use crate::sphere::octahedral::{direction_from_oct, texel_centre};
 use crate::sphere::quadrature::gauss_legendre;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -110,42 +108,6 @@ pub fn basis(direction: DVec3) -> [f64; MAX_COUNT] {
         factor(315.0, 256.0) * (xx * xx - 6.0 * xx * yy + yy * yy),
     ]);
     all
-}
-
-/// Coefficients up to L4 of an OEM's radiance and of 1 (red, green, blue and solid angle), in the OEM's own
-/// space, from its table: texels of up to 1/128 in (u, v), each at its centre, with an error of at most 5e-5.
-/// The constant has the same error as radiance, so a constant's quotient is exact.
-#[must_use]
-pub fn table_harmonics(sat: &Sat) -> [[f64; 4]; MAX_COUNT] {
-    let inner = sat.size().inner;
-    let grid = sat.coarsened(inner / inner.min(256));
-    let n = grid.size().inner;
-    let rows: Vec<[[f64; 4]; MAX_COUNT]> = (0..n)
-        .into_par_iter()
-        .map(|y| {
-            let mut sums = [[0.0; 4]; 25];
-            for x in 0..n {
-                let (left, top) = (i64::from(x), i64::from(y));
-                let energy = grid.fixed_point().values(grid.bordered_box(left, top, left + 1, top + 1));
-                let basis = basis(direction_from_oct(texel_centre(n, x, y)));
-                for (sums, basis) in sums.iter_mut().zip(basis) {
-                    for (sum, energy) in sums.iter_mut().zip(energy) {
-                        *sum += basis * energy;
-                    }
-                }
-            }
-            sums
-        })
-        .collect();
-    let mut total = [[0.0; 4]; 25];
-    for row in &rows {
-        for (total, sums) in total.iter_mut().zip(row) {
-            for (total, sum) in total.iter_mut().zip(sums) {
-                *total += sum;
-            }
-        }
-    }
-    total
 }
 
 /// Coefficients of `environment`'s radiance up to band `order`, red, green and blue.

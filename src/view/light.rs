@@ -7,10 +7,10 @@ use crate::environment::{Environment, luminance, of_sound};
 use crate::error::Result;
 use crate::filter::Filter;
 use crate::gpu::box_filter::{self, SatTextures};
-use crate::gpu::fitted::FittedTables;
 use crate::gpu::lamp::{self, Lamp};
+use crate::gpu::pyramid::PyramidMaps;
 use crate::gpu::reparameterise::{self, upload};
-use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, build_fitted, fixed_point, table_scan};
+use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, build_pyramid, fixed_point, table_scan};
 use crate::image::exposure;
 use crate::light_scale::LightScale;
 use crate::lobe::Lobe;
@@ -39,7 +39,7 @@ pub struct Light {
     /// Whether the levels are those of a bake.
     pub(super) own_levels: bool,
     pub(super) boxes: SatTextures,
-    pub(super) fitted: FittedTables,
+    pub(super) pyramid: PyramidMaps,
     /// Texels of the octahedral map.
     pub(super) oem: OemSize,
     /// Stages from texels to tables, in order.
@@ -48,9 +48,6 @@ pub struct Light {
 
 /// Edge of the cube of prefiltered levels.
 const LEVELS_SIZE: u32 = 256;
-
-/// Greatest default OEM size of the viewer.
-const LARGEST: u32 = 2048;
 
 /// The lamp after `seconds` of circling at half height, seven degrees wide. It gives half as much light as an
 /// environment of `mean` luminance.
@@ -80,12 +77,9 @@ impl Light {
         let scale = LightScale::new(environment);
         let texels = scale.scaled(environment).texels().to_vec();
         let environment = of_sound(environment.layout(), texels)?;
-        let settings = ReflectorSettings { fitted: true, ..*table };
-        let (mut size, _) = settings.plan(environment.layout())?;
-        if table.oem_size.is_none() {
-            size.inner = size.inner.min(LARGEST);
-        }
-        let served = [Filter::Box, Filter::Fitted(4)].map(|filter| LobeRequest {
+        let settings = ReflectorSettings { pyramid: true, ..*table };
+        let (size, _) = settings.plan(environment.layout())?;
+        let served = [Filter::Box, Filter::Pyramid].map(|filter| LobeRequest {
             lobe: Lobe::Ggx,
             roughness: 1.0,
             filter,
@@ -97,7 +91,7 @@ impl Light {
         let planes = OemPlanes::new(context, size)?;
         let sat = SatPlanes::new(context, size)?;
         let boxes = SatTextures::new(context, &sat)?;
-        let fitted = FittedTables::new(context, size.inner, 4)?;
+        let pyramid = PyramidMaps::new(context, size.inner)?;
         let mut stages = vec![
             reparameterise::stage(context, environment.layout(), &texture, &planes)?,
             lamp::stage(context, &lamp_buffer, &planes),
@@ -105,7 +99,7 @@ impl Light {
             table_scan::stage(context, settings.scan, &planes, &sat)?,
             box_filter::pack(context, &sat, &boxes),
         ];
-        stages.extend(build_fitted::stages(context, settings.scan, &planes, &fitted)?);
+        stages.extend(build_pyramid::stages(context, &planes, &pyramid));
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         context.check()?;
         let mut sum = 0.0;
@@ -125,7 +119,7 @@ impl Light {
             levels,
             own_levels: false,
             boxes,
-            fitted,
+            pyramid,
             oem: size,
             stages,
         })

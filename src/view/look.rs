@@ -3,10 +3,9 @@
 use super::camera::{Camera, FRONT, field_around};
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
-use crate::filter::fitted_count;
+use crate::filter::FITTED;
 use crate::image::exposure::{self, Exposure};
 use crate::names::named;
-use crate::realtime::tables::COUNTS;
 use glam::{DVec2, DVec3};
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
@@ -34,8 +33,8 @@ named!(Object { Sphere = "sphere", Row = "row", Knot = "knot", Mesh = "mesh" });
 pub enum Technique {
     /// The single box of the octahedron environment maps paper.
     Box,
-    /// The real-time tier, with this number of soft boxes.
-    Fitted(u32),
+    /// The real-time tier.
+    Pyramid,
     /// A prefiltered cube chain, trilinear, as in engines.
     Levels,
     /// The certified tier, evaluated by the CPU for the visible pixels.
@@ -46,24 +45,25 @@ impl Display for Technique {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             Self::Box => f.write_str("box"),
-            Self::Fitted(count) => write!(f, "fitted:{count}"),
+            Self::Pyramid => f.write_str("pyramid"),
             Self::Levels => f.write_str("levels"),
             Self::Adaptive => f.write_str("adaptive"),
         }
     }
 }
 
-/// Parses the output of [`Display`]; `fitted` alone means `fitted:4`.
+/// Parses the output of [`Display`].
 impl FromStr for Technique {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value))) {
-            ("box", None) => Ok(Self::Box),
-            ("levels", None) => Ok(Self::Levels),
-            ("adaptive", None) => Ok(Self::Adaptive),
-            ("fitted", count) => fitted_count(count).map(Self::Fitted),
-            _ => Err("must be box, fitted:K, levels or adaptive".to_owned()),
+        match text {
+            "box" => Ok(Self::Box),
+            "pyramid" => Ok(Self::Pyramid),
+            "levels" => Ok(Self::Levels),
+            "adaptive" => Ok(Self::Adaptive),
+            _ if text.starts_with("fitted") => Err(FITTED.to_owned()),
+            _ => Err("must be box, pyramid, levels or adaptive".to_owned()),
         }
     }
 }
@@ -218,7 +218,7 @@ impl Default for Look {
             turn: 0.0,
             exposure: Exposure::default(),
             tone: Tone::default(),
-            filter: Technique::Fitted(4),
+            filter: Technique::Pyramid,
             show: Show::default(),
         }
     }
@@ -264,12 +264,7 @@ impl Look {
                 return Err(Error::Parameter(format!("{name} {value} is outside [{least}, {most}]")));
             }
         }
-        match self.filter {
-            Technique::Fitted(count) if !COUNTS.contains(&count) => {
-                Err(Error::Parameter(format!("no fitted lobes with {count} boxes; choose one of {COUNTS:?}")))
-            }
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     /// The initial camera: faces the front of a mesh, otherwise the centre of a panorama.
@@ -299,7 +294,7 @@ impl Look {
     #[must_use]
     pub const fn reads_sat(&self) -> bool {
         match self.show {
-            Show::Scene | Show::Error => matches!(self.filter, Technique::Box | Technique::Fitted(_)),
+            Show::Scene | Show::Error => matches!(self.filter, Technique::Box),
             Show::Oem | Show::Sat => true,
         }
     }
@@ -307,7 +302,7 @@ impl Look {
     /// Whether the picture follows a moving lamp, through tables rebuilt every frame.
     pub(super) const fn follows_lamp(&self) -> bool {
         match self.show {
-            Show::Scene => matches!(self.filter, Technique::Box | Technique::Fitted(_)),
+            Show::Scene => matches!(self.filter, Technique::Box | Technique::Pyramid),
             Show::Oem | Show::Sat => true,
             Show::Error => false,
         }

@@ -82,10 +82,7 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 &mut look.filter,
                 &[
                     (Technique::Box, "box"),
-                    (Technique::Fitted(1), "fitted:1"),
-                    (Technique::Fitted(2), "fitted:2"),
-                    (Technique::Fitted(4), "fitted:4"),
-                    (Technique::Fitted(8), "fitted:8"),
+                    (Technique::Pyramid, "pyramid"),
                     (
                         Technique::Levels,
                         if status.has_levels {

@@ -19,7 +19,7 @@ use crate::gpu::device::resources::{
     Draw, SAMPLER, UNIFORM, group, group_layout, pipeline_layout, texture_binding,
 };
 use crate::gpu::device::timer::Timer;
-use crate::gpu::fitted::FittedTables;
+use crate::gpu::pyramid::PyramidMaps;
 use crate::mesh::{Mesh, SubMesh, Vertex};
 use crate::reflector::ReflectorSettings;
 use bytemuck::Zeroable as _;
@@ -36,7 +36,7 @@ const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum RadianceSource {
     Box,
-    Fitted,
+    Pyramid,
     Levels,
     Truth,
 }
@@ -45,7 +45,7 @@ impl RadianceSource {
     const fn file(self) -> &'static str {
         match self {
             Self::Box => "view/box.wgsl",
-            Self::Fitted => "view/fitted.wgsl",
+            Self::Pyramid => "view/pyramid.wgsl",
             Self::Levels => "view/levels.wgsl",
             Self::Truth => "view/truth.wgsl",
         }
@@ -86,7 +86,7 @@ pub struct Renderer {
     frame_layout: wgpu::BindGroupLayout,
     levels_layout: wgpu::BindGroupLayout,
     boxes_layout: wgpu::BindGroupLayout,
-    fitted_layout: wgpu::BindGroupLayout,
+    pyramid_layout: wgpu::BindGroupLayout,
     pipelines: HashMap<(RadianceSource, PassOutput, bool), wgpu::RenderPipeline>,
     split_sum: wgpu::TextureView,
     roughness: wgpu::TextureView,
@@ -131,7 +131,7 @@ impl Renderer {
             frame_layout: group_layout(&context, "view frame", stages, &frame_entries),
             levels_layout: group_layout(&context, "prefiltered cube", stages, &[cube, SAMPLER]),
             boxes_layout: SatTextures::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
-            fitted_layout: FittedTables::bind_group_layout(device, wgpu::ShaderStages::FRAGMENT),
+            pyramid_layout: PyramidMaps::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
             pipelines: HashMap::new(),
             split_sum: texture_of(
                 &context,
@@ -214,9 +214,6 @@ impl Renderer {
         look.check()?;
         self.make_next(size)?;
         let source = if look.show.is_of_scene() { source_of(look.filter) } else { RadianceSource::Box };
-        if let Technique::Fitted(count) = look.filter {
-            light.fitted.set_count(&self.context, count)?;
-        }
         let picture = self.next.as_ref().expect("made").picture.clone();
         let done = rows.end >= size.1;
         self.draw_into(&picture, source, PassOutput::Shown(look.show), look, light, rows)?;
@@ -338,10 +335,11 @@ impl Renderer {
                 (part.indices.clone(), group)
             })
             .collect();
-        let device = self.context.device();
         let answers = match (source, cube) {
             (RadianceSource::Box, _) => Some(light.boxes.bind_group(&self.context, &self.boxes_layout)),
-            (RadianceSource::Fitted, _) => Some(light.fitted.bind_group(device, &self.fitted_layout)),
+            (RadianceSource::Pyramid, _) => {
+                Some(light.pyramid.bind_group(&self.context, &self.pyramid_layout))
+            }
             (RadianceSource::Levels, Some(cube)) => {
                 let view = wgpu::BindingResource::TextureView(&cube.view);
                 let sampler = wgpu::BindingResource::Sampler(&self.trilinear);
@@ -391,7 +389,7 @@ impl Renderer {
         let module = self.context.module(source.file());
         let own = match source {
             RadianceSource::Box => Some(&self.boxes_layout),
-            RadianceSource::Fitted => Some(&self.fitted_layout),
+            RadianceSource::Pyramid => Some(&self.pyramid_layout),
             RadianceSource::Levels => Some(&self.levels_layout),
             RadianceSource::Truth => None,
         };
@@ -447,7 +445,7 @@ impl Renderer {
 const fn source_of(filter: Technique) -> RadianceSource {
     match filter {
         Technique::Box => RadianceSource::Box,
-        Technique::Fitted(_) => RadianceSource::Fitted,
+        Technique::Pyramid => RadianceSource::Pyramid,
         Technique::Levels => RadianceSource::Levels,
         Technique::Adaptive => RadianceSource::Truth,
     }

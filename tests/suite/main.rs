@@ -20,7 +20,6 @@ mod oem;
 #[cfg(feature = "plot")]
 mod plot;
 mod pyramid;
-mod realtime;
 mod recipe;
 mod sat;
 mod sphere;

@@ -40,7 +40,7 @@ fn vectors_without_a_direction_are_refused_by_every_filter() {
     let environment = grey();
     let settings = ReflectorSettings { oem_size: Some(16), ..ReflectorSettings::default() };
     let reflector = Reflector::new(&environment, &settings).unwrap();
-    for filter in [Filter::Adaptive(0.01), Filter::Fitted(4), Filter::Box, Filter::Reference] {
+    for filter in [Filter::Adaptive(0.01), Filter::Pyramid, Filter::Box, Filter::Reference] {
         for roughness in [0.0, 0.5] {
             for wrong in NONE {
                 let message = refusal(reflector.query(wrong, roughness, Lobe::Ggx, filter));
@@ -155,7 +155,10 @@ fn settings_out_of_range_are_named() {
         (BakeSettings { sh_window: ShWindow::Sinc4(0.0), ..small.clone() }, "`sh_window`"),
         (BakeSettings { filter: Filter::Adaptive(f64::NAN), ..small.clone() }, "adaptive:NaN"),
         (BakeSettings { filter: Filter::Adaptive(0.0), ..small.clone() }, "adaptive:0"),
-        (BakeSettings { filter: Filter::Fitted(3), ..small.clone() }, "fitted:3"),
+        (
+            BakeSettings { filter: Filter::Pyramid, oem_size: Some(48), ..small.clone() },
+            "48 texels has no pyramid",
+        ),
     ] {
         let message = of(settings);
         assert!(message.contains(named), "{named}: {message}");

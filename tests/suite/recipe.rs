@@ -20,7 +20,7 @@ fn the_recipe_of_a_plan_makes_the_same_plan() {
         json!({"format": "hdr", "irradiance": 4, "skybox": "source"}),
         json!({"format": "exr", "bounds": true, "size": 32}),
         json!({"lobe": "cosine"}),
-        json!({"filter": "fitted:4", "oem_size": 256, "border": 0, "ladder": "filament", "pixel": "f32"}),
+        json!({"filter": "pyramid", "oem_size": 256, "border": 0, "ladder": "filament", "pixel": "f32"}),
         json!({
             "filter": "box", "scan": "hensley:4", "chain": "sampled", "sh_order": 4, "sh_window": "lanczos:3"
         }),
@@ -75,7 +75,7 @@ fn options_that_there_are_not_and_values_that_they_cannot_have_are_named() {
         (json!({"lobe": "ggxx"}), "`lobe` is \"ggxx\"; must be ggx, phong, cone, cosine or charlie"),
         (json!({"pixel": "auto"}), "`pixel` is \"auto\"; must be f16, f32"),
         (json!({"pad": {}}), "`pad` is {}; a text is needed"),
-        (json!({"filter": "fitted:3"}), "`filter` is \"fitted:3\"; the boxes of fitted:K"),
+        (json!({"filter": "fitted:4"}), "`filter` is \"fitted:4\"; fitted:K is no more; use pyramid"),
         (json!({"skybox": 0}), "`skybox` is 0; must be 1 to 16384, or source"),
         (json!({"target": "quake"}), "`target` is \"quake\"; there are generic, three"),
         (json!({"target": ["three", "three"]}), "`target` names three twice"),

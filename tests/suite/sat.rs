@@ -345,15 +345,11 @@ fn scans_are_parsed_and_checked() {
         assert_eq!(scan.to_string().parse(), Ok(scan));
         scan.check().expect("a scan of both engines");
         Filter::Box.check_scan(scan).expect("a filter over a table");
-        Filter::Fitted(4).check_scan(scan).expect("a filter over a table");
     }
     Filter::Reference.check_scan(Scan::Blocks).expect("the default");
-    for filter in [Filter::Adaptive(0.005), Filter::Reference] {
+    for filter in [Filter::Adaptive(0.005), Filter::Pyramid, Filter::Reference] {
         let error = filter.check_scan(Scan::Hensley { radix: 2 }).unwrap_err().to_string();
-        assert!(
-            error.starts_with("`scan` hensley:2 ") && error.ends_with("`filter` box or fitted:K"),
-            "{error}"
-        );
+        assert!(error.starts_with("`scan` hensley:2 ") && error.ends_with("use `filter` box"), "{error}");
     }
     for radix in [0, 1, 3, 32, u32::MAX] {
         let scan = Scan::Hensley { radix };
@@ -376,10 +372,10 @@ fn bakes_that_share_a_table_share_its_scan() {
         ..BakeSettings::default()
     };
     let all = |settings: &[BakeSettings]| bake_all(&world, settings, &unwatched).map(drop);
-    all(&[settings(Filter::Box, 2), settings(Filter::Fitted(1), 2)]).expect("one scan");
+    all(&[settings(Filter::Box, 2), settings(Filter::Box, 2)]).expect("one scan");
     // Quadrature has no part in it.
     all(&[BakeSettings { size: 2, ..BakeSettings::default() }, settings(Filter::Box, 8)]).expect("one scan");
-    let error = all(&[settings(Filter::Box, 2), settings(Filter::Fitted(1), 4)]).unwrap_err().to_string();
+    let error = all(&[settings(Filter::Box, 2), settings(Filter::Box, 4)]).unwrap_err().to_string();
     assert!(error.starts_with("`scan` hensley:2 and hensley:4 "), "{error}");
 }
 

@@ -65,11 +65,6 @@ impl Stage {
         Self { label, dispatches }
     }
 
-    /// This stage under another label.
-    pub(in crate::gpu) fn labelled(self, label: &'static str) -> Self {
-        Self { label, ..self }
-    }
-
     /// Its name, as in `shaders/`.
     #[must_use]
     pub const fn label(&self) -> &'static str {

@@ -31,7 +31,7 @@ pub use look::{Proxy, SceneLook};
 pub(in crate::view) use panel::Controls;
 pub use panel::MAX_BUDGET;
 pub use part::{Gloss, Motion, Part};
-pub use renderer::{SceneRenderer, SceneSettings, scene_boxes, screenshot_of_scene};
+pub use renderer::{SceneRenderer, SceneSettings, check_scene_filter, screenshot_of_scene};
 pub use uniforms::{MAX_PROBES, SceneCorner};
 pub use viewer::SceneStart;
 #[cfg(target_arch = "wasm32")]

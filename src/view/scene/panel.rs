@@ -101,8 +101,6 @@ pub(super) fn panel(ui: &mut Ui, controls: &mut Controls, status: &Status<'_>) {
     Grid::new("scene").num_columns(2).show(ui, |ui| {
         choice(ui, "Direct", &mut settings.method, &Method::ALL.map(|value| (value, value.name())), None);
         choice(ui, "Proxy", &mut look.proxy, &Proxy::ALL.map(|value| (value, value.name())), None);
-        let boxes = [(1, "fitted:1"), (2, "fitted:2"), (4, "fitted:4"), (8, "fitted:8")];
-        choice(ui, "Filter", &mut settings.boxes, &boxes, None);
         let sizes = [(64, "64"), (128, "128"), (256, "256"), (512, "512"), (1024, "1024")];
         let own = (settings.size, "other");
         let further = sizes.iter().all(|(size, _)| *size != own.0).then_some(own);

@@ -38,24 +38,22 @@ pub struct SceneSettings {
     pub probes: usize,
     /// Edge of their octahedral maps; a cube has as many texels.
     pub size: u32,
-    /// Boxes of a fitted lobe: 1, 2, 4 or 8.
-    pub boxes: u32,
 }
 
 impl Default for SceneSettings {
     fn default() -> Self {
-        Self { method: Method::Octants, probes: MAX_PROBES, size: 256, boxes: 4 }
+        Self { method: Method::Octants, probes: MAX_PROBES, size: 256 }
     }
 }
 
-/// Boxes of the lobes of `filter`, which must be fitted.
+/// Checks that scenes have `filter`.
 ///
 /// # Errors
-/// [`Error::Parameter`] for other filters.
-pub fn scene_boxes(filter: Technique) -> Result<u32> {
+/// [`Error::Parameter`] for other filters than the real-time tier.
+pub fn check_scene_filter(filter: Technique) -> Result<()> {
     match filter {
-        Technique::Fitted(count) => Ok(count),
-        other => Err(Error::Parameter(format!("`filter` {other} is not for scenes; use fitted:K"))),
+        Technique::Pyramid => Ok(()),
+        other => Err(Error::Parameter(format!("`filter` {other} is not for scenes; use pyramid"))),
     }
 }
 
@@ -100,7 +98,7 @@ impl SceneRenderer {
             texels: buffer(&context, "texels of textures", storage, scene.texels.bytes())?,
             light: context.uniform("scene light", &scene.light_uniform()),
         };
-        let layout = layout(context.device());
+        let layout = layout(&context);
         let passes = ProbePasses::new(&context, &layout)?;
         let pictures = Pictures::new(&context, &layout, &buffers);
         let mut renderer = Self {
@@ -132,16 +130,13 @@ impl SceneRenderer {
         if count == 0 && !glossy.is_empty() {
             return Err(Error::Parameter("no probes; choose 1 to 8".to_owned()));
         }
-        let SceneSettings { method, size, boxes, .. } = settings;
+        let SceneSettings { method, size, .. } = settings;
         let Self { context, passes, scene, buffers, .. } = self;
-        let count = count.min(LiveProbes::most(context, size).max(1) as usize);
+        let count = count.min(LiveProbes::most(context) as usize);
         let mut lives = (count > 0).then(|| LiveProbes::on(context, size, count as u32)).transpose()?;
         let pairs = glossy.zip(lives.iter_mut().flat_map(|lives| lives.iter_mut()));
         let probes: Vec<Probe> = pairs
-            .map(|(part, live)| {
-                live.set_boxes(boxes)?;
-                Probe::new(context, passes, scene, buffers, part, method, live)
-            })
+            .map(|(part, live)| Probe::new(context, passes, scene, buffers, part, method, live))
             .collect::<Result<_>>()?;
         self.centres = probes.iter().map(|probe| self.scene.place(probe.part, self.time)).collect();
         (self.lives, self.probes, self.settings) = (lives, probes, settings);

@@ -1,7 +1,7 @@
 //! Settings and state of the scene side as JSON, by the names of the command line's options.
 
 use super::super::look::{Technique, Tone};
-use super::super::scene::{Controls, Proxy, SceneViewer, scene_boxes};
+use super::super::scene::{Controls, Proxy, SceneViewer, check_scene_filter};
 use super::super::window::WindowContent as _;
 use super::parsed;
 use crate::error::Result;
@@ -55,7 +55,7 @@ pub(super) fn state(viewer: &SceneViewer) -> Value {
         "probe_budget": limited.then_some(budget),
         "proxy": look.proxy.name(),
         "direct": settings.method.name(),
-        "filter": Technique::Fitted(settings.boxes).to_string(),
+        "filter": Technique::Pyramid.to_string(),
         "oem_size": settings.size,
         "triangles": viewer.triangles(),
         // Seconds of the passes, if they were measured.
@@ -76,7 +76,7 @@ impl Change {
         let tone: Option<Tone> = parsed("tone", self.tone)?;
         let proxy: Option<Proxy> = parsed("proxy", self.proxy)?;
         let method: Option<Method> = parsed("direct", self.direct)?;
-        let filter: Option<Technique> = parsed("filter", self.filter)?;
+        parsed("filter", self.filter)?.map_or(Ok(()), check_scene_filter)?;
         let mut controls = viewer.controls();
         let Controls { look, settings, time, moving, budget, limited, timing } = &mut controls;
         look.roughness = self.roughness.unwrap_or(look.roughness);
@@ -84,7 +84,6 @@ impl Change {
         look.tone = tone.unwrap_or(look.tone);
         look.proxy = proxy.unwrap_or(look.proxy);
         settings.method = method.unwrap_or(settings.method);
-        settings.boxes = filter.map_or(Ok(settings.boxes), scene_boxes)?;
         settings.probes = self.probes.unwrap_or(settings.probes);
         settings.size = self.oem_size.unwrap_or(settings.size);
         *time = self.scene_time.unwrap_or(*time);

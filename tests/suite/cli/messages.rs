@@ -72,7 +72,7 @@ fn the_typical_error_is_that_of_delivered_look_ups() {
     let cases: [&[&str]; 5] = [
         &[],
         &["--ladder", "filament", "--filter", "adaptive:0.02"],
-        &["--filter", "fitted:4", "--oem-size", "128"],
+        &["--filter", "pyramid", "--oem-size", "128"],
         &["--chain", "sampled", "--levels", "4"],
         &["--filter", "box"],
     ];

@@ -7,49 +7,43 @@ use std::path::Path;
 
 const SCANS: [&str; 5] = ["blocks", "hensley:2", "hensley:4", "hensley:8", "hensley:16"];
 
-/// A filter, and a table with a border.
-const TABLES: [(&str, [&str; 6]); 2] = [
-    ("box", ["--filter", "box", "--oem-size", "21", "--border", "5"]),
-    ("fitted", ["--filter", "fitted:4", "--oem-size", "32", "--border", "3"]),
-];
+/// The filter over a table, and one with a border.
+const TABLE: [&str; 6] = ["--filter", "box", "--oem-size", "21", "--border", "5"];
 
-/// Runs `bake` on `engine` with every scan, and `query` and fitted lobes with the scans `few`, which takes
-/// seconds on a software adapter; their outputs must not differ.
+/// Runs `bake` on `engine` with every scan, and `query` with the scans `few`, which takes seconds on a
+/// software adapter; their outputs must not differ.
 fn every_scan_gives_the_same(engine: &str, few: &[&str]) {
     let folder = with_sky();
     let folder = folder.path();
     fs::write(folder.join("d.csv"), "x,y,z\n0,0,1\n0.3,-0.9,0.1\n-1,0.02,0\n0,-1,0\n1,-1,1\n")
         .expect("writable");
     // On a software adapter a process compiles shaders for seconds.
-    for (name, table) in TABLES.into_iter().take(if engine == "cpu" { 2 } else { sweep(1, 2) }) {
-        let bake = |out: &str, more: &[&str]| {
-            let start = ["bake", "sky.exr", "-o", out, "--size", "8", "--levels", "3", "--pixel", "f32"];
-            done(folder, &[&start[..], &["--engine", engine], &table, more].concat());
-            fs::read(folder.join(out)).expect("written")
-        };
-        let query = |more: &[&str]| {
-            let start = ["query", "sky.exr", "--directions", "d.csv", "--roughness", "0.5"];
-            done(folder, &[&start[..], &["--engine", engine], &table, more].concat()).out
-        };
-        let (file, answers) = (bake(&format!("{name}.ktx2"), &[]), query(&[]));
-        let every = engine == "cpu" && name == "box";
-        for scan in SCANS.into_iter().filter(|scan| every || few.contains(scan)) {
-            let out = format!("{name}-{}.ktx2", scan.replace(':', "-"));
-            let same = bake(&out, &["--scan", scan]);
-            assert!(same == file, "{name}, {scan}: the file differs");
-            if few.contains(&scan) {
-                assert_eq!(query(&["--scan", scan]), answers, "{name}, {scan}");
-            }
-            let report = json_file(&folder.join(format!("{out}.report.json")));
-            assert_eq!((&report["recipe"]["scan"], &report["engine"]), (&scan.into(), &engine.into()));
+    let bake = |out: &str, more: &[&str]| {
+        let start = ["bake", "sky.exr", "-o", out, "--size", "8", "--levels", "3", "--pixel", "f32"];
+        done(folder, &[&start[..], &["--engine", engine], &TABLE, more].concat());
+        fs::read(folder.join(out)).expect("written")
+    };
+    let query = |more: &[&str]| {
+        let start = ["query", "sky.exr", "--directions", "d.csv", "--roughness", "0.5"];
+        done(folder, &[&start[..], &["--engine", engine], &TABLE, more].concat()).out
+    };
+    let (file, answers) = (bake("box.ktx2", &[]), query(&[]));
+    for scan in SCANS.into_iter().filter(|scan| engine == "cpu" || few.contains(scan)) {
+        let out = format!("box-{}.ktx2", scan.replace(':', "-"));
+        let same = bake(&out, &["--scan", scan]);
+        assert!(same == file, "{scan}: the file differs");
+        if few.contains(&scan) {
+            assert_eq!(query(&["--scan", scan]), answers, "{scan}");
         }
-        // The comparisons detect another light.
-        if engine == "gpu" && sweep(true, false) {
-            continue;
-        }
-        let other = bake("other.ktx2", &["--scan", "hensley:4", "--rotate-y", "70", "--force"]);
-        assert!(other != file && query(&["--scan", "hensley:4", "--rotate-y", "70"]) != answers, "{name}");
+        let report = json_file(&folder.join(format!("{out}.report.json")));
+        assert_eq!((&report["recipe"]["scan"], &report["engine"]), (&scan.into(), &engine.into()));
     }
+    // The comparisons detect another light.
+    if engine == "gpu" && sweep(true, false) {
+        return;
+    }
+    let other = bake("other.ktx2", &["--scan", "hensley:4", "--rotate-y", "70", "--force"]);
+    assert!(other != file && query(&["--scan", "hensley:4", "--rotate-y", "70"]) != answers);
 }
 
 #[test]
@@ -73,23 +67,17 @@ fn every_scan_gives_the_same_picture() {
         done(folder, &[&start[..], &["--oem-size", "32", "--roughness", "0.4"], more].concat());
         fs::read(folder.join(name)).expect("written")
     };
-    for (name, look) in
-        [("fitted", &["--filter", "fitted:2"][..]), ("oem", &["--filter", "box", "--show", "oem"])]
-    {
-        let plain = picture(&format!("{name}.png"), look);
-        for scan in sweep(&["hensley:2"][..], &["hensley:2", "hensley:16"]) {
-            let out = format!("{name}-{}.png", scan.replace(':', "-"));
-            let same = picture(&out, &[look, &["--scan", scan, "--border", "7"]].concat());
-            assert!(same == plain, "{name}, {scan}: the picture differs");
-        }
-        if name == "oem" || sweep(false, true) {
-            let other = [look, &["--exposure", "5"]].concat();
-            assert!(picture(&format!("{name}-other.png"), &other) != plain, "{name}");
-        }
+    let look = ["--filter", "box", "--show", "oem"];
+    let plain = picture("oem.png", &look);
+    for scan in sweep(&["hensley:2"][..], &["hensley:2", "hensley:16"]) {
+        let out = format!("oem-{}.png", scan.replace(':', "-"));
+        let same = picture(&out, &[&look[..], &["--scan", scan, "--border", "7"]].concat());
+        assert!(same == plain, "{scan}: the picture differs");
     }
+    assert!(picture("other.png", &[&look[..], &["--exposure", "5"]].concat()) != plain);
     let scene = ["view", "sky.exr", "--screenshot", "x.png", "--scan", "hensley:2", "--filter"];
-    for filter in ["adaptive", "levels"] {
-        fails(folder, &[&scene[..], &[filter]].concat(), 2, "box or fitted:K");
+    for filter in ["adaptive", "levels", "pyramid"] {
+        fails(folder, &[&scene[..], &[filter]].concat(), 2, "use box, or omit --scan");
     }
     assert!(!folder.join("x.png").exists());
 }
@@ -110,7 +98,7 @@ fn a_bake_is_described_with_its_scan() {
     }
     let (text, value) = bake("a", &[&table[..], &["--format", "exr"]].concat());
     assert!(text.contains("scan        hensley:8\n") && value == "hensley:8", "{text}");
-    let (text, value) = bake("b.ktx2", &["--filter", "fitted:2"]);
+    let (text, value) = bake("b.ktx2", &["--filter", "box"]);
     assert!(text.contains("scan        blocks\n") && value == "blocks", "{text}");
     // Quadrature reads no such table.
     let (text, value) = bake("c.ktx2", &[]);
@@ -129,8 +117,8 @@ fn scans_that_are_not_read_or_unknown_are_usage_errors() {
     let bake = ["bake", "sky.exr", "-o", "x.ktx2", "--scan"];
     let query = ["query", "sky.exr", "--directions", "d.csv", "--roughness", "0.5", "--scan"];
     for scan in SCANS {
-        let words = format!("--scan {scan} is for the filters over a summed-area table; use --filter box or");
-        for filter in [&[][..], &["--filter", "adaptive:0.01"], &["--filter", "reference"]] {
+        let words = format!("--scan {scan} is for the filter over a summed-area table; use --filter box");
+        for filter in [&[][..], &["--filter", "pyramid"], &["--filter", "reference"]] {
             fails(folder, &[&bake[..], &[scan], filter].concat(), 2, &words);
             fails(folder, &[&query[..], &[scan], filter].concat(), 2, &words);
         }

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// A small picture of coarse maps.
-const QUICK: [&str; 7] = ["--size", "48x32", "--samples", "1", "--oem-size", "16", "--quiet"];
+const QUICK: [&str; 7] = ["--size", "48x32", "--samples", "1", "--oem-size", "32", "--quiet"];
 
 fn bytes(positions: [f32; 9]) -> Vec<u8> {
     let mut bytes: Vec<u8> = positions.iter().flat_map(|p| p.to_le_bytes()).collect();
@@ -132,7 +132,7 @@ fn bad_scenes_and_options_are_named() {
     fails(folder, &["view", "--screenshot", "x.png", "--scene", "none.glb"], 1, "none.glb");
     fails(folder, &["view", "--screenshot", "x.png", "--scene", "a.fbx"], 1, "a.fbx");
     let usage: [(&[&str], &str); 8] = [
-        (&["--scene", "--filter", "box"], "fitted:K"),
+        (&["--scene", "--filter", "box"], "use pyramid"),
         (&["--scene", "--probes", "9"], "1..=8"),
         (&["--scene", "--probe-budget", "4"], "--screenshot"),
         (&["--scene", "--metal", "1,1,1"], "--metal"),

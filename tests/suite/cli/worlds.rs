@@ -152,7 +152,7 @@ fn small_cubes() -> String {
 }
 
 /// Options of the least bake for Unity.
-const SEVEN_LEVELS: [&str; 4] = ["--size", "64", "--filter", "fitted:4"];
+const SEVEN_LEVELS: [&str; 4] = ["--size", "64", "--filter", "pyramid"];
 
 /// Options of tiny bakes.
 const TINY: [&str; 4] = ["--size", "8", "--filter", "adaptive:0.02"];

@@ -58,15 +58,15 @@ proptest! {
         let mut random = Random::new(seed);
         let light = Light::new(&mut random);
         let greatest = light.greatest();
-        for filter in [Filter::Adaptive(0.01), Filter::Box, Filter::Fitted(2)] {
+        for filter in [Filter::Adaptive(0.01), Filter::Box, Filter::Pyramid] {
             let lobe = LOBES[random.below(LOBES.len() as u32) as usize];
-            let lobe = if filter.check(lobe, Some(16)).is_ok() { lobe } else { Lobe::Ggx };
+            let lobe = if filter.check(lobe, Some(32)).is_ok() { lobe } else { Lobe::Ggx };
             let settings = BakeSettings {
                 size: 4,
                 levels: Some(if lobe == Lobe::Cosine { 1 } else { 3 }),
                 lobe,
                 filter,
-                oem_size: Some(16),
+                oem_size: Some(32),
                 bounds: true,
                 sh_order: 4,
                 ..BakeSettings::default()

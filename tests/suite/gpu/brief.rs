@@ -4,10 +4,7 @@
 use super::reflection::entry_points;
 use super::stages::TakeOver;
 use super::transfer::Upload as _;
-use super::{
-    boxes, direct, emitters, exceeds, fitted, lamp, oem, on_every_adapter, passes, pyramid, sat, stages,
-    unwrap, wait,
-};
+use super::{boxes, direct, exceeds, lamp, oem, on_every_adapter, pyramid, sat, stages, unwrap, wait};
 use crate::support::common::{Look, Random, oem as oem_of, texels};
 use octagloss::Layout;
 use octagloss::internals::direct::DirectMap;
@@ -19,7 +16,7 @@ use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
 
 /// The entry points that each test below runs.
-const RUN: [(&str, &[&str]); 8] = [
+const RUN: [(&str, &[&str]); 7] = [
     (
         "scans",
         &[
@@ -54,22 +51,6 @@ const RUN: [(&str, &[&str]); 8] = [
             "least.wgsl least_of_all",
             "least.wgsl least_of_groups",
             "pack.wgsl pack",
-        ],
-    ),
-    (
-        "fitted lobes",
-        &[
-            "blur.wgsl blur",
-            "blur.wgsl columns",
-            "blur.wgsl rows",
-            "emitters.wgsl brightest_cells",
-            "emitters.wgsl brightest_of_lists",
-            "emitters.wgsl emitters",
-            "emitters.wgsl rest",
-            "fitted.wgsl fitted",
-            "harmonics.wgsl sum_of_all",
-            "harmonics.wgsl sums_of_groups",
-            "mirror.wgsl mirror",
         ],
     ),
     (
@@ -149,17 +130,6 @@ fn stages_match_the_cpu() {
     on_every_adapter("brief: stages", |context| {
         stages::take_overs(context, &[TakeOver::Cells]);
         boxes::integer_sums(context, &[5]);
-    });
-}
-
-#[test]
-fn small_fitted_lobes_match_the_cpu() {
-    on_every_adapter("brief: fitted lobes", |context| {
-        let passes = passes(context);
-        emitters::emitters(context, &[(64, 7, Look::Suns)]);
-        fitted::blurred_tables(context, &[(32, 3, Look::Suns)]);
-        fitted::harmonics(context, &[(16, 0, Look::Noise)]);
-        fitted::radiance(context, passes, &[(16, Look::Noise)], &[0.0, 0.15, 0.4, 1.0]);
     });
 }
 

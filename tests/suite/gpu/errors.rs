@@ -9,7 +9,7 @@ use octagloss::internals::geometry::tent::Reconstruction;
 use octagloss::internals::gpu::box_filter::SatTextures;
 use octagloss::internals::gpu::cells;
 use octagloss::internals::gpu::engine::{Engine, GpuReflector};
-use octagloss::internals::gpu::fitted::FittedTables;
+use octagloss::internals::gpu::pyramid::PyramidMaps;
 use octagloss::internals::gpu::reparameterise::{self, upload};
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes, adapters, block_on};
 use octagloss::internals::lobe::Lobe;
@@ -81,10 +81,10 @@ fn limits_name_the_largest_size_that_fits() {
         let sat = SatPlanes::new(context, square(256)).expect("planes that fit");
         assert!(SatTextures::new(context, &sat).is_ok());
 
-        // Two octaves of 97 x 97 entries of 32 bytes fit, a third does not.
-        let fits = largest(FittedTables::new(context, 64, 4));
-        assert_eq!(fits, 16);
-        assert!(FittedTables::new(context, fits, 4).is_ok());
+        // 512 texels and their border are more than the device's textures of 512.
+        let fits = largest(PyramidMaps::new(context, 512));
+        assert_eq!(fits, 256);
+        assert!(PyramidMaps::new(context, fits).is_ok());
 
         let tree = |inner| {
             let planes = OemPlanes::new(context, square(inner)).expect("planes that fit");
@@ -148,7 +148,7 @@ fn parameters_that_cannot_be_served_are_named() {
             (0.5, Filter::Adaptive(0.0)),
             (0.5, Filter::Adaptive(1.0)),
             (0.5, Filter::Adaptive(f64::NAN)),
-            (0.5, Filter::Fitted(4)),
+            (0.5, Filter::Pyramid),
         ] {
             let outcome = wait_for(context, reflector.query(&up, Lobe::Ggx, roughness, filter));
             assert!(matches!(outcome, Err(Error::Parameter(_))), "{roughness} {filter:?}");
@@ -159,12 +159,10 @@ fn parameters_that_cannot_be_served_are_named() {
         let on_cpu = GpuReflector::new(engine, &source, &serial).expect("a small OEM");
         let outcome = wait_for(context, on_cpu.query(&up, Lobe::Ggx, 0.5, Filter::Box));
         assert!(matches!(outcome, Err(Error::Unsupported { .. })), "the serial scan");
-        for (inner, count) in [(64, 3), (48, 4), (8, 4)] {
-            let outcome = FittedTables::new(context, inner, count);
-            assert!(matches!(outcome, Err(Error::Parameter(_))), "fitted:{count} over {inner}");
+        for inner in [16, 48, 4096] {
+            let outcome = PyramidMaps::new(context, inner);
+            assert!(matches!(outcome, Err(Error::Parameter(_))), "over {inner}");
         }
-        let tables = FittedTables::new(context, 16, 4).expect("small tables");
-        assert!(matches!(tables.set_count(context, 5), Err(Error::Parameter(_))));
         let none = ReflectorSettings { oem_size: Some(0), ..ReflectorSettings::default() };
         assert!(matches!(GpuReflector::new(engine, &source, &none), Err(Error::Parameter(_))));
         // No directions give no answers.

@@ -28,7 +28,7 @@ fn answers_over_all_light_match_the_cpu() {
         let (mut compared, mut differing) = (0, 0);
         for _ in 0..40 {
             let mut light = Light::new(&mut random);
-            light.inner = 16;
+            light.inner = 32;
             let settings = light.settings();
             let on_cpu = CpuReflector::new(&light.environment, &settings).expect("a small OEM");
             let on_gpu = GpuReflector::new(passes, &light.environment, &settings).expect("a small OEM");
@@ -37,8 +37,8 @@ fn answers_over_all_light_match_the_cpu() {
             let directions: Vec<_> = (0..4).map(|_| random.direction()).collect();
             let lobe = LOBES[random.below(5) as usize];
             let roughness = random.between(0.05, 1.0);
-            for filter in [Filter::Adaptive(0.01), Filter::Box, Filter::Fitted(4)] {
-                let lobe = if filter.check(lobe, Some(16)).is_ok() { lobe } else { Lobe::Ggx };
+            for filter in [Filter::Adaptive(0.01), Filter::Box, Filter::Pyramid] {
+                let lobe = if filter.check(lobe, Some(32)).is_ok() { lobe } else { Lobe::Ggx };
                 // The query fails where a radiance or bound is not finite.
                 let found = wait(context, on_gpu.query(&directions, lobe, roughness, filter));
                 for (direction, answer) in directions.iter().zip(&found) {

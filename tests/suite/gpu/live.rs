@@ -152,8 +152,8 @@ impl LookUps {
 }
 
 /// The first answer out of tolerance. Glossy: two engines, whose own tests have the derived bound; `allowed`
-/// is the relative tolerance. Diffuse: harmonics up to order 4 and the cosine lobe differ by at most 0.034/pi
-/// anywhere, which a source's whole energy, 4 pi times its mean radiance, can meet.
+/// is the relative tolerance. Diffuse: the cosine level's texels and cells are about 0.05 wide, so a source's
+/// whole energy, 4 pi times its mean radiance, can be off by a hundredth of 1/pi.
 pub(super) fn difference(
     found: &[Answer],
     environment: &Environment,
@@ -161,7 +161,7 @@ pub(super) fn difference(
     directions: &[DVec3],
     allowed: f64,
 ) -> Option<String> {
-    let settings = ReflectorSettings { oem_size: Some(64), fitted: true, ..ReflectorSettings::default() };
+    let settings = ReflectorSettings { oem_size: Some(64), pyramid: true, ..ReflectorSettings::default() };
     let reflector = Reflector::new(environment, &settings).expect("a small environment");
     let layout = environment.layout();
     let mean = Statistics::new(environment).mean;
@@ -170,11 +170,11 @@ pub(super) fn difference(
     };
     directions.iter().zip(found).find_map(|(direction, [glossy, diffuse])| {
         let direction = source_from_world * *direction;
-        let answer = reflector.query(direction, ROUGHNESS, Lobe::Ggx, Filter::Fitted(4)).expect("fitted");
+        let answer = reflector.query(direction, ROUGHNESS, Lobe::Ggx, Filter::Pyramid).expect("a pyramid");
         let expected = answer.radiance.map(f64::from);
         let cosine = Oracle::new(environment).reflect(Lobe::Cosine, 1.0, direction).expect("valid");
         let wrong = far(glossy, expected, expected.map(|value| allowed * value))
-            || far(diffuse, cosine, mean.map(|value| 4.0 * 0.034 * value));
+            || far(diffuse, cosine, mean.map(|value| 4.0 * 0.01 * value));
         wrong.then(|| {
             format!("{layout:?} {direction}: {glossy:?} not {expected:?}, {diffuse:?} not {cosine:?}")
         })
@@ -238,9 +238,9 @@ fn textures_of_no_layout_are_refused() {
         refused(8, 8, 6).expect("a cube");
         refused(8, 8, 1).expect("an octahedral map");
         refused(16, 8, 1).expect("a panorama");
-        for size in [u32::MAX, 1 << 20] {
+        for size in [u32::MAX, 2049] {
             let error = LiveEnvironment::new(context.device(), context.queue(), size).expect_err("too large");
-            assert!(matches!(error, Error::Limit { .. }), "{error}");
+            assert!(error.to_string().contains("choose 1 to 2048"), "{error}");
         }
     });
 }
@@ -373,9 +373,7 @@ fn sizes_and_counts_are_named_as_the_caller_names_them() {
         assert!(message.contains("`size` is 0"), "{message}");
         live(1).expect("rounded up");
         let error = live(u32::MAX).expect_err("too large").to_string();
-        assert!(error.contains("choose `size` of at most ") && !error.contains("oem_size"), "{error}");
-        let most: u32 = error.rsplit(' ').next().and_then(|number| number.parse().ok()).expect("a number");
-        assert!(most.is_power_of_two() && most >= 1024, "{most}");
+        assert!(error.contains("`size` is 4294967295; choose 1 to 2048"), "{error}");
         for size in [0, 1, 7, u32::MAX] {
             let error = ShadowMap::new(context.device(), context.queue(), size).expect_err("no such map");
             assert!(error.to_string().contains(&format!("`size` {size}; choose an even number")), "{error}");
@@ -397,7 +395,7 @@ fn vectors_without_a_direction_are_refused_on_the_gpu() {
         let settings = ReflectorSettings { oem_size: Some(16), ..ReflectorSettings::default() };
         let reflector = GpuReflector::new(engine, &environment, &settings).expect("a small OEM");
         for wrong in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY] {
-            for filter in [Filter::Adaptive(0.01), Filter::Fitted(4), Filter::Box] {
+            for filter in [Filter::Adaptive(0.01), Filter::Pyramid, Filter::Box] {
                 let asked = [DVec3::Y, wrong];
                 let answer = block_on(Some(context), reflector.query(&asked, Lobe::Ggx, 0.5, filter));
                 let error = answer.and_then(|answer| answer).expect_err("no direction").to_string();

@@ -40,7 +40,8 @@ pub(super) fn look_ups(context: &Context, cases: &[(u32, Look, f32)], roughness:
         for &roughness in roughness {
             let queries: Vec<(DVec3, f64)> = directions.iter().map(|d| (*d, roughness)).collect();
             let mut found = wait(context, pyramid::radiance(context, &maps, &queries));
-            let truth: Vec<_> = directions.iter().map(|d| expected.radiance(*d, roughness as f32)).collect();
+            let lobes = expected.lobes(roughness as f32);
+            let truth: Vec<_> = directions.iter().map(|d| lobes.radiance(*d)).collect();
             let peak = f64::from(truth.iter().flatten().copied().fold(0.0, f32::max));
             let levels = f64::from(maps.octaves().count());
             let farthest = |found: &[[f32; 3]]| {

@@ -1,18 +1,14 @@
 //! Moves tables to the GPU and back.
 
-use glam::{DVec3, Vec3};
 use octagloss::internals::bake::{Bake, BakeSettings, unwatched};
 use octagloss::internals::cpu::cells::Cells;
 use octagloss::internals::geometry::tent::Reconstruction;
 use octagloss::internals::gpu::cells::{CellTree, levels_over};
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::engine::Engine;
-use octagloss::internals::gpu::fitted::{EMITTERS_OFFSET, FittedTables, ROTATION_OFFSET};
-use octagloss::internals::gpu::octaves::{BORDER, Octave, OctaveLayout};
 use octagloss::internals::gpu::oem::Table;
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
 use octagloss::internals::oem::Oem;
-use octagloss::internals::realtime::emitters::Emitter;
 use octagloss::internals::sat::{FixedPoint, Sat};
 use octagloss::{Environment, Result, wgpu};
 
@@ -79,56 +75,9 @@ pub(super) async fn read_sat(context: &Context, sat: &SatPlanes) -> Result<(Fixe
     Ok((fixed, Table::new(sat.size()).read(context, &sat.planes, entry).await?))
 }
 
-async fn read_part<T: bytemuck::Pod>(context: &Context, part: wgpu::BufferBinding<'_>) -> Result<Vec<T>> {
-    let all = readback::read(context, part.buffer).await?;
-    let (first, count) = (part.offset as usize, part.size.map_or(0, |size| size.get() as usize));
-    Ok(all[first / size_of::<T>()..][..count / size_of::<T>()].to_vec())
-}
-
-/// Reads the blurred table of `octave` back: entries of the bordered square with a first row and column of
-/// zeros, and the texels along an edge of the square and of its border.
-pub(super) async fn read_blurred(
-    context: &Context,
-    tables: &FittedTables,
-    octave: u32,
-) -> Result<(Vec<[u64; 4]>, [u32; 2])> {
-    let layout = OctaveLayout::new(tables.inner());
-    assert!((1..=layout.finest).contains(&octave), "octaves 1 to {}", layout.finest);
-    let Octave { coarse, side, first_entry, .. } = layout.octaves[octave as usize - 1];
-    let words: Vec<[[u32; 4]; 2]> = read_part(context, tables.entries()).await?;
-    let own = &words[first_entry as usize..][..(side * side) as usize];
-    Ok((own.iter().map(joined).collect(), [coarse, BORDER]))
-}
-
 /// 64-bit sums from their low and high words.
 pub(super) fn joined([low, high]: &[[u32; 4]; 2]) -> [u64; 4] {
     std::array::from_fn(|c| u64::from(high[c]) << 32 | u64::from(low[c]))
-}
-
-/// Reads the harmonics back in the form of `sh::table_harmonics`; `fixed` is the table's scale.
-pub(super) async fn read_harmonics(
-    context: &Context,
-    tables: &FittedTables,
-    fixed: FixedPoint,
-) -> Result<[[f64; 4]; 25]> {
-    let light: Vec<[f32; 4]> = read_part(context, tables.light()).await?;
-    let units = fixed.exponents.map(|exponent| f64::from(60 - exponent).exp2());
-    Ok(std::array::from_fn(|k| std::array::from_fn(|c| f64::from(light[3 + k][c]) * units[c])))
-}
-
-/// Reads the emitters back, brightest first.
-pub(super) async fn read_emitters(context: &Context, tables: &FittedTables) -> Result<Vec<Emitter>> {
-    let light: Vec<[f32; 4]> = read_part(context, tables.light()).await?;
-    let words = &light[EMITTERS_OFFSET as usize / 16..ROTATION_OFFSET as usize / 16];
-    let emitter = |words: &[[f32; 4]]| {
-        let ([x, y, z, spread], [red, green, blue, _]) = (words[0], words[1]);
-        Emitter {
-            direction: DVec3::from(Vec3::new(x, y, z)),
-            spread: f64::from(spread),
-            energy: [red, green, blue].map(f64::from),
-        }
-    };
-    Ok(words.chunks_exact(2).map(emitter).filter(|emitter| emitter.energy != [0.0; 3]).collect())
 }
 
 /// Uploads the CPU's `cells` of an OEM of `inner` x `inner` texels with finest blocks of `block` x `block`.

@@ -10,24 +10,13 @@ use std::path::Path;
 /// Constants of shaders, by file, whose twin in Rust has another name or is one of several of its name.
 const RENAMED: &[(&str, &str, &str)] = &[
     ("adaptive.wgsl", "DIMMEST", "cells::DIMMEST"),
-    ("blur.wgsl", "EDGE", "octaves::EDGE"),
-    ("common/fitted.wgsl", "FIRST_OCTAVE", "tables::OCTAVES[0]"),
-    ("common/fitted.wgsl", "FIRST_KNOT", "KNOTS[0]"),
-    ("common/fitted.wgsl", "KNOT_STEP", "KNOTS[1] - KNOTS[0]"),
-    ("common/fitted.wgsl", "OVERLAP", "KNOTS[3] - KNOTS[0] - 1.0"),
-    ("common/fitted.wgsl", "CONE_FROM", "fitted::CONE[0]"),
-    ("common/fitted.wgsl", "CONE_UNTIL", "fitted::CONE[1]"),
-    ("common/fitted.wgsl", "CONE_SHARP", "CONE_ALPHA[0]"),
-    ("common/fitted.wgsl", "CONE_ROUGH", "CONE_ALPHA[1]"),
-    ("common/fitted.wgsl", "KNOTS", "KNOTS.len()"),
     ("common/charlie.wgsl", "NOTHING", "profiles::NOTHING"),
     ("common/kernel.wgsl", "SHAPE_GGX", "GGX"),
     ("common/kernel.wgsl", "SHAPE_PHONG", "PHONG"),
     ("common/kernel.wgsl", "SHAPE_WIDE_PHONG", "WIDE_PHONG"),
     ("common/kernel.wgsl", "SHAPE_CONE", "kernel::CONE"),
     ("common/kernel.wgsl", "SHAPE_COSINE", "kernel::COSINE"),
-    ("common/light.wgsl", "EMITTERS", "emitters::COUNT"),
-    ("common/octaves.wgsl", "OCTAVE_BORDER", "octaves::BORDER"),
+    ("common/light.wgsl", "SUNS", "suns::COUNT"),
     ("common/reduction.wgsl", "GROUPS", "fixed_point::GROUPS"),
     ("common/reduction.wgsl", "GROUP_SIZE", "fixed_point::GROUP_SIZE"),
     ("common/reduction.wgsl", "TEXELS", "fixed_point::TEXELS"),
@@ -48,9 +37,11 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("direct/unwrap.wgsl", "BY_ALPHA", "Remedy::Alpha"),
     ("direct/unwrap.wgsl", "DROP", "Remedy::Drop"),
     ("direct/unwrap.wgsl", "ONE_SIDE", "Remedy::OneSide"),
-    ("emitters.wgsl", "KEPT", "emitters::COUNT + 1"),
-    ("harmonics.wgsl", "COUNT", "MAX_COUNT"),
     ("pack.wgsl", "EDGE", "box_filter::EDGE"),
+    ("pyramid/cells.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
+    ("pyramid/levels.wgsl", "EDGE", "build_pyramid::EDGE"),
+    ("pyramid/query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
+    ("pyramid/suns.wgsl", "GROUP_SIZE", "build_pyramid::SUNS_GROUP_SIZE"),
 ];
 
 /// Constants that only their shader uses, or that are derived from others.
@@ -70,16 +61,12 @@ const OWN: &[(&str, &[&str])] = &[
             "STACK",
         ],
     ),
-    ("blur.wgsl", &["GROUP_SIZE", "LINE_SIZE", "REACH", "SCAN_SIZE"]),
     ("common/charlie.wgsl", &["ERROR_OF_S", "MIN_X"]),
-    ("common/fitted.wgsl", &["UNIT"]),
     ("common/view_draw.wgsl", &["GREATEST"]),
     ("direct/cull.wgsl", &["SCAN_SIZE"]),
     ("direct/offsets.wgsl", &["SCAN_SIZE"]),
     ("direct/split.wgsl", &["CORNERS", "SCAN_SIZE"]),
     ("direct/unwrap.wgsl", &["PI"]),
-    ("emitters.wgsl", &["GROUP_SIZE"]),
-    ("harmonics.wgsl", &["HIGH_WORD", "LOW_WORD", "SKEW"]),
     ("lamp.wgsl", &["PLACES"]),
     ("reparameterise.wgsl", &["CHUNK"]),
     ("sat_f32.wgsl", &["GROUP_SIZE"]),
@@ -89,9 +76,6 @@ const OWN: &[(&str, &[&str])] = &[
 
 /// Structs in buffers that no struct in Rust has.
 const OWN_STRUCTS: &[&str] = &[
-    // `FittedTables` writes its parts, with offsets of their own.
-    "OctaglossEmitter",
-    "OctaglossLight",
     // Exponents and sizes, which a stage copies.
     "OctaglossTable",
     // Four low words and four high ones.
@@ -460,7 +444,7 @@ fn constants_have_the_values_of_their_twins() {
     assert!(difference(&sources, "sat_scan.wgsl", "TILE", &[32.0]).is_some());
     assert!(difference(&sources, "sat_scan.wgsl", "TILES", &[64.0]).is_some());
     assert!(difference(&sources, "common/quad.wgsl", "FIELD_RED", &[9.0]).is_some());
-    assert!(difference(&sources, "common/fitted.wgsl", "KNOT_STEP", &[0.5]).is_some());
+    assert!(difference(&sources, "common/pyramid.wgsl", "INTERVALS", &[64.0]).is_some());
 }
 
 #[test]

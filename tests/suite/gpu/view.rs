@@ -65,7 +65,7 @@ fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<
     let reflector = Reflector::new(&turned, &settings).expect("an OEM");
     let filter = match look.filter {
         Technique::Box => octagloss::internals::filter::Filter::Box,
-        Technique::Fitted(count) => octagloss::internals::filter::Filter::Fitted(count),
+        Technique::Pyramid => octagloss::internals::filter::Filter::Pyramid,
         Technique::Adaptive | Technique::Levels => octagloss::internals::filter::Filter::Adaptive(0.001),
     };
     // Angle of a texel at the horizon: of the environment or the map, the coarser.
@@ -233,12 +233,11 @@ fn looks() -> Vec<(&'static str, Look)> {
     let camera = |yaw, pitch| Camera { yaw, pitch, ..Camera::default() };
     vec![
         ("box", Look { filter: Technique::Box, roughness: 0.4, ..look.clone() }),
-        ("fitted:1", Look { filter: Technique::Fitted(1), roughness: 0.7, tone: Tone::Aces, ..look.clone() }),
-        ("a row by fitted:4", Look { object: Object::Row, tone: Tone::Reinhard, ..look.clone() }),
+        ("pyramid", Look { roughness: 0.7, tone: Tone::Aces, ..look.clone() }),
+        ("a row by the pyramid", Look { object: Object::Row, tone: Tone::Reinhard, ..look.clone() }),
         (
-            "fitted:8 from below",
+            "a pyramid from below",
             Look {
-                filter: Technique::Fitted(8),
                 camera: camera(2.1, -1.0),
                 turn: 77.0,
                 backdrop: Some(0.5),
@@ -247,7 +246,7 @@ fn looks() -> Vec<(&'static str, Look)> {
                 ..look.clone()
             },
         ),
-        ("a knot by fitted:4", Look { object: Object::Knot, camera: camera(0.5, 0.6), ..look.clone() }),
+        ("a knot by the pyramid", Look { object: Object::Knot, camera: camera(0.5, 0.6), ..look.clone() }),
         ("adaptive", Look { filter: Technique::Adaptive, roughness: 0.25, backdrop: Some(0.3), ..look }),
     ]
 }
@@ -380,8 +379,8 @@ fn a_furnace_is_white() {
         let looks = [
             (Object::Row, Technique::Box),
             (Object::Row, Technique::Levels),
-            (Object::Row, Technique::Fitted(4)),
-            (Object::Knot, Technique::Fitted(4)),
+            (Object::Row, Technique::Pyramid),
+            (Object::Knot, Technique::Pyramid),
             (Object::Row, Technique::Adaptive),
         ];
         let mut renderer = renderer(context);
@@ -400,7 +399,7 @@ fn a_furnace_is_white() {
 fn errors_are_black_where_there_are_none() {
     let environment = synth("furnace").expect("a recipe");
     in_full("view errors", |context| {
-        let look = Look { show: Show::Error, filter: Technique::Fitted(4), ..Look::default() };
+        let look = Look { show: Show::Error, filter: Technique::Pyramid, ..Look::default() };
         let dark = shot(context, &look, &environment);
         assert!(dark.iter().flatten().all(|c| *c < 60), "a furnace has no errors above 1e-4");
         let bright = shot(context, &look, &synth("sky").expect("a recipe"));
@@ -439,12 +438,11 @@ fn what_cannot_be_shown_is_refused() {
     let wrong = [
         Look { roughness: 1.5, ..Look::default() },
         Look { exposure: Exposure::Ev(f64::NAN), ..Look::default() },
-        Look { filter: Technique::Fitted(3), ..Look::default() },
         Look { camera: Camera { distance: 0.5, ..Camera::default() }, ..Look::default() },
     ];
     in_full("view refusals", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&environment, &table(16)).expect("tables that fit");
+        let light = renderer.light(&environment, &table(32)).expect("tables that fit");
         let mut ask = |look: &Look, width| {
             let size = Screenshot { width, height: 8, samples: 1 };
             block_on(Some(context), screenshot(&mut renderer, look, &light, None, size)).expect("a device")

@@ -131,7 +131,7 @@ fn difference(
     environment: &Environment,
     roughness: f64,
 ) -> Option<String> {
-    let settings = ReflectorSettings { oem_size: Some(SIZE), fitted: true, ..ReflectorSettings::default() };
+    let settings = ReflectorSettings { oem_size: Some(SIZE), pyramid: true, ..ReflectorSettings::default() };
     let reflector = Reflector::new(environment, &settings).expect("a small map");
     let mut compared = 0;
     for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
@@ -151,7 +151,7 @@ fn difference(
                 at + ((b * b - c).sqrt() - b) * mirrored
             }
         };
-        let answer = reflector.query(towards, roughness, Lobe::Ggx, Filter::Fitted(4)).expect("fitted");
+        let answer = reflector.query(towards, roughness, Lobe::Ggx, Filter::Pyramid).expect("a pyramid");
         for (c, reflectance) in [0.9, 0.8, 0.7].into_iter().enumerate() {
             let expected = reflectance * f64::from(answer.radiance[c]);
             let off = (f64::from(pixels[(y * WIDTH + x) as usize][c]) - expected).abs();
@@ -324,7 +324,7 @@ fn blend_difference(
         let sum: f64 = weights.iter().sum();
         let mut expected = DVec3::ZERO;
         for (map, weight) in maps.iter().zip(weights) {
-            let answer = map.query(towards, 0.3, Lobe::Ggx, Filter::Fitted(4)).expect("fitted");
+            let answer = map.query(towards, 0.3, Lobe::Ggx, Filter::Pyramid).expect("a pyramid");
             expected += weight / sum * DVec3::from_array(answer.radiance.map(f64::from));
         }
         let expected = expected * DVec3::new(0.9, 0.8, 0.7);
@@ -359,7 +359,7 @@ fn parts_without_a_probe_blend_all_in_one_draw() {
             Environment::new(layout, texels.collect()).expect("an environment")
         });
         let settings =
-            ReflectorSettings { oem_size: Some(SIZE), fitted: true, ..ReflectorSettings::default() };
+            ReflectorSettings { oem_size: Some(SIZE), pyramid: true, ..ReflectorSettings::default() };
         let maps = maps.each_ref().map(|map| Reflector::new(map, &settings).expect("a small map"));
         let judge = |centres: &[DVec3], weight: fn(f64) -> f64| {
             blend_difference(&pixels, &look, centres, &maps, weight)
@@ -394,6 +394,5 @@ fn screenshots_are_deterministic_and_show_the_time() {
             renderer.draw(&look, size).expect_err("a picture that cannot be");
         }
         renderer.configure(SceneSettings { probes: 0, ..settings() }).expect_err("no probes");
-        renderer.configure(SceneSettings { boxes: 3, ..settings() }).expect_err("three boxes");
     });
 }

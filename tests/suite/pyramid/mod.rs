@@ -7,7 +7,7 @@ use octagloss::internals::analysis::oracle;
 use octagloss::internals::lobe::{self, Lobe};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::pyramid::fit::{
-    INTERVALS, READS, WEIGHTS, Weights, fitted, functions, gaussian, roughness_of,
+    INTERVALS, READS, WEIGHTS, fitted, functions, gaussian, roughness_of, table, weights_at,
 };
 use octagloss::internals::pyramid::levels::taps;
 use octagloss::internals::pyramid::suns::COUNT;
@@ -35,13 +35,13 @@ fn rings(octaves: Octaves) -> Vec<f64> {
 #[test]
 fn lobes_keep_energy_read_little_and_are_never_dark() {
     for octaves in SIZES.map(|size| Octaves::over(size).expect("a size")) {
-        let table = Weights::of(octaves);
-        assert_eq!(table.nodes().len(), INTERVALS as usize + 1, "nodes");
-        for pair in table.nodes().windows(2) {
+        let nodes = table(octaves);
+        assert_eq!(nodes.len(), INTERVALS as usize + 1, "nodes");
+        for pair in nodes.windows(2) {
             let reads = (0..ORDERS).filter(|k| pair.iter().any(|weights| weights[*k] != 0.0)).count();
             assert!((1..=READS).contains(&reads), "{reads} reads");
         }
-        for (node, weights) in (0_u32..).zip(table.nodes()) {
+        for (node, weights) in (0_u32..).zip(nodes) {
             let sum: f32 = weights[..=ORDERS].iter().sum();
             assert!((sum - 1.0).abs() < 1e-5, "node {node}: weights sum to {sum}");
             let most = weights[..WEIGHTS - 1].iter().fold(0.0_f32, |most, weight| most.max(weight.abs()));
@@ -52,10 +52,14 @@ fn lobes_keep_energy_read_little_and_are_never_dark() {
         }
         let mut mirror = [0.0; WEIGHTS];
         mirror[0] = 1.0;
-        assert_eq!(table.at(0.0)[..WEIGHTS - 1], mirror[..WEIGHTS - 1], "roughness 0 is the mirror");
+        assert_eq!(
+            weights_at(octaves, 0.0)[..WEIGHTS - 1],
+            mirror[..WEIGHTS - 1],
+            "roughness 0 is the mirror"
+        );
         // The last node is reached, to the rounding of a logarithm.
-        let last = table.nodes()[INTERVALS as usize];
-        let off = table.at(1.0).iter().zip(last).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let last = nodes[INTERVALS as usize];
+        let off = weights_at(octaves, 1.0).iter().zip(last).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(off < 1e-4, "roughness 1 is off by {off}");
     }
 }
@@ -63,11 +67,10 @@ fn lobes_keep_energy_read_little_and_are_never_dark() {
 #[test]
 fn the_table_interpolates_and_its_weights_do_not_jump() {
     for octaves in SIZES.map(|size| Octaves::over(size).expect("a size")) {
-        let table = Weights::of(octaves);
         let mut worst = (0.0, 0.0);
         for place in (0..INTERVALS).map(|node| f64::from(node) + 0.5) {
             let roughness = roughness_of(place);
-            let (own, between) = (fitted(octaves, roughness), table.at(roughness as f32));
+            let (own, between) = (fitted(octaves, roughness), weights_at(octaves, roughness as f32));
             let peak = lobe_of(octaves, own, 0.0);
             for c in rings(octaves) {
                 let off = (lobe_of(octaves, own, c) - lobe_of(octaves, between, c)).abs() / peak;
@@ -78,7 +81,7 @@ fn the_table_interpolates_and_its_weights_do_not_jump() {
         }
         let inner = octaves.inner();
         assert!(worst.0 <= 1e-3, "{inner}: off by {} of the peak at roughness {}", worst.0, worst.1);
-        for (node, pair) in table.nodes().windows(2).enumerate() {
+        for (node, pair) in table(octaves).windows(2).enumerate() {
             let step = pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
             assert!(step < 0.06, "{inner}, node {node}: a weight jumps by {step}");
         }
@@ -91,7 +94,7 @@ fn lobes_are_those_of_ggx() {
     for (roughness, allowed) in
         [(0.12, 0.02), (0.15, 0.015), (0.2, 0.015), (0.3, 0.02), (0.5, 0.02), (1.0, 0.005)]
     {
-        let weights = Weights::of(octaves).at(roughness);
+        let weights = weights_at(octaves, roughness);
         let alpha = f64::from(roughness * roughness);
         let (mut error, mut square) = (0.0, 0.0);
         for pair in rings(octaves).windows(2) {
@@ -180,7 +183,7 @@ fn a_constant_sky_is_constant_and_has_no_suns() {
         for _ in 0..100 {
             let direction = random.direction();
             for roughness in [0.0, 0.1, 0.3, 0.7, 1.0] {
-                let [r, g, b] = pyramid.radiance(direction, roughness).map(|value| value / brightness);
+                let [r, g, b] = pyramid.lobes(roughness).radiance(direction).map(|value| value / brightness);
                 let off = (r - 1.0).abs().max((g - 0.5).abs()).max(b.abs());
                 assert!(off < 2e-3, "{brightness} at {roughness}: {r} {g} {b}");
             }
@@ -203,7 +206,7 @@ fn look_ups_are_near_the_oracle() {
                 let direction = random.direction();
                 let truth =
                     DVec3::from_array(oracle.reflect(Lobe::Ggx, roughness, direction).expect("valid"));
-                let found = pyramid.radiance(direction, roughness as f32).map(f64::from);
+                let found = pyramid.lobes(roughness as f32).radiance(direction).map(f64::from);
                 let off = DVec3::from_array(found) - truth;
                 error += off.length_squared();
                 square += truth.length_squared();
@@ -243,7 +246,7 @@ fn suns_are_exact_around_themselves_at_every_fold() {
                 let direction = sun * away.cos() + sun.cross(random.direction()).normalize() * away.sin();
                 let truth =
                     DVec3::from_array(oracle.reflect(Lobe::Ggx, roughness, direction).expect("valid"));
-                let found = pyramid.radiance(direction, roughness as f32).map(f64::from);
+                let found = pyramid.lobes(roughness as f32).radiance(direction).map(f64::from);
                 error += (DVec3::from_array(found) - truth).length_squared();
                 square += truth.length_squared();
             }

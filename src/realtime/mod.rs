@@ -1,4 +1,0 @@
-//! The tier for shaders: fitted tables and point emitters.
-
-pub mod emitters;
-pub mod tables;
