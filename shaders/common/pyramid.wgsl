@@ -94,14 +94,12 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     let alpha = roughness * roughness;
     for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];
-        let apart = sun.direction - d;
+        let apart = d - sun.direction;
         let s = 0.25 * dot(apart, apart);
-        if s < 0.5 {
-            let a2 = min(alpha * alpha + 0.5 * sun.spread, 1.0);
-            let bend = s + a2 * (1.0 - s);
-            let lobe = 0.31830987 * a2 / (bend * bend) * (1.0 - 2.0 * s);
-            sum += sun.energy * (lobe * e.w * (1.0 - a.x));
-        }
+        let a2 = min(alpha * alpha + 0.5 * sun.spread, 1.0);
+        let bend = s + a2 * (1.0 - s);
+        let lobe = 0.31830987 * a2 / (bend * bend) * max(1.0 - 2.0 * s, 0.0);
+        sum += sun.energy * (lobe * e.w * (1.0 - a.x));
     }
     return sum;
 }

@@ -1,4 +1,5 @@
 // Moments of the light without suns in square cells, irradiance and harmonics: src/pyramid/cells.rs.
+#include "common/direction.wgsl"
 #include "common/harmonics.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/reduce.wgsl"
@@ -71,11 +72,8 @@ fn harmonics(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     var sum = vec3<f32>();
     for (var k = lane; k < side() * side(); k += GROUP_SIZE) {
         let cell = cells[k];
-        let mean = cell[0].xyz + cell[1].xyz + cell[2].xyz;
-        if any(mean != vec3<f32>()) {
-            var basis = harmonic_basis(normalize(mean));
-            sum += vec3<f32>(cell[0].w, cell[1].w, cell[2].w) * basis[group.x];
-        }
+        var basis = harmonic_basis(direction_of_sum(cell[0].xyz + cell[1].xyz + cell[2].xyz));
+        sum += vec3<f32>(cell[0].w, cell[1].w, cell[2].w) * basis[group.x];
     }
     sum = reduce(sum, lane);
     if lane == 0u {

@@ -1,6 +1,7 @@
 // Finds the brightest blocks of an OEM, what the rest is clamped to, and the scale of the maps: `Suns` of
 // src/pyramid/suns.rs. Planes hold energies (radiance times solid angle, float32) and solid angles in
 // steradians.
+#include "common/direction.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/reduce.wgsl"
 #include "common/table.wgsl"
@@ -110,10 +111,10 @@ fn sun_of(own: u32, clamp: f32) -> OctaglossSun {
         energy += given;
         mean += (given.x + given.y + given.z) * direction_of(texel);
     }
-    if all(mean == vec3<f32>()) {
+    let direction = direction_of_sum(mean);
+    if all(direction == vec3<f32>()) {
         return OctaglossSun();
     }
-    let direction = normalize(mean);
     var apart = 0.0;
     for (var k = 0u; k < block * block; k++) {
         let texel = texel_of(own, k);

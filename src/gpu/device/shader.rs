@@ -13,6 +13,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/bordered.wgsl",
     "common/charlie.wgsl",
     "common/direct.wgsl",
+    "common/direction.wgsl",
     "common/direct_view.wgsl",
     "common/fixed_point.wgsl",
     "common/harmonics.wgsl",
