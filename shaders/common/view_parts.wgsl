@@ -1,10 +1,11 @@
 // Parts of moving scenes: src/view/scene/uniforms.rs. Group 1 has the tables of all probes.
-@group(1) @binding(0) var<uniform> octagloss_octaves: OctaglossOctaves;
-@group(1) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, MAX_LIGHTS>;
-@group(1) @binding(2) var<storage, read> octagloss_entries: array<Sum>;
-@group(1) @binding(3) var<storage, read> octagloss_parameters: array<vec4<u32>>;
-@group(1) @binding(4) var octagloss_oems: texture_2d_array<f32>;
-#include "common/live.wgsl"
+@group(1) @binding(0) var<uniform> octagloss_pyramid: OctaglossPyramid;
+@group(1) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, 64>;
+@group(1) @binding(2) var octagloss_levels: texture_2d_array<f32>;
+@group(1) @binding(3) var octagloss_sharp: texture_2d_array<f32>;
+@group(1) @binding(4) var octagloss_cosine: texture_2d_array<f32>;
+@group(1) @binding(5) var octagloss_linear: sampler;
+#include "common/pyramid.wgsl"
 #include "common/view_texture.wgsl"
 
 struct SceneCorner {

@@ -143,7 +143,9 @@ async fn typical_error(
     let filter = match settings.filter {
         Filter::Reference => Filter::Reference,
         Filter::Adaptive(error) => Filter::Adaptive((FINER * error).max(FINEST)),
-        Filter::Box | Filter::Pyramid => Filter::Adaptive(0.005),
+        Filter::Box => Filter::Adaptive(0.005),
+        // Its own error is small beside that of look-ups.
+        Filter::Pyramid => Filter::Pyramid,
     };
     let lookup = ChainLookup::new(&chain.levels);
     let mut errors = Vec::new();

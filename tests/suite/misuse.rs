@@ -38,7 +38,7 @@ const NONE: [DVec3; 5] = [
 #[test]
 fn vectors_without_a_direction_are_refused_by_every_filter() {
     let environment = grey();
-    let settings = ReflectorSettings { oem_size: Some(16), ..ReflectorSettings::default() };
+    let settings = ReflectorSettings { oem_size: Some(32), ..ReflectorSettings::default() };
     let reflector = Reflector::new(&environment, &settings).unwrap();
     for filter in [Filter::Adaptive(0.01), Filter::Pyramid, Filter::Box, Filter::Reference] {
         for roughness in [0.0, 0.5] {

@@ -83,7 +83,7 @@ fn options_that_there_are_not_and_values_that_they_cannot_have_are_named() {
         (json!({"sunless": true}), "`sunless` writes the environment without its sun; set `extract_sun`"),
         (json!({"strict": true, "sanitize": true}), "`strict` and `sanitize` contradict"),
         (json!({"crop": true, "layout": "cross"}), "`pad` and `crop` are for panoramas"),
-        (json!({"scan": "blocks"}), "`scan` blocks is for the filters over a summed-area table"),
+        (json!({"scan": "blocks"}), "`scan` blocks is for the filter over a summed-area table"),
     ] {
         let message = refusal(given.clone());
         assert!(message.starts_with(error), "{given}: {message}");

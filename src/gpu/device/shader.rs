@@ -18,7 +18,6 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/fixed_point.wgsl",
     "common/harmonics.wgsl",
     "common/kernel.wgsl",
-    "common/light.wgsl",
     "common/luminance.wgsl",
     "common/octahedral.wgsl",
     "common/octants.wgsl",

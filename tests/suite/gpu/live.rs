@@ -392,7 +392,7 @@ fn vectors_without_a_direction_are_refused_on_the_gpu() {
     with_passes("no directions", |context, engine| {
         let layout = Layout::Cube { size: 4 };
         let environment = environment(layout, vec![[1.0; 3]; layout.texel_count()]);
-        let settings = ReflectorSettings { oem_size: Some(16), ..ReflectorSettings::default() };
+        let settings = ReflectorSettings { oem_size: Some(32), ..ReflectorSettings::default() };
         let reflector = GpuReflector::new(engine, &environment, &settings).expect("a small OEM");
         for wrong in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY] {
             for filter in [Filter::Adaptive(0.01), Filter::Pyramid, Filter::Box] {

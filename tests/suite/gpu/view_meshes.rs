@@ -153,7 +153,7 @@ fn materials_reflect_their_expected_colours() {
     ];
     on_every_adapter("view of materials", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&environment, &table(16)).expect("tables that fit");
+        let light = renderer.light(&environment, &table(32)).expect("tables that fit");
         for (name, front, texel, look, expected) in &cases {
             let bytes = squares(&materials(front.clone()), &[*texel]);
             renderer
@@ -172,7 +172,7 @@ fn the_front_is_seen_first_and_masks_have_holes() {
     hole[0]["alphaMode"] = json!("MASK");
     on_every_adapter("view of fronts", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&environment, &table(16)).expect("tables that fit");
+        let light = renderer.light(&environment, &table(32)).expect("tables that fit");
         let mut seen = |bytes: &[u8], look: &Look| {
             renderer
                 .set_mesh(&Mesh::read_from_memory("squares.gltf".as_ref(), bytes).expect("a mesh"))
@@ -257,7 +257,7 @@ fn own_levels_are_shown_as_they_are() {
                 .expect("an environment");
             for turn in [0.0, 90.0] {
                 let turned = level0.clone().rotated_y(turn).expect("an angle");
-                let mut light = renderer.light(&turned, &table(16)).expect("tables that fit");
+                let mut light = renderer.light(&turned, &table(32)).expect("tables that fit");
                 let levels = Levels::new(chain.clone(), quarter(turn)).expect("levels").expect("several");
                 light.set_levels(context, &levels).expect("a small cube");
                 // The face that contains the world's +X.
@@ -312,7 +312,7 @@ fn automatic_exposure_is_that_of_the_environment() {
     let environment = Environment::new(Layout::Cube { size: 4 }, texels).expect("an environment");
     on_every_adapter("view by automatic exposure", |context| {
         let mut renderer = renderer(context);
-        let light = renderer.light(&environment, &table(16)).expect("tables that fit");
+        let light = renderer.light(&environment, &table(32)).expect("tables that fit");
         let expected = exposure::of_environment(&environment);
         assert!((light.exposure() - expected).abs() < 1e-9, "{} and {expected}", light.exposure());
         let look = Look { filter: Technique::Box, ..Look::default() };
