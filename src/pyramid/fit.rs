@@ -89,7 +89,7 @@ pub fn roughness_of(place: f64) -> f64 {
 }
 
 /// 0 below 0, 1 above 1, smooth between.
-fn smooth(t: f64) -> f64 {
+pub(super) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
@@ -211,7 +211,7 @@ fn lobe_points(alpha: f64, finest: f64) -> Vec<LobePoint> {
 }
 
 /// The solution of linear equations, the right sides in the last column, by elimination with pivots.
-fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
+pub(super) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     let count = rows.len();
     for k in 0..count {
         let pivot = (k..count).max_by(|a, b| rows[*a][k].abs().total_cmp(&rows[*b][k].abs()));

@@ -13,9 +13,12 @@
 //! the texels halve, down to s = .35 at 32 x 32. The weights are a table over roughness ([`fit`]). CPU and
 //! GPU build the levels by the same algorithm ([`levels`]), `shaders/pyramid/`.
 
+pub mod brdf;
 pub mod cells;
 pub mod fit;
 pub mod levels;
+pub mod reads;
+mod reflect;
 pub mod suns;
 
 use crate::cpu::reparameterise::oem_from_environment;

@@ -1,0 +1,159 @@
+//! Measures reflections of a pyramid against the oracle: `cargo run --release --features internals --example
+//! measure_reflection -- [--map FOLDER] PANORAMA...`. For each roughness and n.v, the relRMSE of the worst
+//! channel over random frames (F = 1), of the median and the worst panorama; and epsilon, rms error over rms
+//! truth, of frames whose reflection meets the brightest texel within 6 alpha. Also the albedo's greatest
+//! error.
+
+use glam::DVec3;
+use octagloss::internals::analysis::oracle::Oracle;
+use octagloss::internals::pyramid::brdf::Frame;
+use octagloss::internals::pyramid::reads::table;
+use octagloss::internals::pyramid::{Octaves, Pyramid};
+use octagloss::{Environment, Layout};
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+/// Texels along an edge of the map.
+const SIZE: u32 = 512;
+
+/// Roughness, n.v, and the goals for median and worst panorama; 0 where there is none.
+const CELLS: [(f64, f64, [f64; 2]); 20] = [
+    (0.2, 1.0, [0.0, 0.0]),
+    (0.2, 0.7, [0.02, 0.15]),
+    (0.2, 0.5, [0.02, 0.15]),
+    (0.2, 0.3, [0.05, 0.5]),
+    (0.2, 0.15, [0.05, 0.5]),
+    (0.3, 1.0, [0.0, 0.0]),
+    (0.3, 0.7, [0.01, 0.05]),
+    (0.3, 0.3, [0.015, 0.1]),
+    (0.3, 0.15, [0.035, 0.4]),
+    (0.4, 0.4, [0.0, 0.0]),
+    (0.5, 1.0, [0.0, 0.0]),
+    (0.5, 0.7, [0.01, 0.04]),
+    (0.5, 0.3, [0.015, 0.05]),
+    (0.5, 0.15, [0.02, 0.08]),
+    (0.6, 0.6, [0.0, 0.0]),
+    (0.7, 1.0, [0.0, 0.0]),
+    (0.7, 0.7, [0.012, 0.04]),
+    (0.7, 0.3, [0.018, 0.05]),
+    (0.7, 0.15, [0.02, 0.06]),
+    (1.0, 0.5, [0.0, 0.0]),
+];
+
+/// Numbers in [0, 1): splitmix64.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Evenly over the cap of `angle` around `centre`.
+    fn within(&mut self, centre: DVec3, angle: f64) -> DVec3 {
+        let cosine = 1.0 - self.unit() * (1.0 - angle.cos());
+        let (sine, turn) = ((1.0 - cosine * cosine).sqrt(), TAU * self.unit());
+        let (s, t) = (centre.any_orthonormal_vector(), centre.cross(centre.any_orthonormal_vector()));
+        (centre * cosine + (s * turn.cos() + t * turn.sin()) * sine).normalize()
+    }
+
+    /// A frame of n.v whose mirror direction is `reflected`.
+    fn frame(&mut self, reflected: DVec3, nv: f64) -> Frame {
+        let aside = self.within(DVec3::Y, PI);
+        let aside = (aside - reflected * aside.dot(reflected)).normalize();
+        let normal = reflected * nv + aside * (1.0 - nv * nv).sqrt();
+        let view = normal * (2.0 * nv) - reflected;
+        Frame::new(normal, view, self.within(DVec3::Y, PI)).expect("finite")
+    }
+}
+
+/// Worst channel's relRMSE and epsilon.
+fn measures(found: &[DVec3], truth: &[DVec3]) -> [f64; 2] {
+    let mut worst = [0.0_f64; 2];
+    for c in 0..3 {
+        let (mut error, mut square, mut mean) = (0.0, 0.0, 0.0);
+        for (found, truth) in found.iter().zip(truth) {
+            error += (found[c] - truth[c]).powi(2);
+            square += truth[c] * truth[c];
+            mean += truth[c];
+        }
+        let count = truth.len() as f64;
+        let own = [(error / count).sqrt() / (mean / count), (error / square).sqrt()];
+        worst.iter_mut().zip(own).for_each(|(worst, own)| *worst = worst.max(own));
+    }
+    worst
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    f64::midpoint(values[(values.len() - 1) / 2], values[values.len() / 2])
+}
+
+fn main() {
+    let frames: usize = std::env::var("FRAMES").ok().and_then(|count| count.parse().ok()).unwrap_or(40);
+    let started = std::time::Instant::now();
+    let nodes = table(Octaves::over(SIZE).expect("a size")).len();
+    println!("table of {nodes} nodes: {:.3} s", started.elapsed().as_secs_f64());
+    let mut rows = vec![(Vec::new(), Vec::new()); CELLS.len()];
+    for path in std::env::args().skip(1) {
+        let environment = Environment::read(&path).expect("a panorama");
+        let pyramid = Pyramid::build(&environment, SIZE).expect("a power of two");
+        let oracle = Oracle::new(&environment);
+        let Layout::Panorama { width, .. } = environment.layout() else { panic!("a panorama") };
+        let texels = environment.texels();
+        let brightest = (0..texels.len())
+            .max_by(|a, b| texels[*a].iter().sum::<f32>().total_cmp(&texels[*b].iter().sum::<f32>()))
+            .expect("texels") as u32;
+        let sun = environment.layout().direction_from_texel(0, brightest % width, brightest / width);
+        let mut random = Random(7);
+        for ((roughness, nv, _), (errors, epsilons)) in CELLS.into_iter().zip(&mut rows) {
+            let anywhere: Vec<Frame> = (0..frames)
+                .map(|_| {
+                    let reflected = random.within(DVec3::Y, PI);
+                    random.frame(reflected, nv)
+                })
+                .collect();
+            let around: Vec<Frame> = (0..frames)
+                .map(|_| {
+                    let reflected = random.within(sun, (6.0 * roughness * roughness).min(TAU / 4.0));
+                    random.frame(reflected, nv)
+                })
+                .collect();
+            let look = |frames: &[Frame]| -> [f64; 2] {
+                let found: Vec<DVec3> = frames
+                    .iter()
+                    .map(|f| DVec3::from(pyramid.reflect(f, roughness as f32, [1.0; 3], 1.0).map(f64::from)))
+                    .collect();
+                let truth: Vec<DVec3> =
+                    frames.par_iter().map(|f| DVec3::from(oracle.reflection(f, roughness, 0.0)[0])).collect();
+                measures(&found, &truth)
+            };
+            let [error, _] = look(&anywhere);
+            let [_, epsilon] = look(&around);
+            errors.push(error);
+            epsilons.push(epsilon);
+        }
+        println!(
+            "{path}: {:?}",
+            rows.iter()
+                .map(|row| row.0.last().expect("a row"))
+                .map(|e| (e * 1e4).round() / 1e4)
+                .collect::<Vec<_>>()
+        );
+    }
+    for ((roughness, nv, goal), (errors, epsilons)) in CELLS.into_iter().zip(rows) {
+        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        let (middle, worst) = (median(errors.clone()), most(&errors));
+        let missed = goal[0] > 0.0 && (middle > goal[0] || worst > goal[1]);
+        println!(
+            "r {roughness:.2} n.v {nv:.2}: {middle:.4} / {worst:.3} of {:.3} / {:.2}{}; sun: {:.3} / {:.3}",
+            goal[0],
+            goal[1],
+            if missed { " missed" } else { "" },
+            median(epsilons.clone()),
+            most(&epsilons)
+        );
+    }
+}

@@ -1,0 +1,279 @@
+//! The reads of a reflection: where, at which level, and their weights, over roughness and n.v.
+//!
+//! As slopes of the half vector over alpha, GGX is round and the same for every view; a Gaussian of light is
+//! as long across the plane of incidence as 1 / n.v. So reads stand in a row along that plane, dense where
+//! the lobe is high, and their widths grow with the distance from its middle: [`law`]. Levels are fractional
+//! (a trilinear read), so that places and levels vary smoothly, and only weights are solved for: for 1 and for
+//! (1 - v.h)^5, with the clamped cosine and 15 harmonics that are symmetric about the plane.
+
+use super::brdf::{Brdf, LEAST_COSINE};
+use super::fit::{gaussian, smooth, solved};
+use super::{Octaves, WIDEST};
+use crate::lobe::legendre;
+use glam::DVec3;
+use half::f16;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+/// Reads at places of their own.
+pub const READS: usize = 9;
+
+/// Directions in the plane of incidence around which harmonics are zonal, as angles from the normal towards
+/// the viewer. Those of order l stand around the first l + 1.
+pub const AROUND: [f64; 5] = [0.0, 0.4 * PI, 0.8 * PI, 0.2 * PI, 0.6 * PI];
+
+/// Harmonics: pairs of a direction and an order of at least its place.
+pub const HARMONICS: usize = 15;
+
+/// Texels of a node: the reads' slope, level and two weights; two weights of the cosine, and the albedo; two
+/// weights of every harmonic.
+pub const LAYERS: usize = READS + 1 + HARMONICS.div_ceil(2);
+
+/// A node of the table. First weights are for f0, second for f90.
+pub type Node = [[f32; 4]; LAYERS];
+
+/// Nodes over roughness, evenly in log(1 + 50 r), and over n.v, evenly in its root.
+pub const NODES: [usize; 2] = [40, 16];
+
+/// Functions of the fit: reads, cosine, harmonics.
+const FUNCTIONS: usize = READS + 1 + HARMONICS;
+
+/// Ridge of reads, and of harmonics; roughness over which those come into use.
+const RIDGE: [f64; 2] = [5e-4, 5e-3];
+const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
+
+/// Weight of the error over the lobe's square, which counts around lights, against that over the lobe; and the
+/// radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
+const PEAK: f64 = 3.0;
+const FLOOR: f64 = 1.0;
+
+/// Rings and spokes of half vectors: of the fit, and of the albedo.
+const FIT_GRID: [u32; 2] = [48, 20];
+const ALBEDO_GRID: [u32; 2] = [128, 40];
+
+/// Slope and width of each read, both over alpha.
+#[must_use]
+pub fn law(roughness: f64, cosine: f64) -> [[f64; 2]; READS] {
+    let nv = cosine.max(0.04).ln();
+    let alpha = 2.0 * roughness.max(0.05).ln();
+    let wide = alpha + 2.4;
+    let turned = (-1.871 + 1.023 * wide - 2.07 * nv).exp();
+    let shift = 1.993 * turned / (1.0 + turned) - 0.238;
+    let width = (-0.047 + 0.845 * nv - 0.109 * wide).exp();
+    let step = width * (-0.283 - 0.029 * nv - 0.093 * wide).exp();
+    let bend = (-1.836 - 0.605 * nv).exp();
+    let widening = (0.447 - 0.235 * nv + 0.402 * wide).exp();
+    std::array::from_fn(|read| {
+        let place = read as f64 - (READS as f64 - 1.0) / 2.0 + shift;
+        let slope = step * (bend * place).sinh() / bend;
+        [slope, width * (1.0 + (widening * slope).powi(2)).sqrt()]
+    })
+}
+
+/// The level of `width`: 0 the mirror, 1 the sharp level, then those from fine to coarse; whole numbers are
+/// levels, between them the logarithm counts.
+fn level_of(octaves: Octaves, width: f64) -> f64 {
+    let last = f64::from(octaves.count()) + 1.0;
+    let sharp = last + (width / WIDEST).log2();
+    let (mirror, from) = (octaves.mirror_width(), octaves.sharp_width());
+    if sharp >= 1.0 { sharp.min(last) } else { ((width / mirror).ln() / (from / mirror).ln()).max(0.0) }
+}
+
+/// Standard deviation of a whole `level`.
+fn width_of(octaves: Octaves, level: u32) -> f64 {
+    match level {
+        0 => octaves.mirror_width(),
+        1 => octaves.sharp_width(),
+        _ => octaves.width(level - 2),
+    }
+}
+
+/// The nodes over the levels of `octaves`, fitted at the first call: those of the least roughness first.
+#[must_use]
+pub fn table(octaves: Octaves) -> &'static [Node] {
+    static FITTED: [OnceLock<Vec<Node>>; Octaves::MOST as usize] =
+        [const { OnceLock::new() }; Octaves::MOST as usize];
+    FITTED[octaves.count() as usize - 1].get_or_init(|| {
+        let [across, _] = NODES;
+        let nodes = 0..across * NODES[1];
+        nodes
+            .into_par_iter()
+            .map(|k| fitted(octaves, roughness_of(k % across), cosine_of(k / across)))
+            .collect()
+    })
+}
+
+/// Roughness of a node.
+fn roughness_of(node: usize) -> f64 {
+    ((51_f64.ln() * node as f64 / (NODES[0] - 1) as f64).exp() - 1.0) / 50.0
+}
+
+/// n.v of a node.
+fn cosine_of(node: usize) -> f64 {
+    (node as f64 / (NODES[1] - 1) as f64).powi(2).max(LEAST_COSINE)
+}
+
+/// The node at `roughness` in [0, 1] and n.v of `cosine`, between those of [`table`].
+#[must_use]
+pub fn node_at(octaves: Octaves, roughness: f32, cosine: f32) -> Node {
+    let table = table(octaves);
+    let places = [(1.0 + 50.0 * roughness).log2() / 51_f32.log2(), cosine.sqrt()];
+    let [(x, right), (y, up)] = [0, 1].map(|axis| {
+        let place = places[axis] * (NODES[axis] - 1) as f32;
+        let node = (place as usize).min(NODES[axis] - 2);
+        (node, place - node as f32)
+    });
+    let mix = |a: f32, b: f32, share: f32| a + share * (b - a);
+    std::array::from_fn(|layer| {
+        std::array::from_fn(|c| {
+            let row = |y: usize| {
+                let first = y * NODES[0] + x;
+                mix(table[first][layer][c], table[first + 1][layer][c], right)
+            };
+            mix(row(y), row(y + 1), up)
+        })
+    })
+}
+
+/// A piece of the sphere of lights.
+struct Point {
+    light: DVec3,
+    area: f64,
+    /// The reflection, without and with the factor of f90.
+    lobe: [f64; 2],
+}
+
+/// Pieces of one half of the sphere, dense around the lobe, which is symmetric about the plane of incidence:
+/// rings and spokes of half vectors. Areas are those of both halves.
+fn points(alpha: f64, view: DVec3, brdf: &Brdf, [rings, spokes]: [u32; 2]) -> Vec<Point> {
+    let scale = 0.5 * alpha;
+    let step = (PI / scale).asinh() / f64::from(rings);
+    let edge = |ring: u32| (scale * (step * f64::from(ring)).sinh()).min(PI);
+    let mut points = Vec::new();
+    for ring in 0..rings {
+        let (from, to) = (edge(ring), edge(ring + 1));
+        let (sine, cosine) = f64::midpoint(from, to).sin_cos();
+        let area = 2.0 * (from.cos() - to.cos()) * PI / f64::from(spokes);
+        for spoke in 0..spokes {
+            let (y, x) = (PI * (f64::from(spoke) + 0.5) / f64::from(spokes)).sin_cos();
+            let half = DVec3::new(sine * x, sine * y, cosine);
+            let towards = view.dot(half);
+            if towards > 0.0 {
+                let light = half * (2.0 * towards) - view;
+                let (value, fresnel) = brdf.at(light);
+                points.push(Point { light, area: 4.0 * towards * area, lobe: [value, value * fresnel] });
+            }
+        }
+    }
+    points
+}
+
+/// What the weights multiply: of the light in the direction `light`, at reads of (`direction`, `level`).
+fn functions(octaves: Octaves, reads: &[(DVec3, f64); READS], light: DVec3) -> [f64; FUNCTIONS] {
+    let mut values = [0.0; FUNCTIONS];
+    for (value, (direction, level)) in values.iter_mut().zip(reads) {
+        let c = 1.0 - direction.dot(light);
+        let (whole, share) = (level.floor() as u32, level.fract());
+        *value = (1.0 - share) * gaussian(width_of(octaves, whole), c);
+        if share > 0.0 {
+            *value += share * gaussian(width_of(octaves, whole + 1), c);
+        }
+    }
+    values[READS] = light.z.max(0.0) / PI;
+    let mut place = READS + 1;
+    for (k, angle) in AROUND.iter().enumerate() {
+        let (sine, cosine) = angle.sin_cos();
+        let all = legendre(sine * light.x + cosine * light.z);
+        for (order, value) in all.iter().enumerate().skip(k) {
+            values[place] = (2 * order + 1) as f64 / (4.0 * PI) * value;
+            place += 1;
+        }
+    }
+    values
+}
+
+/// The node that fits the reflection at `roughness` and n.v of `cosine`.
+#[must_use]
+pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
+    let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+    // Sharper lobes than the mirror's are served by the mirror.
+    let served = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.125);
+    let (alpha, brdf) = (served * served, Brdf::new(view, served, 0.0));
+    let mut albedo = [0.0; 2];
+    for point in points(alpha, view, &brdf, ALBEDO_GRID) {
+        for (sum, lobe) in albedo.iter_mut().zip(point.lobe) {
+            *sum += point.area * lobe;
+        }
+    }
+    let mut node = [[0.0; 4]; LAYERS];
+    let reads = law(roughness, cosine).map(|[slope, width]| {
+        let slope = slope * roughness * roughness;
+        let half = (DVec3::Z + slope * view.with_z(0.0)).normalize();
+        let level = level_of(octaves, width * roughness * roughness);
+        (half * (2.0 * view.dot(half)) - view, level, slope)
+    });
+    for (layer, (_, level, slope)) in node.iter_mut().zip(reads) {
+        *layer = [slope as f32, level as f32, 0.0, 0.0];
+    }
+    let reads = reads.map(|(direction, level, _)| (direction, level));
+    let [from, to] = HARMONICS_FROM;
+    let use_harmonics = smooth((roughness - from) / (to - from));
+    let used = if use_harmonics > 0.0 { FUNCTIONS } else { READS };
+    let points = points(alpha, view, &brdf, FIT_GRID);
+    let [mean, square] = points.iter().fold([0.0; 2], |[mean, square], point| {
+        [mean + point.area * point.lobe[0], square + point.area * point.lobe[0] * point.lobe[0]]
+    });
+    // The normal equations, and a multiplier that holds the lobe's integral at the albedo.
+    let mut system = vec![vec![0.0; used + 2]; used + 1];
+    let mut right = vec![[0.0; 2]; used + 1];
+    for point in &points {
+        let weight =
+            point.area * (1.0 / (FLOOR / (4.0 * PI) + point.lobe[0] / mean) + PEAK * mean * mean / square);
+        let values = functions(octaves, &reads, point.light);
+        for j in 0..used {
+            let own = weight * values[j];
+            for k in 0..=j {
+                system[j][k] += own * values[k];
+            }
+            for (sum, lobe) in right[j].iter_mut().zip(point.lobe) {
+                *sum += own * lobe / mean;
+            }
+        }
+    }
+    let mut place = READS + 1;
+    let mut integrals = [1.0; FUNCTIONS];
+    for k in 0..AROUND.len() {
+        for order in k..AROUND.len() {
+            integrals[place] = f64::from(u8::from(order == 0));
+            place += 1;
+        }
+    }
+    for j in 0..used {
+        for k in 0..j {
+            system[k][j] = system[j][k];
+        }
+        system[j][j] += if j < READS { RIDGE[0] } else { RIDGE[1] / use_harmonics };
+        system[j][used] = integrals[j];
+        system[used][j] = integrals[j];
+    }
+    let [all, grazing] = [0, 1].map(|side| {
+        let mut system = system.clone();
+        for (row, right) in system.iter_mut().zip(&right) {
+            row[used + 1] = right[side];
+        }
+        system[used][used + 1] = albedo[side] / mean;
+        solved(system)
+    });
+    for k in 0..used {
+        let pair = [(all[k] - grazing[k]) * mean, grazing[k] * mean].map(|weight| weight as f32);
+        let (layer, at) = match k {
+            _ if k < READS => (k, 2),
+            READS => (READS, 0),
+            _ => (READS + 1 + (k - READS - 1) / 2, 2 * ((k - READS - 1) % 2)),
+        };
+        node[layer][at..at + 2].copy_from_slice(&pair);
+    }
+    node[READS][2..].copy_from_slice(&[(albedo[0] - albedo[1]) as f32, albedo[1] as f32]);
+    node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))
+}
