@@ -16,6 +16,7 @@ use crate::light_scale::LightScale;
 use crate::lobe::kernel::Kernel;
 use crate::lobe::{self, Lobe};
 use crate::oem::{Oem, OemSize, bilinear_share};
+use crate::pyramid::brdf::Frame;
 use crate::pyramid::{Octaves, Pyramid, PyramidLobes};
 use crate::sat::{Sat, Scan};
 use crate::table_bytes::{LIMIT, LobeRequest, SOURCE, Tables, at_most, largest_oem, largest_that};
@@ -314,6 +315,13 @@ impl<'a> Reflector<'a> {
     /// The map's pyramid. Its size must have one.
     fn pyramid(&self) -> &Pyramid {
         self.pyramid.get_or_init(|| Pyramid::of_oem(self.map()).expect("a checked size"))
+    }
+
+    /// Radiance that a surface reflects to the viewer of `frame`, in the world, out of the map's pyramid; see
+    /// [`Pyramid::reflect`]. Its Fresnel term goes from `f0` to 1.
+    pub(crate) fn reflect(&self, frame: &Frame, roughness: f32, f0: f32) -> Rgb {
+        let frame = Frame { axes: self.environment.source_from_world() * frame.axes, ..*frame };
+        self.scale.radiance(self.pyramid().reflect(&frame, roughness, [f0; 3], 1.0))
     }
 
     /// Lobes of one family and roughness, evaluated by one filter.

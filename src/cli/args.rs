@@ -1,7 +1,7 @@
 //! Command-line options of every subcommand. Their doc comments are the help texts.
 
 use super::shared_args::{EngineArgs, MAX_THREADS};
-use super::values::{Texels, filter, percentage, roughness, texels, threshold};
+use super::values::{Texels, filter, percentage, roughness, texels, threshold, within};
 use crate::bake::dfg::DfgForm;
 use crate::filter::Filter;
 use crate::lobe::Lobe;
@@ -152,8 +152,27 @@ pub(super) struct QueryArgs {
     /// x,y,z,roughness, or a fourth column, each row has its own roughness; all rows share one octahedral
     /// map, as fine as the sharpest requires. At most 4,000,000 directions; CSV of at most 256 MiB, and 1000
     /// bytes per line.
-    #[arg(long, value_name = "FILE", required = true)]
-    pub(super) directions: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "frames")]
+    pub(super) directions: Option<PathBuf>,
+    /// Views of surfaces instead, CSV or .npy; - is standard input
+    ///
+    /// CSV with the header nx,ny,nz,vx,vy,vz, or an array with six columns: normals, and directions to the
+    /// viewer; with tx,ty,tz, or nine columns, tangents, too. Answers are the radiance that the surfaces reflect:
+    /// GGX with height-correlated Smith masking and Schlick's Fresnel term, not normalised. A view from below
+    /// a surface is turned up to its horizon. By --filter pyramid or reference, on the CPU.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["directions", "bound", "lobe"])]
+    pub(super) frames: Option<PathBuf>,
+    /// Anisotropy of --frames, in [0, 1] [default: 0]
+    ///
+    /// As in KHR_materials_anisotropy: alpha along the tangent is r^2 + (1 - r^2) A^2, across it r^2. With
+    /// --filter reference.
+    #[arg(long, value_name = "A", value_parser = within([0.0, 1.0]), requires = "frames")]
+    pub(super) anisotropy: Option<f64>,
+    /// Reflectance of --frames at normal incidence, in [0, 1] [default: 1]
+    ///
+    /// At grazing incidence it is 1.
+    #[arg(long, value_name = "F0", value_parser = within([0.0, 1.0]), requires = "frames")]
+    pub(super) f0: Option<f64>,
     /// File to write, .csv or .npy [default: standard output]
     ///
     /// .npy is a NumPy array of float32: red, green and blue of each direction, in the order asked, and with

@@ -81,15 +81,19 @@ fn array_directions(from: impl Read, limits: Limits) -> anyhow::Result<Direction
         let Some(direction) = unit(DVec3::new(values[0], values[1], values[2])) else {
             bail!("row [{row}] is 0, 0, 0, which is not a direction");
         };
-        let text = |value: &f64| match table.precision {
-            // The shortest text that is the same number.
-            Precision::Single => (*value as f32).to_string(),
-            Precision::Double => value.to_string(),
-        };
-        let typed = values.iter().map(text).collect::<Vec<_>>().join(",");
+        let typed =
+            values.iter().map(|value| shortest(*value, table.precision)).collect::<Vec<_>>().join(",");
         asked.push(Asked { typed, direction, roughness });
     }
     Ok(Directions { asked, has_roughness })
+}
+
+/// The shortest text that is the same number.
+pub(super) fn shortest(value: f64, precision: Precision) -> String {
+    match precision {
+        Precision::Single => (value as f32).to_string(),
+        Precision::Double => value.to_string(),
+    }
 }
 
 /// Parses directions, one per line.
@@ -146,7 +150,7 @@ fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Result<Direction
 }
 
 /// Reads all of `from`; stops at the first exceeded limit.
-fn read_text(mut from: impl Read, limits: Limits) -> anyhow::Result<Vec<u8>> {
+pub(super) fn read_text(mut from: impl Read, limits: Limits) -> anyhow::Result<Vec<u8>> {
     let mut text = Vec::new();
     let mut chunk = vec![0; 64 << 10];
     let (mut line, mut length) = (1, 0);
@@ -171,7 +175,7 @@ fn read_text(mut from: impl Read, limits: Limits) -> anyhow::Result<Vec<u8>> {
 }
 
 /// The line of a record; its position is that of the empty lines before it.
-fn line_of(position: &csv::Position, text: &[u8]) -> u64 {
+pub(super) fn line_of(position: &csv::Position, text: &[u8]) -> u64 {
     let rest = text.get(position.byte() as usize..).unwrap_or_default();
     let empty = rest.iter().take_while(|byte| b"\r\n".contains(byte)).filter(|byte| **byte == b'\n').count();
     position.line() + empty as u64

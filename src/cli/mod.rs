@@ -33,6 +33,7 @@ mod figures;
 mod figures_absent;
 mod figures_args;
 mod fingerprint;
+mod frames;
 mod gate;
 mod info;
 mod info_other;

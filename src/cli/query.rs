@@ -2,18 +2,23 @@
 
 use super::args::QueryArgs;
 use super::console::{self, Console};
-use super::directions::{Asked, Directions, read_directions};
-use super::input;
+use super::directions::{Directions, read_directions};
+use super::frames::{AskedFrame, Frames, read_frames};
+use super::input::{self, InputFiles};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, print, usage, write_output};
+use super::values::EngineArg;
+use crate::analysis::oracle::Oracle;
 use crate::bake::query::Query;
+use crate::environment::Rgb;
 use crate::filter::{Answer, Bound, Filter};
 use crate::io::npy;
 use crate::io::output::Existing;
 use crate::lobe::Lobe;
-use crate::reflector::{ReflectorSettings, sharpest};
+use crate::reflector::{Reflector, ReflectorSettings, sharpest};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: QueryArgs) -> Outcome {
     args.engine.check()?;
@@ -28,12 +33,12 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
         return usage(error.to_string());
     }
     args.table.check(args.filter).or_else(|error| usage(error.to_string()))?;
-    let source = input::single_source(args.inputs, &args.input)?;
+    let source = input::single_source(args.inputs.clone(), &args.input)?;
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     let output = match &args.output {
         Some(path) => {
             let form = Form::from_path(path)?;
-            check_not_input(path, source.files().iter().chain([&args.directions]))?;
+            check_not_input(path, source.files().iter().chain(&args.directions).chain(&args.frames))?;
             check_output(path, existing)?;
             Some((path, form))
         }
@@ -41,7 +46,18 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     };
     let console = Console::new(args.quiet);
     on_threads(args.engine.threads, || {
-        let Directions { asked, has_roughness } = read_directions(&args.directions)?;
+        if let Some(path) = &args.frames {
+            let frames = read_frames(path)?;
+            let radiance = reflected(&args, &frames, &source, &console)?;
+            let answers: Vec<Answer> =
+                radiance.into_iter().map(|radiance| Answer { radiance, bound: None }).collect();
+            let rows = || frames.asked.iter().map(|asked| &*asked.typed);
+            return deliver(output, existing, &answers, false, "frames", &console, || {
+                csv(&frames.header, rows(), &answers, false)
+            });
+        }
+        let directions = args.directions.as_deref().expect("required without frames");
+        let Directions { asked, has_roughness } = read_directions(directions)?;
         let shared = match (lobe, args.roughness, has_roughness) {
             (Lobe::Cosine, _, false) => 1.0,
             (Lobe::Cosine, _, true) => {
@@ -72,19 +88,85 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
         let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
         let query = Query { lobe, filter: args.filter, directions: &directions, roughness: &roughness };
         let answers = engine.query(&opened.environment, &settings, &query, &console)?;
-        let Some((path, form)) = output else {
-            return print(&csv(&asked, &answers, has_roughness, args.bound));
-        };
-        let bytes = match form {
-            Form::Csv => csv(&asked, &answers, has_roughness, args.bound).into_bytes(),
-            Form::Array => array(&answers, args.bound),
-        };
-        write_output(path, existing, &bytes)?;
-        let (count, size) = (answers.len(), console::bytes(bytes.len() as u64));
-        console.note(&format!("{}: {count} directions, {size}", path.display()));
-        Ok(())
+        let header = if has_roughness { "x,y,z,roughness" } else { "x,y,z" };
+        let rows = || asked.iter().map(|asked| &*asked.typed);
+        deliver(output, existing, &answers, args.bound, "directions", &console, || {
+            csv(header, rows(), &answers, args.bound)
+        })
     })
 }
+
+/// Writes `answers` to `output`, or to standard output: as the text that `csv` makes, or as an array.
+fn deliver(
+    output: Option<(&PathBuf, Form)>,
+    existing: Existing,
+    answers: &[Answer],
+    bound: bool,
+    asked: &str,
+    console: &Console,
+    csv: impl FnOnce() -> String,
+) -> Outcome {
+    let Some((path, form)) = output else { return print(&csv()) };
+    let bytes = match form {
+        Form::Csv => csv().into_bytes(),
+        Form::Array => array(answers, bound),
+    };
+    write_output(path, existing, &bytes)?;
+    let (count, size) = (answers.len(), console::bytes(bytes.len() as u64));
+    console.note(&format!("{}: {count} {asked}, {size}", path.display()));
+    Ok(())
+}
+
+/// The radiance that the surfaces of `frames` reflect.
+fn reflected(args: &QueryArgs, frames: &Frames, source: &InputFiles, console: &Console) -> Outcome<Vec<Rgb>> {
+    let Some(roughness) = args.roughness else {
+        return usage("--roughness R, R in [0, 1], is required with --frames");
+    };
+    let anisotropy = args.anisotropy.unwrap_or(0.0);
+    if anisotropy > 0.0 && !frames.has_tangents {
+        return usage("--anisotropy needs tangents: columns tx,ty,tz in --frames");
+    }
+    if args.engine.engine == EngineArg::Gpu {
+        return usage("--frames is answered by the CPU; omit --engine gpu");
+    }
+    let f0 = args.f0.unwrap_or(1.0);
+    match args.filter {
+        Filter::Pyramid if anisotropy > 0.0 => {
+            usage("the pyramid reflects isotropically only; use --filter reference with --anisotropy")
+        }
+        Filter::Pyramid => {
+            let environment = source.open(&args.input, console)?.environment;
+            let settings = ReflectorSettings {
+                oem_size: args.table.oem_size,
+                border: args.table.border,
+                sharpest: roughness,
+                pyramid: true,
+                ..ReflectorSettings::default()
+            };
+            let reflector = Reflector::new(&environment, &settings)?;
+            let reflect = |asked: &AskedFrame| reflector.reflect(&asked.frame, roughness as f32, f0 as f32);
+            Ok(frames.asked.par_iter().map(reflect).collect())
+        }
+        Filter::Reference if roughness < LEAST_ROUGHNESS => {
+            usage(format!("--filter reference reflects from roughness {LEAST_ROUGHNESS} up"))
+        }
+        Filter::Reference => {
+            let environment = source.open(&args.input, console)?.environment;
+            let oracle = Oracle::new(&environment);
+            let reflect = |asked: &AskedFrame| {
+                let [all, grazing] = oracle.reflection(&asked.frame, roughness, anisotropy);
+                [0, 1, 2].map(|c| (f0 * all[c] + (1.0 - f0) * grazing[c]) as f32)
+            };
+            Ok(frames.asked.par_iter().map(reflect).collect())
+        }
+        Filter::Adaptive(_) | Filter::Box => {
+            usage(format!("--frames has no --filter {}; use pyramid or reference", args.filter))
+        }
+    }
+}
+
+/// Least roughness that the reference reflects: lobes are two hundredths of a degree wide.
+const LEAST_ROUGHNESS: f64 = 0.01;
 
 /// Form of an output file.
 #[derive(Clone, Copy)]
@@ -109,13 +191,13 @@ impl Form {
 /// Names of the columns of `--bound`: the luminance's, then the channels'.
 const BOUNDS: &str = ",bound,bound_r,bound_g,bound_b";
 
-/// The answers as text, a line each, with a header.
-fn csv(asked: &[Asked], answers: &[Answer], has_roughness: bool, bound: bool) -> String {
-    let (own, more) = (if has_roughness { ",roughness" } else { "" }, if bound { BOUNDS } else { "" });
-    let mut text = format!("x,y,z{own},r,g,b{more}\n");
-    for (asked, answer) in asked.iter().zip(answers) {
+/// The answers to `rows` as text, a line each, with `header`.
+fn csv<'a>(header: &str, rows: impl Iterator<Item = &'a str>, answers: &[Answer], bound: bool) -> String {
+    let more = if bound { BOUNDS } else { "" };
+    let mut text = format!("{header},r,g,b{more}\n");
+    for (typed, answer) in rows.zip(answers) {
         let [r, g, b] = answer.radiance;
-        write!(text, "{},{r:?},{g:?},{b:?}", asked.typed).expect("writing to a string cannot fail");
+        write!(text, "{typed},{r:?},{g:?},{b:?}").expect("writing to a string cannot fail");
         if bound {
             // Mirrors are look-ups without bounds; leave the fields empty.
             match answer.bound {

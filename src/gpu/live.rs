@@ -12,6 +12,7 @@ use super::device::names::named;
 use super::device::shader;
 use super::direct::{Surroundings, view_layout};
 use super::pyramid::{PyramidMaps, wgsl};
+use super::reflection;
 use super::reparameterise::{self, check_readable, upload};
 use super::{Context, OemPlanes, Stage};
 use crate::environment::{Environment, Layout};
@@ -267,15 +268,42 @@ impl LiveEnvironment {
         self.maps.bind_group(&self.context, layout)
     }
 
+    /// [`Self::wgsl`], and with it `octagloss_reflect(normal, view, roughness, f0, f90)`: radiance that a surface
+    /// reflects to a viewer in the direction `view`, by GGX with Smith's height-correlated masking and
+    /// Schlick's Fresnel term, `f0` a `vec3<f32>`. It needs no table of the split sum. `octagloss_albedo(n.v,
+    /// roughness)` is what a white world gives, f0 times its x plus f90 times its y: for multiple scattering and
+    /// what lies under a clear coat. A view from below the surface is turned up to the horizon.
+    #[must_use]
+    pub fn reflect_wgsl(group: u32) -> String {
+        reflection::wgsl(group)
+    }
+
+    /// The layout of a group with the resources of [`Self::reflect_wgsl`], visible to vertex, fragment and
+    /// compute shaders.
+    #[must_use]
+    pub fn reflect_bind_group_layout(&self) -> wgpu::BindGroupLayout {
+        reflection::bind_group_layout(&self.context, VISIBILITY)
+    }
+
+    /// The resources of [`Self::reflect_wgsl`] as a group of `layout`: that of
+    /// [`Self::reflect_bind_group_layout`], or what wgpu derived for a pipeline from its shader. The first call
+    /// for a size of maps fits a table.
+    #[must_use]
+    pub fn reflect_bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        reflection::bind_group(&self.context, &self.maps, layout)
+    }
+
     pub(super) const fn maps(&self) -> &PyramidMaps {
         &self.maps
     }
 }
 
+/// The shaders that look environments up.
+const VISIBILITY: wgpu::ShaderStages = wgpu::ShaderStages::VERTEX_FRAGMENT.union(wgpu::ShaderStages::COMPUTE);
+
 /// The layout of a group for shaders that look environments up.
 pub(crate) fn layout(context: &Context) -> wgpu::BindGroupLayout {
-    let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
-    PyramidMaps::bind_group_layout(context, visibility)
+    PyramidMaps::bind_group_layout(context, VISIBILITY)
 }
 
 /// WGSL for draws into octahedral maps, with its resource in bind group `group`.

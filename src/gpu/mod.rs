@@ -36,6 +36,7 @@ pub mod live;
 pub mod live_probes;
 pub mod oem;
 pub mod pyramid;
+pub mod reflection;
 pub mod reparameterise;
 pub mod sat_f32;
 pub mod sat_hensley;

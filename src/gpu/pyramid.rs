@@ -129,6 +129,7 @@ impl PyramidMaps {
             linear: context.device().create_sampler(&wgpu::SamplerDescriptor {
                 mag_filter: wgpu::FilterMode::Linear,
                 min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
                 ..Default::default()
             }),
             blocks: context.storage("brightness of blocks", 4 * squares(suns::FINEST)),
@@ -249,6 +250,22 @@ impl PyramidMaps {
         lights: wgpu::BindingResource<'_>,
         probe: Option<u32>,
     ) -> wgpu::BindGroup {
+        self.with_resources_over(lights, probe, |resources| {
+            group(context, "octagloss pyramid", layout, resources)
+        })
+    }
+
+    /// What `make` makes of the resources of this environment, in the order of their bindings.
+    pub(super) fn with_resources<T>(&self, make: impl FnOnce([wgpu::BindingResource<'_>; 6]) -> T) -> T {
+        self.with_resources_over(self.light(), Some(self.probe), make)
+    }
+
+    fn with_resources_over<T>(
+        &self,
+        lights: wgpu::BindingResource<'_>,
+        probe: Option<u32>,
+        make: impl FnOnce([wgpu::BindingResource<'_>; 6]) -> T,
+    ) -> T {
         let layers = |texture: &wgpu::Texture, count| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
@@ -261,8 +278,7 @@ impl PyramidMaps {
             .map(|(texture, count)| layers(texture, count));
         let [levels, sharp, cosine] = views.each_ref().map(wgpu::BindingResource::TextureView);
         let linear = wgpu::BindingResource::Sampler(&self.linear);
-        let resources = [self.table.as_entire_binding(), lights, levels, sharp, cosine, linear];
-        group(context, "octagloss pyramid", layout, resources)
+        make([self.table.as_entire_binding(), lights, levels, sharp, cosine, linear])
     }
 
     /// Reads the light back.
@@ -287,16 +303,20 @@ fn single(texture: &wgpu::Texture, layer: u32, level: u32) -> wgpu::TextureView 
     })
 }
 
+/// Resources of the look-ups without the lights, which are second.
+pub(super) const RESOURCES: [&str; 5] = [
+    "var<uniform> octagloss_pyramid: OctaglossPyramid",
+    "var octagloss_levels: texture_2d_array<f32>",
+    "var octagloss_sharp: texture_2d_array<f32>",
+    "var octagloss_cosine: texture_2d_array<f32>",
+    "var octagloss_linear: sampler",
+];
+
 /// WGSL of the look-ups over `count` lights, with their resources in bind group `group`.
 pub(super) fn wgsl(count: u32, group: u32) -> String {
-    let resources = [
-        "var<uniform> octagloss_pyramid: OctaglossPyramid",
-        &format!("var<uniform> octagloss_lights: array<OctaglossLight, {count}>"),
-        "var octagloss_levels: texture_2d_array<f32>",
-        "var octagloss_sharp: texture_2d_array<f32>",
-        "var octagloss_cosine: texture_2d_array<f32>",
-        "var octagloss_linear: sampler",
-    ];
+    let lights = format!("var<uniform> octagloss_lights: array<OctaglossLight, {count}>");
+    let mut resources = RESOURCES.to_vec();
+    resources.insert(1, &lights);
     shader::for_callers("common/pyramid.wgsl", &resources, group, "octagloss")
 }
 

@@ -25,6 +25,7 @@ mod oem_reader;
 mod present;
 mod pyramid;
 mod reflection;
+mod reflections;
 mod sat;
 mod scenes;
 mod shadow;

@@ -19,7 +19,7 @@ fn allowed(levels: f64, peak: f64) -> f64 {
     (levels + 1.0) * (half + position) * peak
 }
 
-fn built(context: &Context, oem: &Oem) -> PyramidMaps {
+pub(super) fn built(context: &Context, oem: &Oem) -> PyramidMaps {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let maps = PyramidMaps::new(context, oem.size().inner).expect("small maps");
     let stages = build_pyramid::stages(context, &planes, &maps);

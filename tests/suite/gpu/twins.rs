@@ -20,6 +20,9 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("common/reduction.wgsl", "GROUPS", "fixed_point::GROUPS"),
     ("common/reduction.wgsl", "GROUP_SIZE", "fixed_point::GROUP_SIZE"),
     ("common/reduction.wgsl", "TEXELS", "fixed_point::TEXELS"),
+    ("common/reflect.wgsl", "LEAST_COSINE", "brdf::LEAST_COSINE"),
+    ("common/reflect.wgsl", "NODES", "reads::NODES"),
+    ("common/reflect.wgsl", "READS", "reads::READS"),
     ("common/rows.wgsl", "ROW", "stage::ROW"),
     ("common/view_scene.wgsl", "BALLS", "look::ROW"),
     ("common/view_texture.wgsl", "MIRROR", "texture::MIRROR"),
@@ -41,6 +44,7 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("pyramid/cells.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
     ("pyramid/levels.wgsl", "EDGE", "build_pyramid::EDGE"),
     ("pyramid/query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
+    ("pyramid/reflect_query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
     ("pyramid/suns.wgsl", "GROUP_SIZE", "build_pyramid::SUNS_GROUP_SIZE"),
 ];
 

@@ -1,5 +1,7 @@
 //! The pyramid: the table's invariants, levels against exhaustive Gaussians, and look-ups against the oracle.
 
+mod reflection;
+
 use crate::support::common::{Look, Random, environment, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;

@@ -1,0 +1,149 @@
+// Reflections of the true BRDF out of a pyramid: `Pyramid::reflect` of src/pyramid/reflect.rs. Nine trilinear
+// reads, one bilinear.
+#include "common/pyramid.wgsl"
+
+const READS = 9u;
+const NODES = vec2<f32>(40.0, 16.0);
+const LEAST_COSINE = 0.001;
+
+// A layer of the table of src/pyramid/reads.rs at `roughness` and n.v of `cosine`.
+fn reflection_node(layer: u32, roughness: f32, cosine: f32) -> vec4<f32> {
+    // 1 / log2(51).
+    let place = vec2<f32>(log2(1.0 + 50.0 * roughness) * 0.176291452, sqrt(cosine));
+    let at = (place * (NODES - 1.0) + 0.5) / NODES;
+    return textureSampleLevel(octagloss_reflections, octagloss_linear, at, layer, 0.0);
+}
+
+// Light around the unit vector `direction` between two levels: 0 the mirror, 1 the sharp one.
+fn between_levels(probe: u32, direction: vec3<f32>, level: f32) -> vec3<f32> {
+    let at = place_of(direction);
+    if level >= 2.0 {
+        return textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, level - 2.0).xyz;
+    }
+    let sharp = textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe + 1u, 0.0).xyz;
+    if level >= 1.0 {
+        let finest = textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, 0.0).xyz;
+        return mix(sharp, finest, level - 1.0);
+    }
+    let mirror = textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe, 0.0).xyz;
+    return mix(mirror, sharp, level);
+}
+
+// GGX with Smith's height-correlated masking, and (1 - v.h)^5, of a light of `spread`: `Brdf::around` of
+// src/pyramid/brdf.rs. In axes of the surface with its normal z.
+fn brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32) -> vec2<f32> {
+    if light.z <= 0.0 {
+        return vec2<f32>();
+    }
+    let half_vector = normalize(view + light);
+    let cosine = dot(view, half_vector);
+    let across = vec2<f32>(-view.y, view.x) / cosine;
+    let squares = alpha * alpha + 0.5 * spread * (1.0 + across * across);
+    let mixed = 0.5 * spread * across.x * across.y;
+    let determinant = squares.x * squares.y - mixed * mixed;
+    let h = half_vector.xy;
+    let slopes = squares.y * h.x * h.x - 2.0 * mixed * h.x * h.y + squares.x * h.y * h.y;
+    let bend = slopes / determinant + half_vector.z * half_vector.z;
+    let masking = light.z * length(vec3<f32>(alpha * view.xy, view.z))
+        + view.z * length(vec3<f32>(alpha * light.xy, light.z));
+    let value = 0.5 * light.z / (masking * 3.14159265 * sqrt(determinant) * bend * bend);
+    return vec2<f32>(value, pow(max(1.0 - cosine, 0.0), 5.0));
+}
+
+// Harmonics of radiance around the unit vector `d`, by order.
+fn harmonic_orders(probe: u32, d: vec3<f32>) -> array<vec3<f32>, 5> {
+    var basis = harmonic_basis(d);
+    var sums = array<vec3<f32>, 5>();
+    for (var order = 0u; order < 5u; order++) {
+        for (var k = order * order; k < (order + 1u) * (order + 1u); k++) {
+            sums[order] += basis[k] * octagloss_lights[probe].harmonics[k].xyz;
+        }
+    }
+    return sums;
+}
+
+// Radiance that a surface reflects to a viewer: GGX with Smith's height-correlated masking and Schlick's
+// Fresnel term f0 + (f90 - f0) (1 - v.h)^5. `normal` and `view`, towards the viewer, are in world space, of any
+// length but zero; `roughness` is in [0, 1]. A view from below the surface is turned up to the horizon.
+fn octagloss_reflect(
+    normal: vec3<f32>,
+    view: vec3<f32>,
+    roughness: f32,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
+    return octagloss_reflect_of(0u, normal, view, roughness, f0, f90);
+}
+
+// The same in the environment `probe`.
+fn octagloss_reflect_of(
+    probe: u32,
+    normal: vec3<f32>,
+    view: vec3<f32>,
+    roughness: f32,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
+    let n = source_from_world(probe, normal);
+    let seen = source_from_world(probe, view);
+    let cosine = clamp(dot(n, seen), LEAST_COSINE, 1.0);
+    // The view without its part along the normal: of length sin, so that nothing turns where it vanishes.
+    let level_view = seen - n * dot(n, seen);
+    let level_length = max(length(level_view), 1e-9);
+    let sine = sqrt(1.0 - cosine * cosine);
+    let towards = level_view / level_length;
+    let along = towards * sine;
+    let v = along + n * cosine;
+    var sum = vec3<f32>();
+    var in_mirror = 0.0;
+    for (var k = 0u; k < READS; k++) {
+        // Slope, level, weights of f0 and f90.
+        let read = reflection_node(k, roughness, cosine);
+        let half_vector = normalize(n + read.x * along);
+        let direction = half_vector * (2.0 * dot(v, half_vector)) - v;
+        sum += (f0 * read.z + f90 * read.w) * between_levels(probe, direction, read.y);
+        in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
+    }
+    let shared = reflection_node(READS, roughness, cosine);
+    let place = place_in_cosine(place_of(n));
+    let cosine_light = textureSampleLevel(octagloss_cosine, octagloss_linear, place, probe, 0.0).xyz;
+    sum += (f0 * shared.x + f90 * shared.y) * cosine_light;
+    // Harmonics around five directions in the plane, of orders from their place up.
+    var angles = array<vec2<f32>, 5>(
+        vec2<f32>(1.0, 0.0),
+        vec2<f32>(0.309016994, 0.951056516),
+        vec2<f32>(-0.809016994, 0.587785252),
+        vec2<f32>(0.809016994, 0.587785252),
+        vec2<f32>(-0.309016994, 0.951056516));
+    var pair = 0u;
+    var texel = vec4<f32>();
+    for (var k = 0u; k < 5u; k++) {
+        var orders = harmonic_orders(probe, n * angles[k].x + towards * angles[k].y);
+        for (var order = k; order < 5u; order++) {
+            if pair % 2u == 0u {
+                texel = reflection_node(READS + 1u + pair / 2u, roughness, cosine);
+            }
+            let weights = select(texel.zw, texel.xy, pair % 2u == 0u);
+            sum += (f0 * weights.x + f90 * weights.y) * orders[order];
+            pair++;
+        }
+    }
+    sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
+    // Suns, in axes of the surface with the view in the plane of x and z.
+    let share = max(1.0 - in_mirror / (shared.z + shared.w), 0.0);
+    let alpha = max(roughness * roughness, 0.9 / octagloss_pyramid.inner);
+    let across = cross(n, towards);
+    for (var k = 0u; k < SUNS; k++) {
+        let sun = octagloss_lights[probe].suns[k];
+        let light = vec3<f32>(dot(sun.direction, towards), dot(sun.direction, across), dot(sun.direction, n));
+        let found = brdf_around(vec3<f32>(sine, 0.0, cosine), light, vec2<f32>(alpha), sun.spread);
+        sum += sun.energy * (share * found.x) * (f0 + (f90 - f0) * found.y);
+    }
+    return sum;
+}
+
+// What a surface reflects of a white world, f0 times the first plus f90 times the second: for multiple
+// scattering, and for what lies under a clear coat. `cosine` is n.v.
+fn octagloss_albedo(cosine: f32, roughness: f32) -> vec2<f32> {
+    return reflection_node(READS, roughness, clamp(cosine, LEAST_COSINE, 1.0)).zw;
+}
