@@ -3,7 +3,7 @@
 #include "common/pyramid.wgsl"
 
 const READS = 9u;
-const NODES = vec2<f32>(40.0, 16.0);
+const NODES = vec2<f32>(36.0, 16.0);
 const LEAST_COSINE = 0.001;
 
 // A layer of the table of src/pyramid/reads.rs at `roughness` and n.v of `cosine`.

@@ -34,7 +34,7 @@ pub const LAYERS: usize = READS + 1 + HARMONICS.div_ceil(2);
 pub type Node = [[f32; 4]; LAYERS];
 
 /// Nodes over roughness, evenly in log(1 + 50 r), and over n.v, evenly in its root.
-pub const NODES: [usize; 2] = [40, 16];
+pub const NODES: [usize; 2] = [36, 16];
 
 /// Functions of the fit: reads, cosine, harmonics.
 const FUNCTIONS: usize = READS + 1 + HARMONICS;
@@ -49,25 +49,30 @@ const PEAK: f64 = 3.0;
 const FLOOR: f64 = 1.0;
 
 /// Rings and spokes of half vectors: of the fit, and of the albedo.
-const FIT_GRID: [u32; 2] = [48, 20];
-const ALBEDO_GRID: [u32; 2] = [128, 40];
+const FIT_GRID: [u32; 2] = [40, 16];
+const ALBEDO_GRID: [u32; 2] = [48, 24];
+
+/// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
+/// least width over alpha, and of how widths grow with the slope, as sums of these numbers times 1, x, x^2, y
+/// and x y, x = ln n.v, y = ln(1 + 6 alpha). Optimised for all views together.
+const LAW: [[f64; 5]; 5] = [
+    [-0.433, -0.511, 0.175, 0.558, -0.115],
+    [-0.630, -0.075, 0.116, -0.078, 0.187],
+    [-0.579, -0.233, -0.126, -0.839, -0.300],
+    [0.009, 0.822, -0.005, -0.165, -0.025],
+    [0.498, 0.324, 0.131, 0.267, -0.353],
+];
 
 /// Slope and width of each read, both over alpha.
 #[must_use]
 pub fn law(roughness: f64, cosine: f64) -> [[f64; 2]; READS] {
-    let nv = cosine.max(0.04).ln();
-    let alpha = 2.0 * roughness.max(0.05).ln();
-    let wide = alpha + 2.4;
-    let turned = (-1.871 + 1.023 * wide - 2.07 * nv).exp();
-    let shift = 1.993 * turned / (1.0 + turned) - 0.238;
-    let width = (-0.047 + 0.845 * nv - 0.109 * wide).exp();
-    let step = width * (-0.283 - 0.029 * nv - 0.093 * wide).exp();
-    let bend = (-1.836 - 0.605 * nv).exp();
-    let widening = (0.447 - 0.235 * nv + 0.402 * wide).exp();
+    let (x, y) = (cosine.max(0.05).ln(), (1.0 + 6.0 * roughness * roughness).ln());
+    let [shift, step, bend, width, growth] = LAW.map(|[a, b, c, d, e]| a + (b + c * x + e * y) * x + d * y);
+    let [step, bend, width, growth] = [step, bend, width, growth].map(f64::exp);
     std::array::from_fn(|read| {
         let place = read as f64 - (READS as f64 - 1.0) / 2.0 + shift;
-        let slope = step * (bend * place).sinh() / bend;
-        [slope, width * (1.0 + (widening * slope).powi(2)).sqrt()]
+        let slope = width * step * (bend * place).sinh() / bend;
+        [slope, width * (1.0 + (growth * slope).powi(2)).sqrt()]
     })
 }
 
@@ -146,7 +151,8 @@ struct Point {
 
 /// Pieces of one half of the sphere, dense around the lobe, which is symmetric about the plane of incidence:
 /// rings and spokes of half vectors. Areas are those of both halves.
-fn points(alpha: f64, view: DVec3, brdf: &Brdf, [rings, spokes]: [u32; 2]) -> Vec<Point> {
+fn points(alpha: f64, view: DVec3, brdf: &Brdf) -> Vec<Point> {
+    let [rings, spokes] = FIT_GRID;
     let scale = 0.5 * alpha;
     let step = (PI / scale).asinh() / f64::from(rings);
     let edge = |ring: u32| (scale * (step * f64::from(ring)).sinh()).min(PI);
@@ -169,28 +175,73 @@ fn points(alpha: f64, view: DVec3, brdf: &Brdf, [rings, spokes]: [u32; 2]) -> Ve
     points
 }
 
-/// What the weights multiply: of the light in the direction `light`, at reads of (`direction`, `level`).
-fn functions(octaves: Octaves, reads: &[(DVec3, f64); READS], light: DVec3) -> [f64; FUNCTIONS] {
-    let mut values = [0.0; FUNCTIONS];
-    for (value, (direction, level)) in values.iter_mut().zip(reads) {
-        let c = 1.0 - direction.dot(light);
+/// A trilinear read of the levels: two Gaussians around a direction.
+struct Read {
+    direction: DVec3,
+    /// Inverse square width and share over the integral of each.
+    gaussians: [[f64; 2]; 2],
+}
+
+impl Read {
+    fn new(octaves: Octaves, direction: DVec3, level: f64) -> Self {
         let (whole, share) = (level.floor() as u32, level.fract());
-        *value = (1.0 - share) * gaussian(width_of(octaves, whole), c);
-        if share > 0.0 {
-            *value += share * gaussian(width_of(octaves, whole + 1), c);
-        }
+        let of = |level: u32, share: f64| {
+            if share == 0.0 {
+                return [1.0, 0.0];
+            }
+            let width = width_of(octaves, level);
+            [width.powi(-2), share * gaussian(width, 0.0)]
+        };
+        Self { direction, gaussians: [of(whole, 1.0 - share), of(whole + 1, share)] }
+    }
+
+    /// What it makes of light from `light`.
+    fn at(&self, light: DVec3) -> f64 {
+        let c = 1.0 - self.direction.dot(light);
+        self.gaussians.iter().map(|[sharp, share]| share * (-c * sharp).exp()).sum()
+    }
+}
+
+/// What the weights multiply, of light from the unit vector `light`: reads, the clamped cosine, harmonics.
+fn functions(reads: &[Read; READS], around: &[DVec3; 5], light: DVec3) -> [f64; FUNCTIONS] {
+    let mut values = [0.0; FUNCTIONS];
+    for (value, read) in values.iter_mut().zip(reads) {
+        *value = read.at(light);
     }
     values[READS] = light.z.max(0.0) / PI;
-    let mut place = READS + 1;
-    for (k, angle) in AROUND.iter().enumerate() {
-        let (sine, cosine) = angle.sin_cos();
-        let all = legendre(sine * light.x + cosine * light.z);
-        for (order, value) in all.iter().enumerate().skip(k) {
-            values[place] = (2 * order + 1) as f64 / (4.0 * PI) * value;
-            place += 1;
-        }
+    let zonal = around
+        .iter()
+        .enumerate()
+        .flat_map(|(k, direction)| legendre(direction.dot(light)).into_iter().zip(0..).skip(k));
+    for (value, (zonal, order)) in values[READS + 1..].iter_mut().zip(zonal) {
+        *value = f64::from(2 * order + 1) / (4.0 * PI) * zonal;
     }
     values
+}
+
+/// The integrals of the reflection without and with the factor of f90: half vectors as GGX distributes them.
+fn albedo(alpha: f64, view: DVec3, brdf: &Brdf) -> [f64; 2] {
+    let [rings, spokes] = ALBEDO_GRID;
+    let mut sums = [0.0; 2];
+    for ring in 0..rings {
+        let share = (f64::from(ring) + 0.5) / f64::from(rings);
+        let slope = alpha * (share / (1.0 - share)).sqrt();
+        let cosine = 1.0 / (1.0 + slope * slope).sqrt();
+        let density =
+            (1.0 - share).powi(2) / (PI * alpha * alpha * cosine.powi(3)) * f64::from(rings * spokes);
+        for spoke in 0..spokes {
+            let (y, x) = (PI * (f64::from(spoke) + 0.5) / f64::from(spokes)).sin_cos();
+            let half = DVec3::new(slope * x, slope * y, 1.0) * cosine;
+            let towards = view.dot(half);
+            if towards > 0.0 {
+                let (value, fresnel) = brdf.at(half * (2.0 * towards) - view);
+                let share = 4.0 * towards * value / density;
+                sums[0] += share;
+                sums[1] += share * fresnel;
+            }
+        }
+    }
+    sums
 }
 
 /// The node that fits the reflection at `roughness` and n.v of `cosine`.
@@ -200,12 +251,7 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
     // Sharper lobes than the mirror's are served by the mirror.
     let served = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.125);
     let (alpha, brdf) = (served * served, Brdf::new(view, served, 0.0));
-    let mut albedo = [0.0; 2];
-    for point in points(alpha, view, &brdf, ALBEDO_GRID) {
-        for (sum, lobe) in albedo.iter_mut().zip(point.lobe) {
-            *sum += point.area * lobe;
-        }
-    }
+    let albedo = albedo(alpha, view, &brdf);
     let mut node = [[0.0; 4]; LAYERS];
     let reads = law(roughness, cosine).map(|[slope, width]| {
         let slope = slope * roughness * roughness;
@@ -216,42 +262,39 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
     for (layer, (_, level, slope)) in node.iter_mut().zip(reads) {
         *layer = [slope as f32, level as f32, 0.0, 0.0];
     }
-    let reads = reads.map(|(direction, level, _)| (direction, level));
+    let reads = reads.map(|(direction, level, _)| Read::new(octaves, direction, level));
+    let around = AROUND.map(|angle| DVec3::new(angle.sin(), 0.0, angle.cos()));
     let [from, to] = HARMONICS_FROM;
     let use_harmonics = smooth((roughness - from) / (to - from));
     let used = if use_harmonics > 0.0 { FUNCTIONS } else { READS };
-    let points = points(alpha, view, &brdf, FIT_GRID);
+    let points = points(alpha, view, &brdf);
     let [mean, square] = points.iter().fold([0.0; 2], |[mean, square], point| {
         [mean + point.area * point.lobe[0], square + point.area * point.lobe[0] * point.lobe[0]]
     });
     // The normal equations, and a multiplier that holds the lobe's integral at the albedo.
-    let mut system = vec![vec![0.0; used + 2]; used + 1];
+    let mut products = [[0.0; FUNCTIONS]; FUNCTIONS];
     let mut right = vec![[0.0; 2]; used + 1];
     for point in &points {
         let weight =
             point.area * (1.0 / (FLOOR / (4.0 * PI) + point.lobe[0] / mean) + PEAK * mean * mean / square);
-        let values = functions(octaves, &reads, point.light);
+        let values = functions(&reads, &around, point.light);
         for j in 0..used {
             let own = weight * values[j];
-            for k in 0..=j {
-                system[j][k] += own * values[k];
+            for (product, value) in products[j][..=j].iter_mut().zip(&values) {
+                *product += own * value;
             }
             for (sum, lobe) in right[j].iter_mut().zip(point.lobe) {
                 *sum += own * lobe / mean;
             }
         }
     }
-    let mut place = READS + 1;
-    let mut integrals = [1.0; FUNCTIONS];
-    for k in 0..AROUND.len() {
-        for order in k..AROUND.len() {
-            integrals[place] = f64::from(u8::from(order == 0));
-            place += 1;
-        }
-    }
+    // Harmonics of order 0 have an integral, the others none.
+    let mut integrals = [0.0; FUNCTIONS];
+    integrals[..=READS + 1].fill(1.0);
+    let mut system = vec![vec![0.0; used + 2]; used + 1];
     for j in 0..used {
-        for k in 0..j {
-            system[k][j] = system[j][k];
+        for k in 0..used {
+            system[j][k] = products[j.max(k)][j.min(k)];
         }
         system[j][j] += if j < READS { RIDGE[0] } else { RIDGE[1] / use_harmonics };
         system[j][used] = integrals[j];
