@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 use octagloss::internals::analysis::oracle::Oracle;
-use octagloss::internals::pyramid::brdf::Frame;
+use octagloss::internals::frame::Frame;
 use octagloss::internals::pyramid::reads::table;
 use octagloss::internals::pyramid::{Octaves, Pyramid};
 use octagloss::{Environment, Layout};

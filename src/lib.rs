@@ -126,6 +126,7 @@ mod export;
 mod filter;
 mod finite;
 mod format;
+mod frame;
 mod geometry;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -284,6 +285,7 @@ pub mod internals {
         export,
         filter,
         format,
+        frame,
         geometry,
         image,
         io,

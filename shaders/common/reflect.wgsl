@@ -4,7 +4,7 @@
 
 const READS = 9u;
 const NODES = vec2<f32>(36.0, 16.0);
-const LEAST_COSINE = 0.001;
+const LEAST_COSINE = 0.01;
 
 // A layer of the table of src/pyramid/reads.rs at `roughness` and n.v of `cosine`.
 fn reflection_node(layer: u32, roughness: f32, cosine: f32) -> vec4<f32> {
@@ -64,7 +64,8 @@ fn harmonic_orders(probe: u32, d: vec3<f32>) -> array<vec3<f32>, 5> {
 
 // Radiance that a surface reflects to a viewer: GGX with Smith's height-correlated masking and Schlick's
 // Fresnel term f0 + (f90 - f0) (1 - v.h)^5. `normal` and `view`, towards the viewer, are in world space, of any
-// length but zero; `roughness` is in [0, 1]. A view from below the surface is turned up to the horizon.
+// length but zero; `roughness` is in [0, 1]. A view with
+// n.v below 0.01, or from below the surface, is turned up to that.
 fn octagloss_reflect(
     normal: vec3<f32>,
     view: vec3<f32>,
@@ -104,10 +105,10 @@ fn octagloss_reflect_of(
         sum += (f0 * read.z + f90 * read.w) * between_levels(probe, direction, read.y);
         in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
     }
-    let shared = reflection_node(READS, roughness, cosine);
+    let rest = reflection_node(READS, roughness, cosine);
     let place = place_in_cosine(place_of(n));
     let cosine_light = textureSampleLevel(octagloss_cosine, octagloss_linear, place, probe, 0.0).xyz;
-    sum += (f0 * shared.x + f90 * shared.y) * cosine_light;
+    sum += (f0 * rest.x + f90 * rest.y) * cosine_light;
     // Harmonics around five directions in the plane, of orders from their place up.
     var angles = array<vec2<f32>, 5>(
         vec2<f32>(1.0, 0.0),
@@ -130,7 +131,7 @@ fn octagloss_reflect_of(
     }
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
     // Suns, in axes of the surface with the view in the plane of x and z.
-    let share = max(1.0 - in_mirror / (shared.z + shared.w), 0.0);
+    let share = max(1.0 - in_mirror / (rest.z + rest.w), 0.0);
     let alpha = max(roughness * roughness, 0.9 / octagloss_pyramid.inner);
     let across = cross(n, towards);
     for (var k = 0u; k < SUNS; k++) {

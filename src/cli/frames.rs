@@ -3,9 +3,9 @@
 
 use super::directions::{LIMITS, line_of, read_text, shortest};
 use crate::error::quoted;
+use crate::frame::Frame;
 use crate::io::npy;
 use crate::io::regular::open_regular;
-use crate::pyramid::brdf::Frame;
 use anyhow::{Context as _, anyhow, bail};
 use glam::DVec3;
 use std::io::{Cursor, Read};

@@ -272,7 +272,7 @@ impl LiveEnvironment {
     /// reflects to a viewer in the direction `view`, by GGX with Smith's height-correlated masking and
     /// Schlick's Fresnel term, `f0` a `vec3<f32>`. It needs no table of the split sum. `octagloss_albedo(n.v,
     /// roughness)` is what a white world gives, f0 times its x plus f90 times its y: for multiple scattering and
-    /// what lies under a clear coat. A view from below the surface is turned up to the horizon.
+    /// what lies under a clear coat. A view with n.v below 0.01 is turned up to that.
     #[must_use]
     pub fn reflect_wgsl(group: u32) -> String {
         reflection::wgsl(group)

@@ -6,15 +6,17 @@
 //! (a trilinear read), so that places and levels vary smoothly, and only weights are solved for: for 1 and for
 //! (1 - v.h)^5, with the clamped cosine and 15 harmonics that are symmetric about the plane.
 
-use super::brdf::{Brdf, LEAST_COSINE};
+use super::brdf::Brdf;
 use super::fit::{gaussian, smooth, solved};
 use super::{Octaves, WIDEST};
+use crate::frame::LEAST_COSINE;
 use crate::lobe::legendre;
+use crate::sphere::quadrature::gauss_legendre;
 use glam::DVec3;
 use half::f16;
 use rayon::prelude::*;
 use std::f64::consts::PI;
-use std::sync::OnceLock;
+use std::sync::{LazyLock, OnceLock};
 
 /// Reads at places of their own.
 pub const READS: usize = 9;
@@ -40,7 +42,7 @@ pub const NODES: [usize; 2] = [36, 16];
 const FUNCTIONS: usize = READS + 1 + HARMONICS;
 
 /// Ridge of reads, and of harmonics; roughness over which those come into use.
-const RIDGE: [f64; 2] = [5e-4, 5e-3];
+const RIDGE: [f64; 2] = [1e-3, 5e-3];
 const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
 
 /// Weight of the error over the lobe's square, which counts around lights, against that over the lobe; and the
@@ -50,7 +52,7 @@ const FLOOR: f64 = 1.0;
 
 /// Rings and spokes of half vectors: of the fit, and of the albedo.
 const FIT_GRID: [u32; 2] = [40, 16];
-const ALBEDO_GRID: [u32; 2] = [48, 24];
+const ALBEDO_GRID: [u32; 2] = [64, 32];
 
 /// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
 /// least width over alpha, and of how widths grow with the slope, as sums of these numbers times 1, x, x^2, y
@@ -219,23 +221,25 @@ fn functions(reads: &[Read; READS], around: &[DVec3; 5], light: DVec3) -> [f64; 
     values
 }
 
-/// The integrals of the reflection without and with the factor of f90: half vectors as GGX distributes them.
+/// The integrals of the reflection without and with the factor of f90, by Gauss's rule over half vectors:
+/// slopes of alpha sqrt(1 / (1 - t)^2 - 1) are as dense as GGX, and denser far away, where surfaces seen at
+/// grazing angles reflect backwards.
 fn albedo(alpha: f64, view: DVec3, brdf: &Brdf) -> [f64; 2] {
-    let [rings, spokes] = ALBEDO_GRID;
+    static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| ALBEDO_GRID.map(gauss_legendre));
+    let [rings, spokes] = &*RULES;
     let mut sums = [0.0; 2];
-    for ring in 0..rings {
-        let share = (f64::from(ring) + 0.5) / f64::from(rings);
-        let slope = alpha * (share / (1.0 - share)).sqrt();
+    for (t, ring) in rings {
+        let share = 1.0 - t;
+        let slope = alpha * (1.0 / (share * share) - 1.0).sqrt();
         let cosine = 1.0 / (1.0 + slope * slope).sqrt();
-        let density =
-            (1.0 - share).powi(2) / (PI * alpha * alpha * cosine.powi(3)) * f64::from(rings * spokes);
-        for spoke in 0..spokes {
-            let (y, x) = (PI * (f64::from(spoke) + 0.5) / f64::from(spokes)).sin_cos();
+        let area = ring * 2.0 * PI * alpha * alpha * cosine.powi(3) / share.powi(3);
+        for (angle, spoke) in spokes {
+            let (y, x) = (PI * angle).sin_cos();
             let half = DVec3::new(slope * x, slope * y, 1.0) * cosine;
             let towards = view.dot(half);
             if towards > 0.0 {
                 let (value, fresnel) = brdf.at(half * (2.0 * towards) - view);
-                let share = 4.0 * towards * value / density;
+                let share = spoke * area * 4.0 * towards * value;
                 sums[0] += share;
                 sums[1] += share * fresnel;
             }

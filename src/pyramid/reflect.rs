@@ -1,9 +1,10 @@
 //! Looks reflections of the true BRDF up: [`Pyramid::reflect`].
 
 use super::Pyramid;
-use super::brdf::{Brdf, Frame};
+use super::brdf::Brdf;
 use super::reads::{AROUND, HARMONICS, Node, READS, node_at};
 use crate::environment::Rgb;
+use crate::frame::{Frame, LEAST_COSINE};
 use crate::sh::basis;
 use glam::{DVec3, Vec3A};
 
@@ -84,7 +85,7 @@ impl Pyramid {
     /// scattering, and for what lies under a clear coat. `cosine` is n.v.
     #[must_use]
     pub fn albedo(&self, cosine: f32, roughness: f32) -> [f32; 2] {
-        let cosine = cosine.max(super::brdf::LEAST_COSINE as f32).min(1.0);
+        let cosine = cosine.max(LEAST_COSINE as f32).min(1.0);
         let [.., a, b] = node_at(self.octaves, roughness, cosine)[READS];
         [a, b]
     }

@@ -4,10 +4,10 @@ use super::Oracle;
 use super::integrate::Cut;
 use super::kernel::{Kernel, Side};
 use crate::environment::Layout;
+use crate::frame::Frame;
 use crate::geometry::exact::patch::{Accuracy, Patch, Sample, finest_rule};
 use crate::geometry::exact::{cube_texel, for_each_octahedral_piece, panorama_texel};
 use crate::lobe::Lobe;
-use crate::pyramid::brdf::Frame;
 use glam::{DMat3, DVec3};
 use std::f64::consts::{PI, SQRT_2};
 

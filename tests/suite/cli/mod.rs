@@ -8,6 +8,7 @@ pub(super) mod figures;
 pub(super) mod figures_absent;
 pub(super) mod fit;
 pub(super) mod folders;
+mod frames;
 pub(super) mod full;
 mod gates;
 mod info;

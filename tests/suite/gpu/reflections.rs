@@ -5,10 +5,10 @@ use super::{exceeds, wait, with_passes};
 use crate::support::common::{Look, Random, landmarks, oem, texels};
 use glam::DVec3;
 use octagloss::Layout;
+use octagloss::internals::frame::Frame;
 use octagloss::internals::gpu::reflection::{Query, reflect};
 use octagloss::internals::oem::OemSize;
 use octagloss::internals::pyramid::Pyramid;
-use octagloss::internals::pyramid::brdf::Frame;
 
 #[test]
 fn reflections_match_the_cpu() {

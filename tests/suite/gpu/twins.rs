@@ -20,7 +20,7 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("common/reduction.wgsl", "GROUPS", "fixed_point::GROUPS"),
     ("common/reduction.wgsl", "GROUP_SIZE", "fixed_point::GROUP_SIZE"),
     ("common/reduction.wgsl", "TEXELS", "fixed_point::TEXELS"),
-    ("common/reflect.wgsl", "LEAST_COSINE", "brdf::LEAST_COSINE"),
+    ("common/reflect.wgsl", "LEAST_COSINE", "frame::LEAST_COSINE"),
     ("common/reflect.wgsl", "NODES", "reads::NODES"),
     ("common/reflect.wgsl", "READS", "reads::READS"),
     ("common/rows.wgsl", "ROW", "stage::ROW"),
