@@ -37,10 +37,8 @@ struct OctaglossPyramid {
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct OctaglossSun {
-    /// Mean direction.
-    pub direction: [f32; 3],
-    /// Mean squared distance of its light from there.
-    pub spread: f32,
+    /// Mean direction of each channel, and the mean squared distance of its light from there.
+    pub channels: [[f32; 4]; 3],
     /// Radiance times solid angle.
     pub energy: [f32; 3],
     pad: f32,

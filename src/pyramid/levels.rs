@@ -15,6 +15,7 @@ use crate::sphere::octahedral::{
     direction_from_oct, oct_from_direction, octahedron_from_oct, texel_centre, wrap_texel,
 };
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A};
+use half::f16;
 use rayon::prelude::*;
 
 /// Rings of reads around a Gaussian: reads, radius in standard deviations, weight of all.
@@ -154,10 +155,12 @@ pub fn exponent(greatest: f32) -> i32 {
     if greatest > 0.0 { ((greatest.to_bits() >> 23) as i32 - 126).max(-100) - BRIGHTEST } else { 0 }
 }
 
-/// Radiance of `oem` by texel, times 2^-`exponent`.
+/// Radiance of `oem` by texel, times 2^-`exponent`, in half floats as textures hold it: suns stay in it.
 pub(crate) fn mirror(oem: &Oem, exponent: i32) -> Map {
     let scale = (-f64::from(exponent)).exp2() as f32;
-    Map::new(oem.size().inner, |x, y| Vec3A::from_array(oem.radiance(x, y)) * scale)
+    Map::new(oem.size().inner, |x, y| {
+        Vec3A::from_array(oem.radiance(x, y).map(|value| f16::from_f32(value * scale).to_f32()))
+    })
 }
 
 /// The sharp level: sums of the texels of `mirror`, clamped to `clamp`, under a Gaussian of `width`.
