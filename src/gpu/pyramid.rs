@@ -38,7 +38,9 @@ struct OctaglossPyramid {
 #[repr(C)]
 pub struct OctaglossSun {
     /// Mean direction of each channel, and the mean squared distance of its light from there.
-    pub channels: [[f32; 4]; 3],
+    pub red: [f32; 4],
+    pub green: [f32; 4],
+    pub blue: [f32; 4],
     /// Radiance times solid angle.
     pub energy: [f32; 3],
     pad: f32,

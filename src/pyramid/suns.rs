@@ -126,6 +126,9 @@ impl SunChannel {
     /// A light of variance v around its mean is evaluated there by a lobe of alpha^2 + v / 2: near its centre
     /// GGX is 1 - d^2 / 2 alpha^2 of its peak at the distance d.
     fn glossy(&self, alpha: f32, direction: Vec3A) -> f32 {
+        if self.energy == 0.0 {
+            return 0.0;
+        }
         let s = (self.direction.distance_squared(direction) / 4.0).min(0.5);
         let widened = (alpha * alpha + self.spread / 2.0).min(1.0);
         self.energy * lobe::ggx(f64::from(widened), f64::from(s)) as f32
