@@ -37,9 +37,11 @@ struct OctaglossPyramid {
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct OctaglossSun {
-    /// Mean direction of each channel, and the mean squared distance of its light from there.
+    /// Mean direction of red light, and the mean squared distance of its light from there.
     pub red: [f32; 4],
+    /// The same of green light.
     pub green: [f32; 4],
+    /// The same of blue light.
     pub blue: [f32; 4],
     /// Radiance times solid angle.
     pub energy: [f32; 3],
