@@ -1,25 +1,21 @@
 //! Measures the pyramid against exhaustive sums over panoramas: `cargo run --release --example
-//! measure_pyramid -- [--fitted] PANORAMA...`. Prints, for each roughness, the relRMSE of the worst channel
+//! measure_pyramid -- PANORAMA...`. Prints, for each roughness, the relRMSE of the worst channel
 //! at random directions; epsilon and the greatest error over the peak within 6 alpha of the brightest texel;
 //! with `--cones` the error around +-X and +-Z over that elsewhere, over 20 rotations; with `--gpu` the times
 //! of passes and frames, and how far the GPU is from the CPU.
 
 use glam::{DMat3, DQuat, DVec3};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
-use octagloss::internals::filter::{Answer, Filter};
 use octagloss::internals::gpu::device::readback;
-use octagloss::internals::gpu::fitted::{Fitted, FittedTables};
 use octagloss::internals::gpu::pyramid::{PyramidMaps, radiance, stage};
 use octagloss::internals::gpu::{
-    Context, OemPlanes, Stage, adapters, block_on, build_fitted, build_pyramid, reparameterise,
+    Context, OemPlanes, Stage, adapters, block_on, build_pyramid, reparameterise,
 };
-use octagloss::internals::lobe::{Lobe, kernel};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::pyramid::Pyramid;
-use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::{Environment, Layout, wgpu};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::time::Instant;
 
 const ROUGHNESS: [f64; 12] = [0.07, 0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0];
@@ -47,7 +43,7 @@ impl Random {
     }
 
     fn direction(&mut self) -> DVec3 {
-        self.within(DVec3::Y, std::f64::consts::PI)
+        self.within(DVec3::Y, PI)
     }
 
     fn rotation(&mut self) -> DMat3 {
@@ -58,42 +54,47 @@ impl Random {
 }
 
 /// Mean radiance under the lobe of `roughness`: texels are constant, and points of texels near the lobe are
-/// summed.
+/// summed, as in `verify_bake.py`.
 fn truth(environment: &Environment, roughness: f64, direction: DVec3) -> DVec3 {
     let Layout::Panorama { width, height } = environment.layout() else { panic!("a panorama") };
-    let alpha = roughness * roughness;
-    let near = (1.0 - (4.0 * alpha).max(0.1).min(1.5).cos()) / 2.0;
-    let points = if roughness < 0.12 {
-        7
-    } else if roughness < 0.35 {
-        3
-    } else {
-        1_u32
+    let fine = match roughness {
+        ..0.12 => 7,
+        0.12..0.2 => 5,
+        0.2..0.35 => 3,
+        _ => 1,
     };
+    let a2 = roughness.powi(4);
+    let kernel = |cosine: f64| cosine.max(0.0) / (1.0 + (a2 - 1.0) * (1.0 + cosine) / 2.0).powi(2);
+    // Points of a row, and of a column: what they add to the cosine, and the row's solid angle.
+    let columns = |points: u32| -> Vec<f64> {
+        let angle = |x: u32| TAU * ((f64::from(x) + 0.5) / f64::from(width * points) - 0.5);
+        (0..width * points).map(|x| direction.dot(DVec3::new(angle(x).cos(), 0.0, angle(x).sin()))).collect()
+    };
+    let rows = |points: u32| -> Vec<[f64; 3]> {
+        let angle = |y: f64| PI * y / f64::from(height * points);
+        let row = |y: f64| {
+            [angle(y + 0.5).sin(), direction.y * angle(y + 0.5).cos(), angle(y).cos() - angle(y + 1.0).cos()]
+        };
+        (0..height * points).map(|y| row(f64::from(y))).collect()
+    };
+    let (centre_columns, centre_rows) = (columns(1), rows(1));
+    let (fine_columns, fine_rows) = (columns(fine), rows(fine));
     let (mut sum, mut total) = (DVec3::ZERO, 0.0);
-    let at = |x: f64, y: f64| {
-        let (sine, cosine) = (std::f64::consts::PI * y / f64::from(height)).sin_cos();
-        let (z, x) = (TAU * (x / f64::from(width) - 0.5)).sin_cos();
-        (DVec3::new(sine * x, cosine, sine * z), sine)
-    };
-    for y in 0..height {
-        for x in 0..width {
-            let centre = at(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let s = centre.0.distance_squared(direction) / 4.0;
-            let weight = if s < near && points > 1 {
-                (0..points * points)
-                    .map(|k| {
-                        let point =
-                            [k % points, k / points].map(|k| (f64::from(k) + 0.5) / f64::from(points));
-                        let (to, area) = at(f64::from(x) + point[0], f64::from(y) + point[1]);
-                        area * kernel(Lobe::Ggx, alpha, to.distance_squared(direction) / 4.0)
-                    })
-                    .sum::<f64>()
-                    / f64::from(points * points)
+    for (y, [sine, up, area]) in centre_rows.into_iter().enumerate() {
+        for (x, along) in centre_columns.iter().enumerate() {
+            let cosine = sine * along + up;
+            let weight = if cosine > 0.8 && fine > 1 {
+                let fine = fine as usize;
+                let mut weight = 0.0;
+                for [sine, up, area] in &fine_rows[y * fine..(y + 1) * fine] {
+                    let row = fine_columns[x * fine..(x + 1) * fine].iter();
+                    weight += area * row.map(|along| kernel(sine * along + up)).sum::<f64>();
+                }
+                weight / fine as f64
             } else {
-                centre.1 * kernel(Lobe::Ggx, alpha, s)
+                area * kernel(cosine)
             };
-            let texel = environment.texels()[(y * width + x) as usize];
+            let texel = environment.texels()[y * width as usize + x];
             sum += weight * DVec3::from_array(texel.map(f64::from));
             total += weight;
         }
@@ -140,9 +141,10 @@ fn kinks(pyramid: &Pyramid, environment: &Environment, roughness: f64, sun: DVec
     let luminance = |rgb: DVec3| rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722));
     let truth: Vec<f64> =
         directions.par_iter().map(|direction| luminance(truth(environment, roughness, *direction))).collect();
-    let found = directions.iter().map(|direction| {
-        luminance(DVec3::from_array(pyramid.radiance(*direction, roughness as f32).map(f64::from)))
-    });
+    let lobes = pyramid.lobes(roughness as f32);
+    let found = directions
+        .iter()
+        .map(|direction| luminance(DVec3::from_array(lobes.radiance(*direction).map(f64::from))));
     let off: Vec<f64> = found.zip(&truth).map(|(found, truth)| found - truth).collect();
     let slope = truth.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
     off.windows(3).map(|three| (three[0] - 2.0 * three[1] + three[2]).abs()).fold(0.0, f64::max) / slope
@@ -162,7 +164,7 @@ fn turned(environment: &Environment, source_from_map: DMat3) -> Environment {
                         octagloss::internals::sphere::octahedral::texel_centre(4 * SIZE, at[0], at[1]),
                     );
                 let x = (to.z.atan2(to.x) / TAU + 0.5) * f64::from(width);
-                let y = to.y.clamp(-1.0, 1.0).acos() / std::f64::consts::PI * f64::from(height);
+                let y = to.y.clamp(-1.0, 1.0).acos() / PI * f64::from(height);
                 let place = (y as u32).min(height - 1) * width + (x as u32).min(width - 1);
                 sum += DVec3::from_array(environment.texels()[place as usize].map(f64::from)) / 16.0;
             }
@@ -224,7 +226,7 @@ fn on_gpu(environment: &Environment, oem: &Oem, pyramid: &Pyramid) {
                 .collect();
             let expected: Vec<DVec3> = queries
                 .iter()
-                .map(|(d, r)| DVec3::from_array(pyramid.radiance(*d, *r as f32).map(f64::from)))
+                .map(|(d, r)| DVec3::from_array(pyramid.lobes(*r as f32).radiance(*d).map(f64::from)))
                 .collect();
             let [relative, _, peak] = measures(&found, &expected);
             println!("    r {roughness:4.2}: GPU from CPU relRMSE {relative:.6}, of peak {peak:.6}");
@@ -233,18 +235,12 @@ fn on_gpu(environment: &Environment, oem: &Oem, pyramid: &Pyramid) {
             .flat_map(|y| (0..1920).map(move |x| [x, y]))
             .map(|[x, y]| {
                 let (u, v) = ((f64::from(x) + 0.5) / 1920.0, (f64::from(y) + 0.5) / 1080.0);
-                let (sine, cosine) = (std::f64::consts::PI * v).sin_cos();
+                let (sine, cosine) = (PI * v).sin_cos();
                 let (z, x) = (TAU * (u - 0.5)).sin_cos();
                 (DVec3::new(sine * x, cosine, sine * z), u)
             })
             .collect();
         println!("    frame by pyramid: {:.4} s", timed(&[stage(&context, &maps, &frame).0]));
-        let tables = FittedTables::new(&context, oem.size().inner, 4).expect("tables");
-        let old = build_fitted::stages(&context, octagloss::internals::sat::Scan::Blocks, &planes, &tables)
-            .expect("stages");
-        println!("    update by fitted:4: {:.4} s", timed(&old));
-        let stage = Fitted::new(&context).stage(&context, &tables, &frame).0;
-        println!("    frame by fitted:4: {:.4} s", timed(&[stage]));
     }
 }
 
@@ -260,19 +256,19 @@ async fn readback_all(context: &Context) {
 }
 
 fn main() {
-    let (mut fitted, mut cones, mut gpu) = (false, false, false);
+    let (mut cones, mut gpu) = (false, false);
     let mut paths = Vec::new();
     for argument in std::env::args().skip(1) {
         match argument.as_str() {
-            "--fitted" => fitted = true,
             "--cones" => cones = true,
             "--gpu" => gpu = true,
             _ => paths.push(argument),
         }
     }
     let mut random_rows = vec![Vec::new(); ROUGHNESS.len()];
-    let mut fitted_rows = vec![Vec::new(); ROUGHNESS.len()];
     let mut cone_rows = vec![Vec::new(); ROUGHNESS.len()];
+    // Epsilon, greatest error over the peak, kinks.
+    let mut sun_rows = vec![[const { Vec::new() }; 3]; ROUGHNESS.len()];
     for path in &paths {
         let environment = Environment::read(path).expect("a panorama");
         let start = Instant::now();
@@ -290,13 +286,6 @@ fn main() {
             on_gpu(&environment, &oem, &pyramid);
             continue;
         }
-        let reflector = fitted.then(|| {
-            Reflector::new(
-                &environment,
-                &ReflectorSettings { oem_size: Some(SIZE), fitted: true, ..ReflectorSettings::default() },
-            )
-            .expect("a reflector")
-        });
         let Layout::Panorama { width, height } = environment.layout() else { panic!("a panorama") };
         let texels = environment.texels();
         let brightest = (0..texels.len())
@@ -306,11 +295,10 @@ fn main() {
         let sun = environment.layout().direction_from_texel(0, x, y);
         let _ = height;
         let mut random = Random(7);
-        let anywhere: Vec<DVec3> = (0..150).map(|_| random.direction()).collect();
+        let anywhere: Vec<DVec3> = (0..300).map(|_| random.direction()).collect();
         for (k, roughness) in ROUGHNESS.into_iter().enumerate() {
-            let look = |direction: &DVec3| {
-                DVec3::from_array(pyramid.radiance(*direction, roughness as f32).map(f64::from))
-            };
+            let lobes = pyramid.lobes(roughness as f32);
+            let look = |direction: &DVec3| DVec3::from_array(lobes.radiance(*direction).map(f64::from));
             let exact = |directions: &[DVec3]| -> Vec<DVec3> {
                 directions.par_iter().map(|direction| truth(&environment, roughness, *direction)).collect()
             };
@@ -319,28 +307,15 @@ fn main() {
             let [relative, ..] = measures(&found, &true_anywhere);
             random_rows[k].push(relative);
             let around: Vec<DVec3> =
-                (0..150).map(|_| random.within(sun, (6.0 * roughness * roughness).min(TAU / 4.0))).collect();
+                (0..500).map(|_| random.within(sun, (6.0 * roughness * roughness).min(TAU / 4.0))).collect();
             let true_around = exact(&around);
             let found: Vec<DVec3> = around.iter().map(look).collect();
             let [_, epsilon, peak] = measures(&found, &true_around);
-            print!(
-                "  r {roughness:4.2} random {relative:.4}, sun: epsilon {epsilon:.4} of peak {peak:.4} kinks {:.3}",
-                kinks(&pyramid, &environment, roughness, sun)
+            let kinks = kinks(&pyramid, &environment, roughness, sun);
+            println!(
+                "  r {roughness:4.2} random {relative:.4}, sun: epsilon {epsilon:.4} of peak {peak:.4} kinks {kinks:.3}"
             );
-            if let Some(reflector) = &reflector {
-                let ask = |directions: &[DVec3]| -> Vec<DVec3> {
-                    let answers = reflector.query_all(directions, roughness, Lobe::Ggx, Filter::Fitted(4));
-                    let radiance = |answer: &Answer| DVec3::from_array(answer.radiance.map(f64::from));
-                    answers.expect("answers").iter().map(radiance).collect()
-                };
-                let found = ask(&anywhere);
-                let [old, ..] = measures(&found, &true_anywhere);
-                let found = ask(&around);
-                let [_, epsilon, peak] = measures(&found, &true_around);
-                fitted_rows[k].push(old);
-                print!("; fitted:4 random {old:.4}, sun: {epsilon:.4} {peak:.4}");
-            }
-            println!();
+            sun_rows[k].iter_mut().zip([epsilon, peak, kinks]).for_each(|(row, own)| row.push(own));
         }
         if cones {
             let mut near = vec![(Vec::new(), Vec::new()); ROUGHNESS.len()];
@@ -354,9 +329,10 @@ fn main() {
                     .collect();
                 let elsewhere: Vec<DVec3> = (0..4).map(|_| random.direction()).collect();
                 for (k, roughness) in ROUGHNESS.into_iter().enumerate() {
+                    let lobes = pyramid.lobes(roughness as f32);
                     for (rows, directions) in [(&mut near[k], &cones), (&mut far[k], &elsewhere)] {
                         for direction in directions {
-                            let found = pyramid.radiance(*direction, roughness as f32);
+                            let found = lobes.radiance(*direction);
                             rows.0.push(DVec3::from_array(found.map(f64::from)));
                             rows.1.push(truth(&environment, roughness, rotation * *direction));
                         }
@@ -376,9 +352,8 @@ fn main() {
     for (k, roughness) in ROUGHNESS.into_iter().enumerate() {
         let most = random_rows[k].iter().copied().fold(0.0, f64::max);
         print!("r {roughness:4.2}: median {:.4} worst {most:.4}", median(random_rows[k].clone()));
-        if fitted {
-            let most = fitted_rows[k].iter().copied().fold(0.0, f64::max);
-            print!("; fitted:4 {:.4} {most:.4}", median(fitted_rows[k].clone()));
+        for (name, row) in ["epsilon", "of peak", "kinks"].into_iter().zip(&sun_rows[k]) {
+            print!("; {name} {:.4} {:.4}", median(row.clone()), row.iter().copied().fold(0.0, f64::max));
         }
         if cones {
             print!("; cones {:.3}", median(cone_rows[k].clone()));

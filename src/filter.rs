@@ -20,7 +20,7 @@ pub enum Filter {
     /// Adaptive quadrature with a certified bound; the value is the target relRMSE over the sphere, in
     /// [`MIN_ERROR`, 1).
     Adaptive(f64),
-    /// The real-time tier: Gaussians, harmonics and suns whose sum is GGX; see [`crate::pyramid`]. Irradiance
+    /// The real-time tier: levels and suns whose weighted sum is GGX, see `docs/pyramid.md`. Irradiance
     /// uses [`Filter::Adaptive`] with 0.005.
     Pyramid,
     /// The single box of the 2008 paper.

@@ -4,9 +4,10 @@ const SUNS = 8u;
 
 // A sun: `Sun` of src/pyramid/suns.rs. Unused ones have no energy.
 struct OctaglossSun {
-    direction: vec3<f32>,
-    // Mean squared distance of its light from `direction`.
-    spread: f32,
+    // Mean direction of each channel, and the mean squared distance of its light from there.
+    red: vec4<f32>,
+    green: vec4<f32>,
+    blue: vec4<f32>,
     // Radiance times solid angle.
     energy: vec3<f32>,
     pad: f32,
@@ -23,5 +24,5 @@ struct OctaglossLight {
     // Harmonics of the rest to order 4, scaled.
     harmonics: array<vec4<f32>, 25>,
     // Fills a multiple of 256 bytes, at which bindings may begin.
-    @size(304) suns: array<OctaglossSun, SUNS>,
+    @size(560) suns: array<OctaglossSun, SUNS>,
 }

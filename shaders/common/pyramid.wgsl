@@ -94,14 +94,21 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     let alpha = roughness * roughness;
     for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];
-        let apart = d - sun.direction;
-        let s = 0.25 * dot(apart, apart);
-        let a2 = min(alpha * alpha + 0.5 * sun.spread, 1.0);
+        // A quarter of the squared distance, which the cosine does not resolve in single precision.
+        let apart = vec3<f32>(
+            squared(d - sun.red.xyz), squared(d - sun.green.xyz), squared(d - sun.blue.xyz));
+        let s = min(0.25 * apart, vec3<f32>(0.5));
+        let spread = vec3<f32>(sun.red.w, sun.green.w, sun.blue.w);
+        let a2 = min(alpha * alpha + 0.5 * spread, vec3<f32>(1.0));
         let bend = s + a2 * (1.0 - s);
-        let lobe = 0.31830987 * a2 / (bend * bend) * max(1.0 - 2.0 * s, 0.0);
-        sum += sun.energy * (lobe * e.w * (1.0 - a.x));
+        let lobe = 0.31830987 * a2 / (bend * bend) * (1.0 - 2.0 * s);
+        sum += sun.energy * lobe * (e.w * (1.0 - a.x));
     }
     return sum;
+}
+
+fn squared(v: vec3<f32>) -> f32 {
+    return dot(v, v);
 }
 
 // The same place in the cosine map, which has a border of one texel around 32.
@@ -124,7 +131,8 @@ fn octagloss_irradiance_of(probe: u32, normal: vec3<f32>) -> vec3<f32> {
     sum *= octagloss_lights[probe].unscale;
     for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];
-        sum += sun.energy * (0.31830987 * max(dot(d, sun.direction), 0.0));
+        let facing = vec3<f32>(dot(d, sun.red.xyz), dot(d, sun.green.xyz), dot(d, sun.blue.xyz));
+        sum += sun.energy * (0.31830987 * max(facing, vec3<f32>()));
     }
     return sum;
 }

@@ -3,7 +3,7 @@
 #include "common/pyramid.wgsl"
 
 const READS = 9u;
-const NODES = vec2<f32>(36.0, 16.0);
+const NODES = vec2<f32>(36.0, 24.0);
 const LEAST_COSINE = 0.01;
 
 // A layer of the table of src/pyramid/reads.rs at `roughness` and n.v of `cosine`.
@@ -136,9 +136,16 @@ fn octagloss_reflect_of(
     let across = cross(n, towards);
     for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];
-        let light = vec3<f32>(dot(sun.direction, towards), dot(sun.direction, across), dot(sun.direction, n));
-        let found = brdf_around(vec3<f32>(sine, 0.0, cosine), light, vec2<f32>(alpha), sun.spread);
-        sum += sun.energy * (share * found.x) * (f0 + (f90 - f0) * found.y);
+        var channels = array<vec4<f32>, 3>(sun.red, sun.green, sun.blue);
+        var values = array<vec2<f32>, 3>();
+        for (var c = 0u; c < 3u; c++) {
+            let to = channels[c].xyz;
+            let light = vec3<f32>(dot(to, towards), dot(to, across), dot(to, n));
+            values[c] = brdf_around(vec3<f32>(sine, 0.0, cosine), light, vec2<f32>(alpha), channels[c].w);
+        }
+        let value = vec3<f32>(values[0].x, values[1].x, values[2].x);
+        let fresnel = vec3<f32>(values[0].y, values[1].y, values[2].y);
+        sum += sun.energy * (share * value) * (f0 + (f90 - f0) * fresnel);
     }
     return sum;
 }

@@ -83,46 +83,59 @@ fn suns(@builtin(local_invocation_index) lane: u32) {
         }
     }
     let clamp = bitcast<f32>(last.x);
+    // `exponent` of src/pyramid/levels.rs.
+    let exponent = select(0, max(i32(greatest >> 23u) - 126, -100) - 15, greatest > 0u);
+    let scale = bitcast<f32>(u32(127 - exponent) << 23u);
+    let unscale = bitcast<f32>(u32(127 + exponent) << 23u);
     if lane < SUNS {
-        light.suns[lane] = sun_of(chosen[lane], clamp);
+        light.suns[lane] = sun_of(chosen[lane], clamp, scale);
+        light.suns[lane].energy *= unscale;
     }
     if lane == 0u {
-        // `exponent` of src/pyramid/levels.rs.
-        let exponent = select(0, max(i32(greatest >> 23u) - 126, -100) - 15, greatest > 0u);
-        light.scale = bitcast<f32>(u32(127 - exponent) << 23u);
-        light.unscale = bitcast<f32>(u32(127 + exponent) << 23u);
-        light.clamp = clamp * light.scale;
+        light.scale = scale;
+        light.unscale = unscale;
+        light.clamp = clamp * scale;
     }
 }
 
-// The energy of a texel above what it is clamped to.
-fn excess(at: u32, clamp: f32) -> vec3<f32> {
+// The energy of a texel above what it is clamped to, scaled: squares of energies overflow.
+fn excess(at: u32, clamp: f32, scale: f32) -> vec3<f32> {
     let own = brightness(at);
-    return energy_at(at) * select(0.0, 1.0 - clamp / own, own > clamp);
+    return energy_at(at) * scale * select(0.0, 1.0 - clamp / own, own > clamp);
 }
 
-fn sun_of(own: u32, clamp: f32) -> OctaglossSun {
+// Its energy is scaled.
+fn sun_of(own: u32, clamp: f32, scale: f32) -> OctaglossSun {
     let block = table.inner / side();
     var energy = vec3<f32>();
-    var mean = vec3<f32>();
+    // Energy times direction, a column for each channel.
+    var means: mat3x3<f32>;
     for (var k = 0u; k < block * block; k++) {
         let texel = texel_of(own, k);
-        let given = excess(place_in_plane(texel), clamp);
+        let given = excess(place_in_plane(texel), clamp, scale);
+        let direction = direction_of(texel);
         energy += given;
-        mean += (given.x + given.y + given.z) * direction_of(texel);
+        means += mat3x3<f32>(given.x * direction, given.y * direction, given.z * direction);
     }
-    let direction = direction_of_sum(mean);
-    if all(direction == vec3<f32>()) {
-        return OctaglossSun();
+    for (var c = 0; c < 3; c++) {
+        means[c] = direction_of_sum(means[c]);
     }
-    var apart = 0.0;
+    var apart = vec3<f32>();
     for (var k = 0u; k < block * block; k++) {
         let texel = texel_of(own, k);
-        let given = excess(place_in_plane(texel), clamp);
-        let offset = direction_of(texel) - direction;
-        apart += (given.x + given.y + given.z) * (dot(offset, offset) + texel_spread(texel));
+        let direction = direction_of(texel);
+        let squares = vec3<f32>(
+            squared(direction - means[0]), squared(direction - means[1]), squared(direction - means[2]));
+        apart += excess(place_in_plane(texel), clamp, scale) * (squares + texel_spread(texel));
     }
-    return OctaglossSun(direction, apart / (energy.x + energy.y + energy.z), energy, 0.0);
+    let spreads = select(vec3<f32>(), apart / energy, energy > vec3<f32>());
+    return OctaglossSun(
+        vec4<f32>(means[0], spreads.x), vec4<f32>(means[1], spreads.y), vec4<f32>(means[2], spreads.z),
+        energy, 0.0);
+}
+
+fn squared(v: vec3<f32>) -> f32 {
+    return dot(v, v);
 }
 
 fn uv_of(texel: vec2<u32>) -> vec2<f32> {

@@ -37,10 +37,12 @@ struct OctaglossPyramid {
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct OctaglossSun {
-    /// Mean direction.
-    pub direction: [f32; 3],
-    /// Mean squared distance of its light from there.
-    pub spread: f32,
+    /// Mean direction of red light, and the mean squared distance of its light from there.
+    pub red: [f32; 4],
+    /// The same of green light.
+    pub green: [f32; 4],
+    /// The same of blue light.
+    pub blue: [f32; 4],
     /// Radiance times solid angle.
     pub energy: [f32; 3],
     pad: f32,

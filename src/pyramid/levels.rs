@@ -14,7 +14,8 @@ use crate::oem::Oem;
 use crate::sphere::octahedral::{
     direction_from_oct, oct_from_direction, octahedron_from_oct, texel_centre, wrap_texel,
 };
-use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A, Vec4};
+use half::f16;
 use rayon::prelude::*;
 
 /// Rings of reads around a Gaussian: reads, radius in standard deviations, weight of all.
@@ -47,27 +48,36 @@ impl Map {
                 *place = texel(x, y);
             }
         });
-        let last = i64::from(inner);
-        let edges = (-1..=last).flat_map(|k| [(k, -1), (k, last), (-1, k), (last, k)]);
-        for (x, y) in edges {
-            let (from_x, from_y) = wrap_texel(inner, x, y);
-            texels[(y + 1) as usize * side + (x + 1) as usize] =
-                texels[(from_y as usize + 1) * side + from_x as usize + 1];
-        }
-        Self { inner, texels }
+        Self { inner, texels }.bordered()
     }
 
     /// A map whose texels are `texels(x, y)` for the quarter with x, y < `inner` / 2: the texel there, the one
     /// mirrored along u, along v, and along both. The octahedron's mirrors let four texels share geometry.
     pub(crate) fn of_quarters(inner: u32, texels: impl Fn(u32, u32) -> [Vec3A; 4] + Sync) -> Self {
-        let half = inner / 2;
-        let quarters: Vec<[Vec3A; 4]> =
-            (0..half * half).into_par_iter().map(|k| texels(k % half, k / half)).collect();
-        Self::new(inner, |x, y| {
-            let (far_x, far_y) = (x >= half, y >= half);
-            let own = [if far_x { inner - 1 - x } else { x }, if far_y { inner - 1 - y } else { y }];
-            quarters[(own[1] * half + own[0]) as usize][usize::from(far_x) + 2 * usize::from(far_y)]
-        })
+        let (last, half) = (inner as usize, inner as usize / 2);
+        let side = last + 2;
+        let mut all = vec![Vec3A::ZERO; side * side];
+        let (top, bottom) = all.split_at_mut(side * (half + 1));
+        let bottom = bottom.par_chunks_exact_mut(side).take(half).rev();
+        let rows = top.par_chunks_exact_mut(side).skip(1).zip(bottom).zip(0..inner / 2);
+        rows.for_each(|((above, below), y)| {
+            for (x, at) in (0..inner / 2).zip(1..) {
+                [above[at], above[last + 1 - at], below[at], below[last + 1 - at]] = texels(x, y);
+            }
+        });
+        Self { inner, texels: all }.bordered()
+    }
+
+    /// With the border filled.
+    fn bordered(mut self) -> Self {
+        let (side, last) = (self.inner as usize + 2, i64::from(self.inner));
+        let edges = (-1..=last).flat_map(|k| [(k, -1), (k, last), (-1, k), (last, k)]);
+        for (x, y) in edges {
+            let (from_x, from_y) = wrap_texel(self.inner, x, y);
+            self.texels[(y + 1) as usize * side + (x + 1) as usize] =
+                self.texels[(from_y as usize + 1) * side + from_x as usize + 1];
+        }
+        self
     }
 
     /// Texels along an edge, without the border.
@@ -85,18 +95,36 @@ impl Map {
     /// Bilinear between the texels around `direction`, a unit vector.
     #[must_use]
     pub fn around(&self, direction: DVec3) -> Vec3A {
-        self.bilinear(oct_from_direction(direction).as_vec2())
-    }
-
-    /// Bilinear between the texels around `uv` in [-1, 1]^2.
-    fn bilinear(&self, uv: Vec2) -> Vec3A {
-        let at = (uv + 1.0) * (0.5 * self.inner as f32) + 0.5;
+        let ([x, y], share) = self.place(oct_from_direction(direction).as_vec2());
         let side = self.inner as usize + 2;
-        let (x, y) = (at.x as usize, at.y as usize);
-        let share = at - Vec2::new(x as f32, y as f32);
         let first = y * side + x;
         let row = |first: usize| self.texels[first].lerp(self.texels[first + 1], share.x);
         row(first).lerp(row(first + side), share.y)
+    }
+
+    /// The first of the four texels around `uv` in [-1, 1]^2, border included, and the shares of the next.
+    fn place(&self, uv: Vec2) -> ([usize; 2], Vec2) {
+        let at = (uv + 1.0) * (0.5 * self.inner as f32) + 0.5;
+        let (x, y) = (at.x as usize, at.y as usize);
+        ([x, y], at - Vec2::new(x as f32, y as f32))
+    }
+
+    /// Adds `weight` times the bilinear reads around `uv` and its mirrors to `sums`, as in
+    /// [`Self::of_quarters`].
+    #[inline]
+    fn add_mirrored(&self, sums: &mut [Vec3A; 4], uv: Vec2, weight: f32) {
+        let ([x, y], share) = self.place(uv);
+        let side = self.inner as usize + 2;
+        let far = side - 2 - x;
+        for (y, own) in [(y, weight * (1.0 - share.y)), (y + 1, weight * share.y)] {
+            let (near, next) = (own * (1.0 - share.x), own * share.x);
+            for (sums, row) in sums.chunks_exact_mut(2).zip([y, side - 1 - y]) {
+                let row = &self.texels[row * side..][..side];
+                let (left, right) = (&row[x..x + 2], &row[far..far + 2]);
+                sums[0] += near * left[0] + next * left[1];
+                sums[1] += near * right[1] + next * right[0];
+            }
+        }
     }
 }
 
@@ -154,22 +182,25 @@ pub fn exponent(greatest: f32) -> i32 {
     if greatest > 0.0 { ((greatest.to_bits() >> 23) as i32 - 126).max(-100) - BRIGHTEST } else { 0 }
 }
 
-/// Radiance of `oem` by texel, times 2^-`exponent`.
+/// Radiance of `oem` by texel, times 2^-`exponent`, in half floats as textures hold it: suns stay in it.
 pub(crate) fn mirror(oem: &Oem, exponent: i32) -> Map {
     let scale = (-f64::from(exponent)).exp2() as f32;
-    Map::new(oem.size().inner, |x, y| Vec3A::from_array(oem.radiance(x, y)) * scale)
+    Map::new(oem.size().inner, |x, y| {
+        Vec3A::from_array(oem.radiance(x, y).map(|value| f16::from_f32(value * scale).to_f32()))
+    })
 }
 
 /// The sharp level: sums of the texels of `mirror`, clamped to `clamp`, under a Gaussian of `width`.
 pub(crate) fn sharp(mirror: &Map, clamp: f32, width: f64) -> Map {
     let inner = mirror.inner();
+    let size = inner as usize;
     // Direction and solid angle density of every texel, and its light.
     let texels = (0..inner * inner).into_par_iter().map(|k| [k % inner, k / inner]);
-    let directions: Vec<(Vec3A, f32)> = texels
+    let directions: Vec<Vec4> = texels
         .clone()
         .map(|[x, y]| {
             let point = octahedron_from_oct(texel_centre(inner, x, y));
-            (point.normalize().as_vec3a(), point.length().powi(-3) as f32)
+            point.normalize().as_vec3().extend(point.length().powi(-3) as f32)
         })
         .collect();
     let light: Vec<Vec3A> = texels
@@ -183,42 +214,57 @@ pub(crate) fn sharp(mirror: &Map, clamp: f32, width: f64) -> Map {
         let [a, b, c] = place.covariance;
         // Half of the inverse.
         let [a, b, c] = [c, -b, a].map(|value| 0.5 * value / (a * c - b * b));
-        let [along, across] = place.axes.map(Vec3A::from);
-        let direction = Vec3A::from(place.direction);
+        let [along, across] = place.axes.map(|axis| axis.extend(0.0));
+        let direction = place.direction.extend(0.0);
         let reach = (place.reach * (1.1 * CUT * width as f32)).to_array().map(|texels| texels.ceil() as u32);
         let mut sums = [Vec3A::ZERO; 4];
         let mut total = 0.0;
-        let last = inner - 1;
-        visit_window(inner, [x, y], reach, |x, y| {
-            let at = (y * inner + x) as usize;
-            let (other, density) = directions[at];
-            let offset = other - direction;
-            let (p, q) = (offset.dot(along), offset.dot(across));
-            let exponent = a * p * p + 2.0 * b * p * q + c * q * q;
-            if exponent < 0.5 * CUT * CUT {
-                let weight = density * (-exponent).exp();
-                let across = (y * inner + last - x) as usize;
-                let down = (last * inner - y * inner) as usize;
-                let turned = [at, across, down + x as usize, down + (last - x) as usize];
-                sums.iter_mut().zip(turned).for_each(|(sum, at)| *sum += weight * light[at]);
-                total += weight;
+        visit_window(inner, [x, y], reach, |y, columns| {
+            let (first, count) = (columns.start as usize, columns.len());
+            let (y, far) = (y as usize, size - first - count);
+            let row = |y: usize, first: usize| &light[y * size + first..][..count];
+            let directions = &directions[y * size + first..][..count];
+            let above = row(y, first).iter().zip(row(y, far).iter().rev());
+            let below = row(size - 1 - y, first).iter().zip(row(size - 1 - y, far).iter().rev());
+            for ((other, above), below) in directions.iter().zip(above).zip(below) {
+                let offset = other - direction;
+                let (p, q) = (offset.dot(along), offset.dot(across));
+                let exponent = a * p * p + 2.0 * b * p * q + c * q * q;
+                if exponent < 0.5 * CUT * CUT {
+                    let weight = other.w * exp_of_negative(exponent);
+                    sums[0] += weight * above.0;
+                    sums[1] += weight * above.1;
+                    sums[2] += weight * below.0;
+                    sums[3] += weight * below.1;
+                    total += weight;
+                }
             }
         });
         sums.map(|sum| sum / total)
     })
 }
 
-/// Visits the texels within `reach` of texel `centre` in the unfolded plane, each once: around +-X and +-Z
-/// that plane shows them twice.
-fn visit_window(inner: u32, centre: [u32; 2], reach: [u32; 2], mut visit: impl FnMut(u32, u32)) {
+/// exp(-x) for x from 0 to [`CUT`]^2 / 2, to a relative 3e-5: the eighth power of a polynomial.
+fn exp_of_negative(x: f32) -> f32 {
+    let t = -0.125 * x;
+    let root = 1.0 + t * (1.0 + t * (0.5 + t * (1.0 / 6.0 + t * (1.0 / 24.0 + t * (1.0 / 120.0)))));
+    let square = root * root;
+    let fourth = square * square;
+    fourth * fourth
+}
+
+/// Visits the texels within `reach` of texel `centre` in the unfolded plane, each once, as rows and their
+/// columns: around +-X and +-Z that plane shows them twice.
+fn visit_window(
+    inner: u32,
+    centre: [u32; 2],
+    reach: [u32; 2],
+    mut visit: impl FnMut(u32, std::ops::Range<u32>),
+) {
     let [x, y] = centre;
     let is_inside = |at: u32, reach: u32| at >= reach && at + reach < inner;
     if is_inside(x, reach[0]) && is_inside(y, reach[1]) {
-        for row in y - reach[1]..=y + reach[1] {
-            for column in x - reach[0]..=x + reach[0] {
-                visit(column, row);
-            }
-        }
+        (y - reach[1]..=y + reach[1]).for_each(|row| visit(row, x - reach[0]..x + reach[0] + 1));
         return;
     }
     let [i, j] = reach.map(i64::from);
@@ -227,7 +273,7 @@ fn visit_window(inner: u32, centre: [u32; 2], reach: [u32; 2], mut visit: impl F
             let own = wrap_texel(inner, column, row);
             let is_own = (i64::from(own.0), i64::from(own.1)) == (column, row);
             if is_own || own.0.abs_diff(x) > reach[0] || own.1.abs_diff(y) > reach[1] {
-                visit(own.0, own.1);
+                visit(own.1, own.0..own.0 + 1);
             }
         }
     }
@@ -258,25 +304,18 @@ pub(crate) fn cascade(finer: &Map, inner: u32, width: f64) -> Map {
         // The covariance's root, a triangle.
         let long = a.sqrt();
         let (shear, wide) = (b / long, (c - b * b / a).sqrt());
+        let [along, across] = place.axes;
         let mut sums = [Vec3A::ZERO; 4];
         for (tap, weight) in taps {
             let [p, q] = [long * tap.x, shear * tap.x + wide * tap.y];
             // A distance on the sphere whose 1 - cos is half its square.
             let half = 0.5 * (p * p + q * q);
-            let [along, across] = place.axes;
             let to = place.direction * (1.0 - half) + (along * p + across * q) * (1.0 - 0.5 * half).sqrt();
-            let uv = oct_from(to);
-            for (sum, mirror) in sums.iter_mut().zip(MIRRORS) {
-                *sum += weight * finer.bilinear(uv * mirror);
-            }
+            finer.add_mirrored(&mut sums, oct_from(to), weight);
         }
         sums
     })
 }
-
-/// Signs of u and v in the four quarters of a map.
-const MIRRORS: [Vec2; 4] =
-    [Vec2::new(1.0, 1.0), Vec2::new(-1.0, 1.0), Vec2::new(1.0, -1.0), Vec2::new(-1.0, -1.0)];
 
 /// [`oct_from_direction`] in single precision.
 fn oct_from(direction: Vec3) -> Vec2 {

@@ -36,7 +36,7 @@ pub const LAYERS: usize = READS + 1 + HARMONICS.div_ceil(2);
 pub type Node = [[f32; 4]; LAYERS];
 
 /// Nodes over roughness, evenly in log(1 + 50 r), and over n.v, evenly in its root.
-pub const NODES: [usize; 2] = [36, 16];
+pub const NODES: [usize; 2] = [36, 24];
 
 /// Functions of the fit: reads, cosine, harmonics.
 const FUNCTIONS: usize = READS + 1 + HARMONICS;
@@ -55,26 +55,29 @@ const FIT_GRID: [u32; 2] = [40, 16];
 const ALBEDO_GRID: [u32; 2] = [64, 32];
 
 /// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
-/// least width over alpha, and of how widths grow with the slope, as sums of these numbers times 1, x, x^2, y
-/// and x y, x = ln n.v, y = ln(1 + 6 alpha). Optimised for all views together.
-const LAW: [[f64; 5]; 5] = [
-    [-0.433, -0.511, 0.175, 0.558, -0.115],
-    [-0.630, -0.075, 0.116, -0.078, 0.187],
-    [-0.579, -0.233, -0.126, -0.839, -0.300],
-    [0.009, 0.822, -0.005, -0.165, -0.025],
-    [0.498, 0.324, 0.131, 0.267, -0.353],
+/// least width over alpha, of how widths grow with the slope, and of how they alternate; as sums of these
+/// numbers times 1, x, x^2, y, x y and y^2, x = ln n.v, y = ln(1 + 6 alpha). Optimised for all views together.
+const LAW: [[f64; 6]; 6] = [
+    [-0.569, -0.487, 0.224, 0.489, -0.222, 0.099],
+    [-0.736, -0.104, 0.179, -0.190, 0.232, -0.115],
+    [-0.659, -0.263, -0.160, -0.887, -0.357, 0.078],
+    [0.015, 0.835, 0.001, -0.154, -0.002, 0.051],
+    [0.243, 0.152, 0.098, 0.212, -0.370, 0.018],
+    [0.298, 0.229, 0.029, 0.000, -0.034, 0.075],
 ];
 
 /// Slope and width of each read, both over alpha.
 #[must_use]
 pub fn law(roughness: f64, cosine: f64) -> [[f64; 2]; READS] {
     let (x, y) = (cosine.max(0.05).ln(), (1.0 + 6.0 * roughness * roughness).ln());
-    let [shift, step, bend, width, growth] = LAW.map(|[a, b, c, d, e]| a + (b + c * x + e * y) * x + d * y);
+    let sum = |[a, b, c, d, e, f]: [f64; 6]| a + (b + c * x + e * y) * x + (d + f * y) * y;
+    let [shift, step, bend, width, growth, alternation] = LAW.map(sum);
     let [step, bend, width, growth] = [step, bend, width, growth].map(f64::exp);
     std::array::from_fn(|read| {
         let place = read as f64 - (READS as f64 - 1.0) / 2.0 + shift;
         let slope = width * step * (bend * place).sinh() / bend;
-        [slope, width * (1.0 + (growth * slope).powi(2)).sqrt()]
+        let wider = if read % 2 == 0 { alternation } else { -alternation }.exp();
+        [slope, wider * width * (1.0 + (growth * slope).powi(2)).sqrt()]
     })
 }
 
@@ -295,12 +298,14 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
     // Harmonics of order 0 have an integral, the others none.
     let mut integrals = [0.0; FUNCTIONS];
     integrals[..=READS + 1].fill(1.0);
+    // Of lobes that the mirror serves all reads are the mirror.
+    let ridge = RIDGE[0] * (served / roughness.max(1e-3)).powi(8);
     let mut system = vec![vec![0.0; used + 2]; used + 1];
     for j in 0..used {
         for k in 0..used {
             system[j][k] = products[j.max(k)][j.min(k)];
         }
-        system[j][j] += if j < READS { RIDGE[0] } else { RIDGE[1] / use_harmonics };
+        system[j][j] += if j < READS { ridge } else { RIDGE[1] / use_harmonics };
         system[j][used] = integrals[j];
         system[used][j] = integrals[j];
     }

@@ -64,9 +64,11 @@ impl Pyramid {
         let brdf = Brdf::new(frame.view, f64::from(roughness).max(least.sqrt()), 0.0);
         let mut sum = Vec3A::ZERO;
         for sun in self.suns.suns {
-            let light = frame.axes.transpose() * sun.direction.as_dvec3();
-            let (value, fresnel) = brdf.around(light, f64::from(sun.spread));
-            sum += sun.energy * (value as f32) * (f0 + (f90 - f0) * fresnel as f32);
+            for (c, channel) in sun.channels.into_iter().enumerate() {
+                let light = frame.axes.transpose() * channel.direction.as_dvec3();
+                let (value, fresnel) = brdf.around(light, f64::from(channel.spread));
+                sum[c] += channel.energy * value as f32 * (f0[c] + (f90 - f0[c]) * fresnel as f32);
+            }
         }
         sum
     }

@@ -19,15 +19,23 @@ pub const COUNT: usize = 8;
 /// Blocks along an edge of the finest grid.
 pub const FINEST: u32 = 128;
 
-/// A sun: the light that a block has above the others.
+/// A sun: the light that a block has above the others. Lamps of several colours may share a block, so each
+/// channel has a place of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sun {
-    /// Mean direction, a unit vector in the map's space.
+    /// Red, green and blue.
+    pub channels: [SunChannel; 3],
+}
+
+/// One channel of a sun.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SunChannel {
+    /// Mean direction, a unit vector in the map's space; zero without light.
     pub direction: Vec3A,
     /// Mean squared distance of its light from there, on the unit sphere.
     pub spread: f32,
     /// Radiance times solid angle.
-    pub energy: Vec3A,
+    pub energy: f32,
 }
 
 /// The brightest lights of a map.
@@ -70,7 +78,8 @@ impl Suns {
                 let given = 1.0 - kept(brightness(texel), clamp);
                 ([x, y], [texel[0], texel[1], texel[2]].map(|energy| f64::from(given * energy)))
             });
-            *sun = Sun::of(inner, above.filter(|(_, energy)| energy.iter().sum::<f64>() > 0.0));
+            sun.channels =
+                [0, 1, 2].map(|c| SunChannel::of(inner, above.clone().map(|(at, energy)| (at, energy[c]))));
         }
         Self { suns, clamp, greatest: chosen[0].0 }
     }
@@ -83,47 +92,46 @@ pub(crate) fn kept(brightness: f32, clamp: f32) -> f32 {
 }
 
 impl Sun {
-    /// The sun of some texels' energies.
-    fn of(inner: u32, texels: impl Iterator<Item = ([u32; 2], [f64; 3])> + Clone) -> Self {
-        let (mut energy, mut mean) = (DVec3::ZERO, DVec3::ZERO);
-        for ([x, y], own) in texels.clone() {
-            energy += DVec3::from_array(own);
-            mean += own.iter().sum::<f64>() * direction_from_oct(texel_centre(inner, x, y));
-        }
-        if mean == DVec3::ZERO {
-            return Self::default();
-        }
-        let direction = mean.normalize();
-        let apart: f64 = texels
-            .map(|([x, y], own)| {
-                let centre = direction_from_oct(texel_centre(inner, x, y));
-                own.iter().sum::<f64>() * (centre.distance_squared(direction) + texel_spread(inner, x, y))
-            })
-            .sum();
-        Self {
-            direction: direction.as_vec3a(),
-            spread: (apart / energy.element_sum()) as f32,
-            energy: energy.as_vec3a(),
-        }
-    }
-
     /// Its light in a GGX lobe of `alpha` around the unit vector `direction`; `share` is 1 over the lobe's
     /// integral.
-    ///
-    /// A light of variance v around its mean is evaluated there by a lobe of alpha^2 + v / 2: near its centre
-    /// GGX is 1 - d^2 / 2 alpha^2 of its peak at the distance d.
     pub(crate) fn glossy(&self, alpha: f32, share: f32, direction: Vec3A) -> Vec3A {
-        let s = self.direction.distance_squared(direction) / 4.0;
-        if s >= 0.5 {
-            return Vec3A::ZERO;
-        }
-        let widened = (alpha * alpha + self.spread / 2.0).min(1.0);
-        self.energy * (lobe::ggx(f64::from(widened), f64::from(s)) as f32 * share)
+        Vec3A::from_array(self.channels.map(|channel| channel.glossy(alpha, direction))) * share
     }
 
     /// Its irradiance on a surface with the unit `normal`, over pi.
     pub(crate) fn diffuse(&self, normal: Vec3A) -> Vec3A {
-        self.energy * (FRAC_1_PI * self.direction.dot(normal).max(0.0))
+        let facing = |channel: SunChannel| channel.energy * channel.direction.dot(normal).max(0.0);
+        FRAC_1_PI * Vec3A::from_array(self.channels.map(facing))
+    }
+}
+
+impl SunChannel {
+    /// The sun of some texels' energies.
+    fn of(inner: u32, texels: impl Iterator<Item = ([u32; 2], f64)> + Clone) -> Self {
+        let texels = texels.map(|([x, y], energy)| {
+            (direction_from_oct(texel_centre(inner, x, y)), texel_spread(inner, x, y), energy)
+        });
+        let energy: f64 = texels.clone().map(|(_, _, energy)| energy).sum();
+        let mean: DVec3 = texels.clone().map(|(centre, _, energy)| energy * centre).sum();
+        if energy == 0.0 {
+            return Self::default();
+        }
+        let direction = mean.normalize();
+        let apart: f64 = texels
+            .map(|(centre, spread, energy)| energy * (centre.distance_squared(direction) + spread))
+            .sum();
+        Self { direction: direction.as_vec3a(), spread: (apart / energy) as f32, energy: energy as f32 }
+    }
+
+    /// A light of variance v around its mean is evaluated there by a lobe of alpha^2 + v / 2: near its centre
+    /// GGX is 1 - d^2 / 2 alpha^2 of its peak at the distance d.
+    fn glossy(&self, alpha: f32, direction: Vec3A) -> f32 {
+        if self.energy == 0.0 {
+            return 0.0;
+        }
+        let s = (self.direction.distance_squared(direction) / 4.0).min(0.5);
+        let widened = (alpha * alpha + self.spread / 2.0).min(1.0);
+        self.energy * lobe::ggx(f64::from(widened), f64::from(s)) as f32
     }
 }
 

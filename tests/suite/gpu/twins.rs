@@ -41,6 +41,7 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("direct/unwrap.wgsl", "DROP", "Remedy::Drop"),
     ("direct/unwrap.wgsl", "ONE_SIDE", "Remedy::OneSide"),
     ("pack.wgsl", "EDGE", "box_filter::EDGE"),
+    ("view/scene.wgsl", "MAX_PROBES", "uniforms::MAX_PROBES"),
     ("pyramid/cells.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
     ("pyramid/levels.wgsl", "EDGE", "build_pyramid::EDGE"),
     ("pyramid/query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
@@ -82,8 +83,6 @@ const OWN: &[(&str, &[&str])] = &[
 const OWN_STRUCTS: &[&str] = &[
     // Exponents and sizes, which a stage copies.
     "OctaglossTable",
-    // Four low words and four high ones.
-    "Sum",
     // Four greatest patterns and four 64-bit sums, of the GPU alone.
     "Partial",
 ];
