@@ -3,13 +3,13 @@
 #include "common/pyramid.wgsl"
 
 const READS = 9u;
-const NODES = vec2<f32>(36.0, 24.0);
-const LEAST_COSINE = 0.01;
+const NODES = vec2<f32>(46.0, 26.0);
+const LEAST_COSINE = 0.01f;
 
 // A layer of the table of src/pyramid/reads.rs at `roughness` and n.v of `cosine`.
 fn reflection_node(layer: u32, roughness: f32, cosine: f32) -> vec4<f32> {
-    // 1 / log2(51).
-    let place = vec2<f32>(log2(1.0 + 50.0 * roughness) * 0.176291452, sqrt(cosine));
+    // 1 / log2(11).
+    let place = vec2<f32>(log2(1.0 + 10.0 * roughness) * 0.289064826, sqrt(cosine));
     let at = (place * (NODES - 1.0) + 0.5) / NODES;
     return textureSampleLevel(octagloss_reflections, octagloss_linear, at, layer, 0.0);
 }
@@ -88,11 +88,14 @@ fn octagloss_reflect_of(
     let n = source_from_world(probe, normal);
     let seen = source_from_world(probe, view);
     let cosine = clamp(dot(n, seen), LEAST_COSINE, 1.0);
-    // The view without its part along the normal: of length sin, so that nothing turns where it vanishes.
-    let level_view = seen - n * dot(n, seen);
-    let level_length = max(length(level_view), 1e-9);
+    // The view without its part along the normal, or any direction in the surface where that vanishes.
+    var level_view = seen - n * dot(n, seen);
+    if dot(level_view, level_view) < 1e-10 {
+        level_view = select(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), abs(n.x) > 0.5);
+    }
+    let towards = normalize(level_view - n * dot(n, level_view));
+    // Offsets of reads have its length, so that nothing turns there.
     let sine = sqrt(1.0 - cosine * cosine);
-    let towards = level_view / level_length;
     let along = towards * sine;
     let v = along + n * cosine;
     var sum = vec3<f32>();

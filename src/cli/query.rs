@@ -139,7 +139,8 @@ fn reflected(args: &QueryArgs, frames: &Frames, source: &InputFiles, console: &C
             let settings = ReflectorSettings {
                 oem_size: args.table.oem_size,
                 border: args.table.border,
-                sharpest: roughness,
+                // Reads are narrower than lobes, and a map holds the suns apart.
+                sharpest: roughness.min(0.2),
                 pyramid: true,
                 ..ReflectorSettings::default()
             };

@@ -35,8 +35,8 @@ pub const LAYERS: usize = READS + 1 + HARMONICS.div_ceil(2);
 /// A node of the table. First weights are for f0, second for f90.
 pub type Node = [[f32; 4]; LAYERS];
 
-/// Nodes over roughness, evenly in log(1 + 50 r), and over n.v, evenly in its root.
-pub const NODES: [usize; 2] = [36, 24];
+/// Nodes over roughness, evenly in log(1 + 10 r), and over n.v, evenly in its root.
+pub const NODES: [usize; 2] = [46, 26];
 
 /// Functions of the fit: reads, cosine, harmonics.
 const FUNCTIONS: usize = READS + 1 + HARMONICS;
@@ -116,7 +116,7 @@ pub fn table(octaves: Octaves) -> &'static [Node] {
 
 /// Roughness of a node.
 fn roughness_of(node: usize) -> f64 {
-    ((51_f64.ln() * node as f64 / (NODES[0] - 1) as f64).exp() - 1.0) / 50.0
+    ((11_f64.ln() * node as f64 / (NODES[0] - 1) as f64).exp() - 1.0) / 10.0
 }
 
 /// n.v of a node.
@@ -128,7 +128,7 @@ fn cosine_of(node: usize) -> f64 {
 #[must_use]
 pub fn node_at(octaves: Octaves, roughness: f32, cosine: f32) -> Node {
     let table = table(octaves);
-    let places = [(1.0 + 50.0 * roughness).log2() / 51_f32.log2(), cosine.sqrt()];
+    let places = [(1.0 + 10.0 * roughness).log2() / 11_f32.log2(), cosine.sqrt()];
     let [(x, right), (y, up)] = [0, 1].map(|axis| {
         let place = places[axis] * (NODES[axis] - 1) as f32;
         let node = (place as usize).min(NODES[axis] - 2);
@@ -227,7 +227,8 @@ fn functions(reads: &[Read; READS], around: &[DVec3; 5], light: DVec3) -> [f64; 
 /// The integrals of the reflection without and with the factor of f90, by Gauss's rule over half vectors:
 /// slopes of alpha sqrt(1 / (1 - t)^2 - 1) are as dense as GGX, and denser far away, where surfaces seen at
 /// grazing angles reflect backwards.
-fn albedo(alpha: f64, view: DVec3, brdf: &Brdf) -> [f64; 2] {
+fn albedo(roughness: f64, view: DVec3) -> [f64; 2] {
+    let (alpha, brdf) = (roughness * roughness, Brdf::new(view, roughness, 0.0));
     static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| ALBEDO_GRID.map(gauss_legendre));
     let [rings, spokes] = &*RULES;
     let mut sums = [0.0; 2];
@@ -258,7 +259,7 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
     // Sharper lobes than the mirror's are served by the mirror.
     let served = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.125);
     let (alpha, brdf) = (served * served, Brdf::new(view, served, 0.0));
-    let albedo = albedo(alpha, view, &brdf);
+    let albedo = albedo(roughness.max(0.02), view);
     let mut node = [[0.0; 4]; LAYERS];
     let reads = law(roughness, cosine).map(|[slope, width]| {
         let slope = slope * roughness * roughness;

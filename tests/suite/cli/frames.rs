@@ -24,9 +24,9 @@ fn frames_are_answered_by_pyramid_and_reference_alike() {
     let exact = query(&["--filter", "reference"]);
     assert_eq!(exact.len(), rows.len());
     let found = query(&["--filter", "pyramid"]);
-    // The last is seen from behind.
+    // The last is seen from behind; the sun is a thousand times as bright as the rest.
     for (found, exact) in found[..3].as_flattened().iter().zip(exact.as_flattened()) {
-        assert!((found - exact).abs() < 0.05 * exact + 0.01, "{found}, not {exact}");
+        assert!((found - exact).abs() < 0.05 * exact + 0.1, "{found}, not {exact}");
     }
     // A darker surface reflects less, and a brushed one something else.
     let dark = query(&["--filter", "reference", "--f0", "0.04"]);

@@ -111,7 +111,7 @@ fn white_worlds_give_the_albedo() {
             let view = DVec3::new((1.0 - nv * nv).sqrt(), 0.0, nv);
             let [all, grazing] = albedo(view, roughness, 0.0);
             let off = [f64::from(a) - (all - grazing), f64::from(b) - grazing];
-            assert!(off.iter().all(|off| off.abs() < 1e-3), "r {roughness} n.v {nv}: off by {off:?}");
+            assert!(off.iter().all(|off| off.abs() < 1.5e-3), "r {roughness} n.v {nv}: off by {off:?}");
         }
     }
 }
@@ -178,7 +178,7 @@ fn tables_are_smooth_and_small() {
         assert_eq!(nodes.len(), NODES[0] * NODES[1]);
         for (k, node) in nodes.iter().enumerate() {
             for [slope, level, a, b] in &node[..9] {
-                assert!(a.abs() < 1.5 && b.abs() < 1.5, "node {k}: weights {a}, {b}");
+                assert!(a.abs() < 6.0 && b.abs() < 6.0, "node {k}: weights {a}, {b}");
                 assert!((0.0..=octaves.count() as f32 + 1.0).contains(level) && slope.abs() < 30.0, "{k}");
             }
         }
