@@ -122,7 +122,7 @@ pub fn parsed(text: &str) -> Result<Filter, String> {
 }
 
 /// What names of the filter before [`Filter::Pyramid`] are answered with.
-pub(crate) const FITTED: &str = "fitted:K is no more; use pyramid, which is more accurate and faster";
+pub(crate) const FITTED: &str = "fitted:K is no more; use pyramid";
 
 impl std::ops::Add for Bound {
     type Output = Self;

@@ -122,7 +122,7 @@ impl ReflectorSettings {
     /// Texels along an edge of the OEM for a source of `layout`, if none are asked for: as many as resolve
     /// lobes of roughness `sharpest` (0 for any) and above, at most twice the source's own, and at least the
     /// source's own up to 512, for suns smaller than any lobe; rounded up to a multiple of 64, at most 4096
-    /// with its border. A pyramid takes its suns out, so its map has at most the source's own.
+    /// with its border. A pyramid's map has at most the source's own, or 2048.
     ///
     /// Finer texels cost time without benefit; coarser ones would widen the lobe. Energy is conserved at any
     /// size.
@@ -130,7 +130,7 @@ impl ReflectorSettings {
         let own = source_oem_size(layout);
         let alpha = self.sharpest * self.sharpest;
         if self.pyramid {
-            return Octaves::size_for(own.min(Octaves::texels_for(alpha)));
+            return Octaves::size_for(own.min(Octaves::texels_for(alpha).max(ENOUGH_FOR_SUNS)));
         }
         let asked = if alpha > 0.0 {
             let asked = (TEXELS_PER_ALPHA * 2.0 / alpha).min(2.0 * f64::from(own)) as u32;

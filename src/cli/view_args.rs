@@ -29,10 +29,10 @@ pub(super) struct ViewArgs {
     pub(super) look: LookArgs,
     #[command(flatten)]
     pub(super) scene: SceneArgs,
-    /// Edge of the octahedral map, 16 to 8192 [default: source's]
+    /// Edge of the octahedral map, 32 to 2048 [default: source's]
     ///
     /// A power of two. By default as fine as the source, at most 2048.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=8192))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(32..=2048))]
     pub(super) oem_size: Option<u32>,
     /// Border of the octahedral map in texels, 0 to 4096
     #[arg(long, value_name = "B", default_value_t = 0)]

@@ -113,7 +113,7 @@ impl PyramidMaps {
             context.texture(label, FORMAT, [side, side, layers], mips, usage | wgpu::TextureUsages::COPY_SRC)
         };
         let mut weights = [[0.0; WEIGHTS]; INTERVALS as usize + 1];
-        weights.copy_from_slice(fit::table(octaves));
+        weights.copy_from_slice(&fit::table(octaves));
         let table =
             OctaglossPyramid { inner: inner as f32, border: size.border as f32, pad: [0; 2], weights };
         let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;

@@ -61,14 +61,18 @@ const PEAK: f64 = 3.0;
 /// Radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
 const FLOOR: f64 = 0.015;
 
-/// Weights of the levels of `octaves` at [`INTERVALS`] + 1 nodes over roughness, fitted at the first call.
+/// Weights of the levels of `octaves` at [`INTERVALS`] + 1 nodes over roughness.
 #[must_use]
-pub fn table(octaves: Octaves) -> &'static [[f32; WEIGHTS]] {
-    static FITTED: [OnceLock<Vec<[f32; WEIGHTS]>>; Octaves::MOST as usize] =
-        [const { OnceLock::new() }; Octaves::MOST as usize];
-    FITTED[octaves.count() as usize - 1].get_or_init(|| {
-        (0..=INTERVALS).into_par_iter().map(|node| fitted(octaves, roughness_of(f64::from(node)))).collect()
-    })
+pub fn table(octaves: Octaves) -> Vec<[f32; WEIGHTS]> {
+    (0..=INTERVALS).into_par_iter().map(|index| node(octaves, index)).collect()
+}
+
+/// Those at one node, fitted at the first call.
+fn node(octaves: Octaves, index: u32) -> [f32; WEIGHTS] {
+    static FITTED: [[OnceLock<[f32; WEIGHTS]>; INTERVALS as usize + 1]; Octaves::MOST as usize] =
+        [const { [const { OnceLock::new() }; INTERVALS as usize + 1] }; Octaves::MOST as usize];
+    let fitted = || fitted(octaves, roughness_of(f64::from(index)));
+    *FITTED[octaves.count() as usize - 1][index as usize].get_or_init(fitted)
 }
 
 /// Weights at `roughness` in [0, 1], between the two nodes of [`table`] around it.
@@ -76,9 +80,9 @@ pub fn table(octaves: Octaves) -> &'static [[f32; WEIGHTS]] {
 pub fn weights_at(octaves: Octaves, roughness: f32) -> [f32; WEIGHTS] {
     let place =
         (1.0 + SPREAD as f32 * roughness).log2() * ((INTERVALS as f32) / (1.0 + SPREAD as f32).log2());
-    let node = (place as u32).min(INTERVALS - 1);
-    let share = place - node as f32;
-    let [low, high] = [node, node + 1].map(|node| fitted(octaves, roughness_of(f64::from(node))));
+    let index = (place as u32).min(INTERVALS - 1);
+    let share = place - index as f32;
+    let [low, high] = [index, index + 1].map(|index| node(octaves, index));
     std::array::from_fn(|k| low[k] + share * (high[k] - low[k]))
 }
 

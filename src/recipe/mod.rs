@@ -83,8 +83,8 @@ pub struct Recipe {
     /// adaptive:E, pyramid, box or reference
     ///
     /// adaptive:E is quadrature with a certified bound; E, from 1e-6 to 1, is the target relative RMS error.
-    /// adaptive means adaptive:0.005. pyramid is the real-time tier, the fastest, for ggx without bounds: a
-    /// mip chain of Gaussians. box is the single box of the octahedron environment maps paper. reference
+    /// adaptive means adaptive:0.005. pyramid is the real-time tier, for ggx and without bounds: a mip chain
+    /// of Gaussians. box is the single box of the octahedron environment maps paper. reference
     /// integrates exhaustively in double precision: slow, for auditing.
     #[cfg_attr(feature = "cli", arg(long, value_name = "F", default_value = "adaptive:0.005"))]
     #[cfg_attr(feature = "cli", arg(value_parser = filter::parsed))]
@@ -205,7 +205,7 @@ pub struct TableOptions {
     ///
     /// By default as fine as the sharpest lobe requires, at most twice the source (the width of a panorama,
     /// twice the face of a cube) and at least the source up to 512, rounded up to a multiple of 64, at most
-    /// 4096 with its border.
+    /// 4096 with its border. For pyramid a power of two from 32 to 2048, by default at most the source.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
     pub oem_size: Option<u32>,
     /// Border in texels, 0 to 16384 [default: filter's]
