@@ -43,7 +43,7 @@ fn lobes_keep_energy_read_little_and_are_never_dark() {
             let reads = (0..ORDERS).filter(|k| pair.iter().any(|weights| weights[*k] != 0.0)).count();
             assert!((1..=READS).contains(&reads), "{reads} reads");
         }
-        for (node, weights) in (0_u32..).zip(nodes) {
+        for (node, weights) in (0_u32..).zip(&nodes) {
             let sum: f32 = weights[..=ORDERS].iter().sum();
             assert!((sum - 1.0).abs() < 1e-5, "node {node}: weights sum to {sum}");
             let most = weights[..WEIGHTS - 1].iter().fold(0.0_f32, |most, weight| most.max(weight.abs()));
