@@ -18,8 +18,8 @@ pub struct Frame {
 impl Frame {
     /// The frame of vectors of any length, or `None` if `normal` or `view` is zero or one is not finite.
     ///
-    /// A `view` from below the surface, or almost along it, is turned up to [`LEAST_COSINE`]. Of the `tangent` counts what is at right
-    /// angles to the normal; if nothing is, it is any.
+    /// A `view` from below the surface, or almost along it, is turned up to [`LEAST_COSINE`]. Of the
+    /// `tangent` counts what is at right angles to the normal; if nothing is, it is any.
     #[must_use]
     pub fn new(normal: DVec3, view: DVec3, tangent: DVec3) -> Option<Self> {
         let (normal, view) = (unit(normal)?, unit(view)?);

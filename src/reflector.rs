@@ -328,8 +328,8 @@ impl<'a> Reflector<'a> {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a roughness outside [0, 1], an adaptive error outside [1e-6, 1), a filter
-    /// that does not support the lobe, and an OEM whose size has no pyramid, for [`Filter::Pyramid`]; [`Error::Limit`] if the lobes' tables take more than
-    /// [`Reflector::new`] allows.
+    /// that does not support the lobe, and an OEM whose size has no pyramid, for [`Filter::Pyramid`];
+    /// [`Error::Limit`] if the lobes' tables take more than [`Reflector::new`] allows.
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_>> {
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));

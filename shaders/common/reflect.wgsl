@@ -63,9 +63,9 @@ fn harmonic_orders(probe: u32, d: vec3<f32>) -> array<vec3<f32>, 5> {
 }
 
 // Radiance that a surface reflects to a viewer: GGX with Smith's height-correlated masking and Schlick's
-// Fresnel term f0 + (f90 - f0) (1 - v.h)^5. `normal` and `view`, towards the viewer, are in world space, of any
-// length but zero; `roughness` is in [0, 1]. A view with
-// n.v below 0.01, or from below the surface, is turned up to that.
+// Fresnel term f0 + (f90 - f0) (1 - v.h)^5. `normal` and `view`, towards the viewer, are in world space, of
+// any length but zero; `roughness` is in [0, 1]. A view with n.v below 0.01, or from below the surface, is
+// turned up to that.
 fn octagloss_reflect(
     normal: vec3<f32>,
     view: vec3<f32>,

@@ -157,9 +157,9 @@ pub(super) struct QueryArgs {
     /// Views of surfaces instead, CSV or .npy; - is standard input
     ///
     /// CSV with the header nx,ny,nz,vx,vy,vz, or an array with six columns: normals, and directions to the
-    /// viewer; with tx,ty,tz, or nine columns, tangents, too. Answers are the radiance that the surfaces reflect:
-    /// GGX with height-correlated Smith masking and Schlick's Fresnel term, not normalised. A view with
-    /// n.v below 0.01 is turned up to that. By --filter pyramid or reference, on the CPU.
+    /// viewer; with tx,ty,tz, or nine columns, tangents, too. Answers are the radiance that the surfaces
+    /// reflect: GGX with height-correlated Smith masking and Schlick's Fresnel term, not normalised. A view
+    /// with n.v below 0.01 is turned up to that. By --filter pyramid or reference, on the CPU.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["directions", "bound", "lobe"])]
     pub(super) frames: Option<PathBuf>,
     /// Anisotropy of --frames, in [0, 1] [default: 0]

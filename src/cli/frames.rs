@@ -1,5 +1,5 @@
-//! Frames of `octagloss query --frames`: a normal, a view and a tangent each, from a file or standard input, as
-//! CSV or as a NumPy array (.npy) of six or nine columns.
+//! Frames of `octagloss query --frames`: a normal, a view and a tangent each, from a file or standard input,
+//! as CSV or as a NumPy array (.npy) of six or nine columns.
 
 use super::directions::{LIMITS, line_of, read_text, shortest};
 use crate::error::quoted;

@@ -268,11 +268,12 @@ impl LiveEnvironment {
         self.maps.bind_group(&self.context, layout)
     }
 
-    /// [`Self::wgsl`], and with it `octagloss_reflect(normal, view, roughness, f0, f90)`: radiance that a surface
-    /// reflects to a viewer in the direction `view`, by GGX with Smith's height-correlated masking and
-    /// Schlick's Fresnel term, `f0` a `vec3<f32>`. It needs no table of the split sum. `octagloss_albedo(n.v,
-    /// roughness)` is what a white world gives, f0 times its x plus f90 times its y: for multiple scattering and
-    /// what lies under a clear coat. A view with n.v below 0.01 is turned up to that.
+    /// [`Self::wgsl`], and with it `octagloss_reflect(normal, view, roughness, f0, f90)`: radiance that a
+    /// surface reflects to a viewer in the direction `view`, by GGX with Smith's height-correlated masking
+    /// and Schlick's Fresnel term, `f0` a `vec3<f32>`. It needs no table of the split sum.
+    /// `octagloss_albedo(n.v, roughness)` is what a white world gives, f0 times its x plus f90 times its y:
+    /// for multiple scattering and what lies under a clear coat. A view with n.v below 0.01 is turned up to
+    /// that.
     #[must_use]
     pub fn reflect_wgsl(group: u32) -> String {
         reflection::wgsl(group)
@@ -286,8 +287,8 @@ impl LiveEnvironment {
     }
 
     /// The resources of [`Self::reflect_wgsl`] as a group of `layout`: that of
-    /// [`Self::reflect_bind_group_layout`], or what wgpu derived for a pipeline from its shader. The first call
-    /// for a size of maps fits a table.
+    /// [`Self::reflect_bind_group_layout`], or what wgpu derived for a pipeline from its shader. The first
+    /// call for a size of maps fits a table.
     #[must_use]
     pub fn reflect_bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         reflection::bind_group(&self.context, &self.maps, layout)

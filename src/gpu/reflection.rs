@@ -1,5 +1,5 @@
-//! True reflections out of pyramids on the GPU: their table, their look-up for lists of frames, and as WGSL for
-//! callers' shaders.
+//! True reflections out of pyramids on the GPU: their table, their look-up for lists of frames, and as WGSL
+//! for callers' shaders.
 
 use super::Context;
 use super::device::readback;

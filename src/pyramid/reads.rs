@@ -3,8 +3,8 @@
 //! As slopes of the half vector over alpha, GGX is round and the same for every view; a Gaussian of light is
 //! as long across the plane of incidence as 1 / n.v. So reads stand in a row along that plane, dense where
 //! the lobe is high, and their widths grow with the distance from its middle: [`law`]. Levels are fractional
-//! (a trilinear read), so that places and levels vary smoothly, and only weights are solved for: for 1 and for
-//! (1 - v.h)^5, with the clamped cosine and 15 harmonics that are symmetric about the plane.
+//! (a trilinear read), so that places and levels vary smoothly, and only weights are solved for: for 1 and
+//! for (1 - v.h)^5, with the clamped cosine and 15 harmonics that are symmetric about the plane.
 
 use super::brdf::Brdf;
 use super::fit::{gaussian, smooth, solved};
@@ -45,8 +45,8 @@ const FUNCTIONS: usize = READS + 1 + HARMONICS;
 const RIDGE: [f64; 2] = [1e-3, 5e-3];
 const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
 
-/// Weight of the error over the lobe's square, which counts around lights, against that over the lobe; and the
-/// radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
+/// Weight of the error over the lobe's square, which counts around lights, against that over the lobe; and
+/// the radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
 const PEAK: f64 = 3.0;
 const FLOOR: f64 = 1.0;
 
@@ -56,7 +56,8 @@ const ALBEDO_GRID: [u32; 2] = [64, 32];
 
 /// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
 /// least width over alpha, of how widths grow with the slope, and of how they alternate; as sums of these
-/// numbers times 1, x, x^2, y, x y and y^2, x = ln n.v, y = ln(1 + 6 alpha). Optimised for all views together.
+/// numbers times 1, x, x^2, y, x y and y^2, x = ln n.v, y = ln(1 + 6 alpha). Optimised for all views
+/// together.
 const LAW: [[f64; 6]; 6] = [
     [-0.569, -0.487, 0.224, 0.489, -0.222, 0.099],
     [-0.736, -0.104, 0.179, -0.190, 0.232, -0.115],
@@ -299,8 +300,9 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
     // Harmonics of order 0 have an integral, the others none.
     let mut integrals = [0.0; FUNCTIONS];
     integrals[..=READS + 1].fill(1.0);
-    // Of lobes that the mirror serves all reads are the mirror.
-    let ridge = RIDGE[0] * (served / roughness.max(1e-3)).powi(8);
+    // Lobes narrower than the mirror's texels are served by equal reads of it.
+    let narrow = octaves.mirror_width() / (2.0 * cosine * roughness.max(1e-3).powi(2));
+    let ridge = RIDGE[0] * (1.0 + narrow.powi(4));
     let mut system = vec![vec![0.0; used + 2]; used + 1];
     for j in 0..used {
         for k in 0..used {

@@ -24,7 +24,8 @@ fn harmonic_weights(node: &Node) -> [[[f32; 2]; 5]; 5] {
 }
 
 impl Pyramid {
-    /// Radiance that a surface of `roughness` in [0, 1] reflects to the viewer of `frame` (in the map's space).
+    /// Radiance that a surface of `roughness` in [0, 1] reflects to the viewer of `frame` (in the map's
+    /// space).
     ///
     /// GGX with the height-correlated masking of Smith and Fresnel's term of Schlick, f0 + (f90 - f0) (1 -
     /// v.h)^5. It is not normalised: a white world gives [`Self::albedo`].

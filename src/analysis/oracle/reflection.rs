@@ -48,8 +48,8 @@ impl Reflection {
 
     /// The length over which the reflection changes within a cap of chord `radius`.
     ///
-    /// A light that moves by d moves the half vector by up to d / (2 v.h), and that one's slope counts in units
-    /// of alpha.
+    /// A light that moves by d moves the half vector by up to d / (2 v.h), and that one's slope counts in
+    /// units of alpha.
     fn reach(&self, centre: DVec3, radius: f64) -> f64 {
         let half = (centre + self.view).normalize_or(self.normal);
         let towards = (self.view.dot(half) - radius / 2.0).max(0.5 * self.view.dot(self.normal));
@@ -58,7 +58,8 @@ impl Reflection {
         (2.0 * towards * slope.hypot(self.alpha[0].min(self.alpha[1]))).min(1.0)
     }
 
-    /// The integral over `patch`; pieces that the horizon crosses are split `edge_levels` times until it is cut.
+    /// The integral over `patch`; pieces that the horizon crosses are split `edge_levels` times until it is
+    /// cut.
     fn over<P: Cut>(&self, patch: &P, accuracy: &Accuracy, edge_levels: u32) -> [f64; 2] {
         let (centre, radius) = patch.cap();
         let mut sums = [0.0; 2];
@@ -113,9 +114,9 @@ impl Reflection {
 }
 
 impl Oracle<'_> {
-    /// Radiance reflected to the viewer of `frame` (in the world), at `roughness` in (0, 1] and `anisotropy` in
-    /// [0, 1]: without Fresnel's term, and times (1 - v.h)^5. With f0 and f90 it is f0 times the first plus
-    /// (f90 - f0) times the second.
+    /// Radiance reflected to the viewer of `frame` (in the world), at `roughness` in (0, 1] and `anisotropy`
+    /// in [0, 1]: without Fresnel's term, and times (1 - v.h)^5. With f0 and f90 it is f0 times the first
+    /// plus (f90 - f0) times the second.
     #[must_use]
     pub fn reflection(&self, frame: &Frame, roughness: f64, anisotropy: f64) -> [[f64; 3]; 2] {
         let axes: DMat3 = self.environment.source_from_world() * frame.axes;
