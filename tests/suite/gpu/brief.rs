@@ -4,7 +4,9 @@
 use super::reflection::entry_points;
 use super::stages::TakeOver;
 use super::transfer::Upload as _;
-use super::{boxes, direct, exceeds, lamp, oem, on_every_adapter, pyramid, sat, stages, unwrap, wait};
+use super::{
+    boxes, direct, exceeds, lamp, oem, on_every_adapter, pyramid, reflections, sat, stages, unwrap, wait,
+};
 use crate::support::common::{Look, Random, oem as oem_of, texels};
 use octagloss::Layout;
 use octagloss::internals::direct::DirectMap;
@@ -63,6 +65,7 @@ const RUN: [(&str, &[&str]); 7] = [
             "pyramid/levels.wgsl mirror",
             "pyramid/levels.wgsl sharp",
             "pyramid/query.wgsl query",
+            "pyramid/reflect_query.wgsl query",
             "pyramid/suns.wgsl brightest_of_blocks",
             "pyramid/suns.wgsl suns",
         ],
@@ -137,6 +140,7 @@ fn stages_match_the_cpu() {
 fn small_pyramids_match_the_cpu() {
     on_every_adapter("brief: pyramids", |context| {
         pyramid::look_ups(context, &[(32, Look::Suns, 1.0)], &[0.0, 0.3, 1.0]);
+        reflections::reflections(context, &[(32, Look::Noise, 1.0)], &[0.3]);
     });
 }
 
