@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 use octagloss::internals::analysis::oracle::Oracle;
+use octagloss::internals::analysis::oracle::reflection::reflection;
 use octagloss::internals::frame::Frame;
 use octagloss::internals::pyramid::reads::table;
 use octagloss::internals::pyramid::{Octaves, Pyramid};
@@ -126,8 +127,10 @@ fn main() {
                     .iter()
                     .map(|f| DVec3::from(pyramid.reflect(f, roughness as f32, [1.0; 3], 1.0).map(f64::from)))
                     .collect();
-                let truth: Vec<DVec3> =
-                    frames.par_iter().map(|f| DVec3::from(oracle.reflection(f, roughness, 0.0)[0])).collect();
+                let truth: Vec<DVec3> = frames
+                    .par_iter()
+                    .map(|f| DVec3::from(reflection(&oracle, f, roughness, 0.0)[0]))
+                    .collect();
                 measures(&found, &truth)
             };
             let [error, _] = look(&anywhere);

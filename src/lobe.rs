@@ -134,6 +134,7 @@ pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
 /// Factors of the harmonics of order 0 to 4 under convolution with the normalised lobe: 2 pi times the
 /// integral over cos(theta) of the kernel times Legendre's polynomials. `alpha` in (0, 1]; accurate to 1e-6
 /// from 0.1 on.
+#[cfg(any(test, feature = "internals"))]
 #[must_use]
 pub fn zonal_weights(lobe: Lobe, alpha: f64) -> [f64; 5] {
     let mut sums = [0.0; 5];

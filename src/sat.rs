@@ -192,6 +192,7 @@ impl Sat {
     }
 
     /// The scale of the entries.
+    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub const fn fixed_point(&self) -> FixedPoint {
         self.fixed
@@ -266,6 +267,7 @@ impl Sat {
 
     /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1` of the unfolded plane; exact for sides up to 2 *
     /// `inner`.
+    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn plane_box(&self, x0: i64, y0: i64, x1: i64, y1: i64) -> [u64; 4] {
         let at = |x: i64, y: i64| self.plane_prefix(x, y);

@@ -8,6 +8,7 @@ use super::input::{self, InputFiles};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, print, usage, write_output};
 use super::values::EngineArg;
 use crate::analysis::oracle::Oracle;
+use crate::analysis::oracle::reflection::reflection;
 use crate::bake::query::Query;
 use crate::environment::Rgb;
 use crate::filter::{Answer, Bound, Filter};
@@ -155,7 +156,7 @@ fn reflected(args: &QueryArgs, frames: &Frames, source: &InputFiles, console: &C
             let environment = source.open(&args.input, console)?.environment;
             let oracle = Oracle::new(&environment);
             let reflect = |asked: &AskedFrame| {
-                let [all, grazing] = oracle.reflection(&asked.frame, roughness, anisotropy);
+                let [all, grazing] = reflection(&oracle, &asked.frame, roughness, anisotropy);
                 [0, 1, 2].map(|c| (f0 * all[c] + (1.0 - f0) * grazing[c]) as f32)
             };
             Ok(frames.asked.par_iter().map(reflect).collect())

@@ -19,6 +19,7 @@ use wgpu::BindingResource::{Sampler, TextureView};
 pub const GROUP_SIZE: u32 = 64;
 
 /// Invocations of the workgroup that chooses suns.
+#[cfg(any(test, feature = "internals"))]
 pub const SUNS_GROUP_SIZE: u32 = 256;
 
 /// Invocations along an edge of a workgroup over texels.

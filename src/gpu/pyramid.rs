@@ -177,6 +177,7 @@ impl PyramidMaps {
     }
 
     /// Bytes of the textures of one environment.
+    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let texels = |size: OemSize| u64::from(size.bordered()).pow(2);
@@ -287,6 +288,7 @@ impl PyramidMaps {
     ///
     /// # Errors
     /// [`Error::Gpu`] if the device fails.
+    #[cfg(any(test, feature = "internals"))]
     pub async fn read_light(&self, context: &Context) -> Result<OctaglossLight> {
         let lights: Vec<OctaglossLight> = readback::read(context, &self.lights).await?;
         Ok(lights[self.probe as usize])

@@ -29,6 +29,7 @@ pub(crate) const ORDERS: usize = 10;
 pub(crate) const LOBE: usize = 15;
 
 /// Most levels with a weight at one roughness: the bilinear reads of a look-up.
+#[cfg(any(test, feature = "internals"))]
 pub const READS: usize = 5;
 
 /// Nodes lie evenly in the logarithm of roughness, and evenly in roughness far below 1 over this.

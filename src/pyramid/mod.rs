@@ -21,8 +21,11 @@ pub mod reads;
 mod reflect;
 pub mod suns;
 
+#[cfg(any(test, feature = "internals"))]
 use crate::cpu::reparameterise::oem_from_environment;
-use crate::environment::{Environment, Rgb};
+#[cfg(any(test, feature = "internals"))]
+use crate::environment::Environment;
+use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::oem::{Oem, OemSize};
 use crate::sh::basis;
@@ -128,16 +131,6 @@ pub struct Pyramid {
 }
 
 impl Pyramid {
-    /// Builds the pyramid of `environment` over a map of `size` texels along an edge, a power of two from 32
-    /// to 2048.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for another size, [`Error::Limit`] if the overlaps of texels exceed the memory.
-    pub fn build(environment: &Environment, size: u32) -> Result<Self> {
-        Octaves::over(size)?;
-        Self::of_oem(&oem_from_environment(environment, OemSize { inner: size, border: 0 })?)
-    }
-
     /// Builds the pyramid of `oem`.
     ///
     /// # Errors
@@ -169,16 +162,30 @@ impl Pyramid {
         }
     }
 
+    fn unscaled(&self, light: Vec3A) -> Vec3A {
+        (light.as_dvec3() * f64::from(self.exponent).exp2()).as_vec3a()
+    }
+}
+
+/// For tests and measurements.
+#[cfg(any(test, feature = "internals"))]
+impl Pyramid {
+    /// Builds the pyramid of `environment` over a map of `size` texels along an edge, a power of two from 32
+    /// to 2048.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for another size, [`Error::Limit`] if the overlaps of texels exceed the memory.
+    pub fn build(environment: &Environment, size: u32) -> Result<Self> {
+        Octaves::over(size)?;
+        Self::of_oem(&oem_from_environment(environment, OemSize { inner: size, border: 0 })?)
+    }
+
     /// Irradiance on a surface with `normal` (any length but zero) over pi.
     #[must_use]
     pub fn irradiance(&self, normal: DVec3) -> Rgb {
         let normal = normal.normalize();
         let suns: Vec3A = self.suns.suns.iter().map(|sun| sun.diffuse(normal.as_vec3a())).sum();
         (self.unscaled(self.cosine.around(normal)) + suns).to_array()
-    }
-
-    fn unscaled(&self, light: Vec3A) -> Vec3A {
-        (light.as_dvec3() * f64::from(self.exponent).exp2()).as_vec3a()
     }
 
     /// Mirror, sharp level, and levels from fine to coarse; light is multiplied by 2^-[`Self::exponent`].

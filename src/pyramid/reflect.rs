@@ -86,6 +86,7 @@ impl Pyramid {
 
     /// What a surface reflects of a white world, f0 times the first plus f90 times the second: for multiple
     /// scattering, and for what lies under a clear coat. `cosine` is n.v.
+    #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn albedo(&self, cosine: f32, roughness: f32) -> [f32; 2] {
         let cosine = cosine.max(LEAST_COSINE as f32).min(1.0);

@@ -10,7 +10,7 @@
 
 pub mod integrate;
 pub mod kernel;
-mod reflection;
+pub mod reflection;
 
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};

@@ -113,44 +113,42 @@ impl Reflection {
     }
 }
 
-impl Oracle<'_> {
-    /// Radiance reflected to the viewer of `frame` (in the world), at `roughness` in (0, 1] and `anisotropy`
-    /// in [0, 1]: without Fresnel's term, and times (1 - v.h)^5. With f0 and f90 it is f0 times the first
-    /// plus (f90 - f0) times the second.
-    #[must_use]
-    pub fn reflection(&self, frame: &Frame, roughness: f64, anisotropy: f64) -> [[f64; 3]; 2] {
-        let axes: DMat3 = self.environment.source_from_world() * frame.axes;
-        let view = axes * frame.view;
-        let alpha = roughness * roughness;
-        let alpha = [alpha + (1.0 - alpha) * anisotropy * anisotropy, alpha];
-        let accuracy = Accuracy::new(ACCURACY);
-        let layout = self.environment.layout();
-        let cosine = Kernel::new(Lobe::Cosine, 1.0, axes.z_axis);
-        let turned: Vec<Reflection> = self
-            .texels
-            .frames()
-            .iter()
-            .map(|turn| Reflection {
-                tangent: *turn * axes.x_axis,
-                bitangent: *turn * axes.y_axis,
-                normal: *turn * axes.z_axis,
-                view: *turn * view,
-                alpha,
-                above: cosine.around(*turn * axes.z_axis),
-            })
-            .collect();
-        let mut sums = [[0.0; 3]; 2];
-        self.texels.for_each(|index, block, frame| {
-            let radiance = self.environment.texels()[index];
-            let (texel, reflection) = (&self.texels.blocks()[block], &turned[frame]);
-            if radiance == [0.0; 3] || reflection.normal.dot(texel.centre) < -texel.radius {
-                return;
-            }
-            let own = reflection.over_block(layout, block, &accuracy);
-            for (sum, own) in sums.iter_mut().zip(own) {
-                sum.iter_mut().zip(radiance).for_each(|(sum, channel)| *sum += own * f64::from(channel));
-            }
-        });
-        sums
-    }
+/// Radiance reflected to the viewer of `frame` (in the world), at `roughness` in (0, 1] and `anisotropy`
+/// in [0, 1]: without Fresnel's term, and times (1 - v.h)^5. With f0 and f90 it is f0 times the first
+/// plus (f90 - f0) times the second.
+#[must_use]
+pub fn reflection(oracle: &Oracle<'_>, frame: &Frame, roughness: f64, anisotropy: f64) -> [[f64; 3]; 2] {
+    let axes: DMat3 = oracle.environment.source_from_world() * frame.axes;
+    let view = axes * frame.view;
+    let alpha = roughness * roughness;
+    let alpha = [alpha + (1.0 - alpha) * anisotropy * anisotropy, alpha];
+    let accuracy = Accuracy::new(ACCURACY);
+    let layout = oracle.environment.layout();
+    let cosine = Kernel::new(Lobe::Cosine, 1.0, axes.z_axis);
+    let turned: Vec<Reflection> = oracle
+        .texels
+        .frames()
+        .iter()
+        .map(|turn| Reflection {
+            tangent: *turn * axes.x_axis,
+            bitangent: *turn * axes.y_axis,
+            normal: *turn * axes.z_axis,
+            view: *turn * view,
+            alpha,
+            above: cosine.around(*turn * axes.z_axis),
+        })
+        .collect();
+    let mut sums = [[0.0; 3]; 2];
+    oracle.texels.for_each(|index, block, frame| {
+        let radiance = oracle.environment.texels()[index];
+        let (texel, reflection) = (&oracle.texels.blocks()[block], &turned[frame]);
+        if radiance == [0.0; 3] || reflection.normal.dot(texel.centre) < -texel.radius {
+            return;
+        }
+        let own = reflection.over_block(layout, block, &accuracy);
+        for (sum, own) in sums.iter_mut().zip(own) {
+            sum.iter_mut().zip(radiance).for_each(|(sum, channel)| *sum += own * f64::from(channel));
+        }
+    });
+    sums
 }

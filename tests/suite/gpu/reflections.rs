@@ -7,7 +7,7 @@ use glam::DVec3;
 use octagloss::Layout;
 use octagloss::internals::frame::Frame;
 use octagloss::internals::gpu::Context;
-use octagloss::internals::gpu::reflection::{Query, reflect};
+use octagloss::internals::gpu::reflection_query::{Query, reflect};
 use octagloss::internals::oem::OemSize;
 use octagloss::internals::pyramid::Pyramid;
 
