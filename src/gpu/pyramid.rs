@@ -221,7 +221,7 @@ impl PyramidMaps {
         &self.linear
     }
 
-    /// Layout of a bind group with the resources of [`wgsl`], for the shader stages `visibility`.
+    /// Layout of a bind group with the resources of `wgsl`, for the shader stages `visibility`.
     #[must_use]
     pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
         let filterable = wgpu::TextureSampleType::Float { filterable: true };
