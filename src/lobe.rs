@@ -4,6 +4,7 @@
 pub mod kernel;
 pub(crate) mod profiles;
 pub(crate) mod radial;
+pub(crate) mod reflectance;
 
 use crate::names::named;
 use std::f64::consts::PI;

@@ -10,7 +10,7 @@ use super::brdf::Brdf;
 use super::fit::{gaussian, smooth, solved};
 use super::{Octaves, WIDEST};
 use crate::frame::LEAST_COSINE;
-use crate::lobe::legendre;
+use crate::lobe::{legendre, reflectance};
 use crate::sphere::quadrature::gauss_legendre;
 use glam::DVec3;
 use half::f16;
@@ -50,9 +50,11 @@ const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
 const PEAK: f64 = 3.0;
 const FLOOR: f64 = 1.0;
 
-/// Rings and spokes of half vectors: of the fit, and of the albedo.
+/// Rings and spokes of half vectors.
 const FIT_GRID: [u32; 2] = [40, 16];
-const ALBEDO_GRID: [u32; 2] = [64, 32];
+
+/// Nodes of the quadrature of the albedo: twice as many differ by less than 1e-4.
+const ALBEDO_NODES: u32 = 32;
 
 /// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
 /// least width over alpha, of how widths grow with the slope, and of how they alternate; as sums of these
@@ -225,34 +227,6 @@ fn functions(reads: &[Read; READS], around: &[DVec3; 5], light: DVec3) -> [f64; 
     values
 }
 
-/// The integrals of the reflection without and with the factor of f90, by Gauss's rule over half vectors:
-/// slopes of alpha sqrt(1 / (1 - t)^2 - 1) are as dense as GGX, and denser far away, where surfaces seen at
-/// grazing angles reflect backwards.
-fn albedo(roughness: f64, view: DVec3) -> [f64; 2] {
-    let (alpha, brdf) = (roughness * roughness, Brdf::new(view, roughness, 0.0));
-    static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| ALBEDO_GRID.map(gauss_legendre));
-    let [rings, spokes] = &*RULES;
-    let mut sums = [0.0; 2];
-    for (t, ring) in rings {
-        let share = 1.0 - t;
-        let slope = alpha * (1.0 / (share * share) - 1.0).sqrt();
-        let cosine = 1.0 / (1.0 + slope * slope).sqrt();
-        let area = ring * 2.0 * PI * alpha * alpha * cosine.powi(3) / share.powi(3);
-        for (angle, spoke) in spokes {
-            let (y, x) = (PI * angle).sin_cos();
-            let half = DVec3::new(slope * x, slope * y, 1.0) * cosine;
-            let towards = view.dot(half);
-            if towards > 0.0 {
-                let (value, fresnel) = brdf.at(half * (2.0 * towards) - view);
-                let share = spoke * area * 4.0 * towards * value;
-                sums[0] += share;
-                sums[1] += share * fresnel;
-            }
-        }
-    }
-    sums
-}
-
 /// The node that fits the reflection at `roughness` and n.v of `cosine`.
 #[must_use]
 pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
@@ -260,7 +234,8 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
     // Sharper lobes than the mirror's are served by the mirror.
     let served = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.125);
     let (alpha, brdf) = (served * served, Brdf::new(view, served, 0.0));
-    let albedo = albedo(roughness.max(0.02), view);
+    static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(ALBEDO_NODES));
+    let [scale, bias] = reflectance::ggx(cosine, roughness, &RULE);
     let mut node = [[0.0; 4]; LAYERS];
     let reads = law(roughness, cosine).map(|[slope, width]| {
         let slope = slope * roughness * roughness;
@@ -317,7 +292,7 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
         for (row, right) in system.iter_mut().zip(&right) {
             row[used + 1] = right[side];
         }
-        system[used][used + 1] = albedo[side] / mean;
+        system[used][used + 1] = [scale + bias, bias][side] / mean;
         solved(system)
     });
     for k in 0..used {
@@ -329,6 +304,22 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
         };
         node[layer][at..at + 2].copy_from_slice(&pair);
     }
-    node[READS][2..].copy_from_slice(&[(albedo[0] - albedo[1]) as f32, albedo[1] as f32]);
+    node[READS][2..].copy_from_slice(&[scale as f32, bias as f32]);
     node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_nodes_do_not_change_the_albedo() {
+        let [few, many] = [ALBEDO_NODES, 2 * ALBEDO_NODES].map(gauss_legendre);
+        for (x, y) in (0..NODES[0]).flat_map(|x| (0..NODES[1]).map(move |y| (x, y))) {
+            let (roughness, cosine) = (roughness_of(x), cosine_of(y));
+            let [found, expected] = [&few, &many].map(|rule| reflectance::ggx(cosine, roughness, rule));
+            let off = (0..2).map(|k| (found[k] - expected[k]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-4, "roughness {roughness}, n.v {cosine}: off by {off}");
+        }
+    }
 }
