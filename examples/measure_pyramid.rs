@@ -4,7 +4,11 @@
 //! with `--cones` the error around +-X and +-Z over that elsewhere, over 20 rotations; with `--gpu` the times
 //! of passes and frames, and how far the GPU is from the CPU.
 
+#[path = "common/measure.rs"]
+mod measure;
+
 use glam::{DMat3, DQuat, DVec3};
+use measure::{Random, brightest, measures, median};
 use octagloss::internals::cpu::reparameterise::oem_from_environment;
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::pyramid::{PyramidMaps, radiance, stage};
@@ -13,6 +17,8 @@ use octagloss::internals::gpu::{
 };
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::pyramid::Pyramid;
+use octagloss::internals::sphere::equirect::direction_from_equirect;
+use octagloss::internals::sphere::octahedral::{direction_from_oct, texel_centre};
 use octagloss::{Environment, Layout, wgpu};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -23,34 +29,9 @@ const ROUGHNESS: [f64; 12] = [0.07, 0.1, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0
 /// Texels along an edge of the map.
 const SIZE: u32 = 512;
 
-/// Numbers in [0, 1): splitmix64.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Evenly over the cap of `angle` around `centre`.
-    fn within(&mut self, centre: DVec3, angle: f64) -> DVec3 {
-        let cosine = 1.0 - self.unit() * (1.0 - angle.cos());
-        let (sine, turn) = ((1.0 - cosine * cosine).sqrt(), TAU * self.unit());
-        let (s, t) = (centre.any_orthonormal_vector(), centre.cross(centre.any_orthonormal_vector()));
-        (centre * cosine + (s * turn.cos() + t * turn.sin()) * sine).normalize()
-    }
-
-    fn direction(&mut self) -> DVec3 {
-        self.within(DVec3::Y, PI)
-    }
-
-    fn rotation(&mut self) -> DMat3 {
-        DMat3::from_quat(
-            DQuat::from_rotation_arc(DVec3::Y, self.direction()) * DQuat::from_rotation_y(TAU * self.unit()),
-        )
-    }
+fn rotation(random: &mut Random) -> DMat3 {
+    let arc = DQuat::from_rotation_arc(DVec3::Y, random.direction());
+    DMat3::from_quat(arc * DQuat::from_rotation_y(TAU * random.unit()))
 }
 
 /// Mean radiance under the lobe of `roughness`: texels are constant, and points of texels near the lobe are
@@ -102,26 +83,6 @@ fn truth(environment: &Environment, roughness: f64, direction: DVec3) -> DVec3 {
     sum / total
 }
 
-/// Worst channel's relRMSE, epsilon and greatest error over the peak.
-fn measures(found: &[DVec3], truth: &[DVec3]) -> [f64; 3] {
-    let count = truth.len() as f64;
-    let mut worst = [0.0_f64; 3];
-    for c in 0..3 {
-        let (mut error, mut square, mut mean, mut most, mut peak) = (0.0, 0.0, 0.0, 0.0_f64, 0.0_f64);
-        for (found, truth) in found.iter().zip(truth) {
-            let off = found[c] - truth[c];
-            error += off * off;
-            square += truth[c] * truth[c];
-            mean += truth[c];
-            most = most.max(off.abs());
-            peak = peak.max(truth[c]);
-        }
-        let own = [(error / count).sqrt() / (mean / count), (error / square).sqrt(), most / peak];
-        worst.iter_mut().zip(own).for_each(|(worst, own)| *worst = worst.max(own));
-    }
-    worst
-}
-
 /// The greatest jump of slope over the greatest slope along a line of pixels of a sphere, 600 pixels wide,
 /// whose reflection passes through `sun`: the second differences that the truth does not have.
 fn kinks(pyramid: &Pyramid, environment: &Environment, roughness: f64, sun: DVec3) -> f64 {
@@ -159,10 +120,7 @@ fn turned(environment: &Environment, source_from_map: DMat3) -> Environment {
             let mut sum = DVec3::ZERO;
             for point in 0..16 {
                 let at = [k % SIZE * 4 + point % 4, k / SIZE * 4 + point / 4];
-                let to = source_from_map
-                    * octagloss::internals::sphere::octahedral::direction_from_oct(
-                        octagloss::internals::sphere::octahedral::texel_centre(4 * SIZE, at[0], at[1]),
-                    );
+                let to = source_from_map * direction_from_oct(texel_centre(4 * SIZE, at[0], at[1]));
                 let x = (to.z.atan2(to.x) / TAU + 0.5) * f64::from(width);
                 let y = to.y.clamp(-1.0, 1.0).acos() / PI * f64::from(height);
                 let place = (y as u32).min(height - 1) * width + (x as u32).min(width - 1);
@@ -179,11 +137,6 @@ fn cpu_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let ticks = text.split_whitespace().skip(13).take(2).filter_map(|ticks| ticks.parse::<f64>().ok());
     ticks.sum::<f64>() / 100.0
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    f64::midpoint(values[(values.len() - 1) / 2], values[values.len() / 2])
 }
 
 /// Builds the pyramid on every adapter, compares look-ups, and times passes and frames.
@@ -235,9 +188,7 @@ fn on_gpu(environment: &Environment, oem: &Oem, pyramid: &Pyramid) {
             .flat_map(|y| (0..1920).map(move |x| [x, y]))
             .map(|[x, y]| {
                 let (u, v) = ((f64::from(x) + 0.5) / 1920.0, (f64::from(y) + 0.5) / 1080.0);
-                let (sine, cosine) = (PI * v).sin_cos();
-                let (z, x) = (TAU * (u - 0.5)).sin_cos();
-                (DVec3::new(sine * x, cosine, sine * z), u)
+                (direction_from_equirect(u, v), u)
             })
             .collect();
         println!("    frame by pyramid: {:.4} s", timed(&[stage(&context, &maps, &frame).0]));
@@ -286,14 +237,7 @@ fn main() {
             on_gpu(&environment, &oem, &pyramid);
             continue;
         }
-        let Layout::Panorama { width, height } = environment.layout() else { panic!("a panorama") };
-        let texels = environment.texels();
-        let brightest = (0..texels.len())
-            .max_by(|a, b| texels[*a].iter().sum::<f32>().total_cmp(&texels[*b].iter().sum::<f32>()))
-            .expect("texels");
-        let (x, y) = (brightest as u32 % width, brightest as u32 / width);
-        let sun = environment.layout().direction_from_texel(0, x, y);
-        let _ = height;
+        let sun = brightest(&environment);
         let mut random = Random(7);
         let anywhere: Vec<DVec3> = (0..300).map(|_| random.direction()).collect();
         for (k, roughness) in ROUGHNESS.into_iter().enumerate() {
@@ -313,7 +257,8 @@ fn main() {
             let [_, epsilon, peak] = measures(&found, &true_around);
             let kinks = kinks(&pyramid, &environment, roughness, sun);
             println!(
-                "  r {roughness:4.2} random {relative:.4}, sun: epsilon {epsilon:.4} of peak {peak:.4} kinks {kinks:.3}"
+                "  r {roughness:4.2} random {relative:.4}, \
+                 sun: epsilon {epsilon:.4} of peak {peak:.4} kinks {kinks:.3}"
             );
             sun_rows[k].iter_mut().zip([epsilon, peak, kinks]).for_each(|(row, own)| row.push(own));
         }
@@ -321,7 +266,7 @@ fn main() {
             let mut near = vec![(Vec::new(), Vec::new()); ROUGHNESS.len()];
             let mut far = near.clone();
             for _ in 0..20 {
-                let rotation = random.rotation();
+                let rotation = rotation(&mut random);
                 let pyramid = Pyramid::build(&turned(&environment, rotation), SIZE).expect("a pyramid");
                 let cones: Vec<DVec3> = [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z]
                     .into_iter()

@@ -4,15 +4,19 @@
 //! median and the worst panorama; and epsilon, rms error over rms truth, of frames whose reflection meets the
 //! brightest texel within 6 alpha.
 
+#[path = "common/measure.rs"]
+mod measure;
+
 use glam::DVec3;
+use measure::{Random, brightest, measures, median};
+use octagloss::Environment;
 use octagloss::internals::analysis::oracle::Oracle;
 use octagloss::internals::analysis::oracle::reflection::reflection;
 use octagloss::internals::frame::Frame;
 use octagloss::internals::pyramid::reads::table;
 use octagloss::internals::pyramid::{Octaves, Pyramid};
-use octagloss::{Environment, Layout};
 use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Texels along an edge of the map.
 const SIZE: u32 = 512;
@@ -41,55 +45,13 @@ const CELLS: [(f64, f64, [f64; 2]); 20] = [
     (1.0, 0.5, [0.0, 0.0]),
 ];
 
-/// Numbers in [0, 1): splitmix64.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Evenly over the cap of `angle` around `centre`.
-    fn within(&mut self, centre: DVec3, angle: f64) -> DVec3 {
-        let cosine = 1.0 - self.unit() * (1.0 - angle.cos());
-        let (sine, turn) = ((1.0 - cosine * cosine).sqrt(), TAU * self.unit());
-        let (s, t) = (centre.any_orthonormal_vector(), centre.cross(centre.any_orthonormal_vector()));
-        (centre * cosine + (s * turn.cos() + t * turn.sin()) * sine).normalize()
-    }
-
-    /// A frame of n.v whose mirror direction is `reflected`.
-    fn frame(&mut self, reflected: DVec3, nv: f64) -> Frame {
-        let aside = self.within(DVec3::Y, PI);
-        let aside = (aside - reflected * aside.dot(reflected)).normalize();
-        let normal = reflected * nv + aside * (1.0 - nv * nv).sqrt();
-        let view = normal * (2.0 * nv) - reflected;
-        Frame::new(normal, view, self.within(DVec3::Y, PI)).expect("finite")
-    }
-}
-
-/// Worst channel's relRMSE and epsilon.
-fn measures(found: &[DVec3], truth: &[DVec3]) -> [f64; 2] {
-    let mut worst = [0.0_f64; 2];
-    for c in 0..3 {
-        let (mut error, mut square, mut mean) = (0.0, 0.0, 0.0);
-        for (found, truth) in found.iter().zip(truth) {
-            error += (found[c] - truth[c]).powi(2);
-            square += truth[c] * truth[c];
-            mean += truth[c];
-        }
-        let count = truth.len() as f64;
-        let own = [(error / count).sqrt() / (mean / count), (error / square).sqrt()];
-        worst.iter_mut().zip(own).for_each(|(worst, own)| *worst = worst.max(own));
-    }
-    worst
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    f64::midpoint(values[(values.len() - 1) / 2], values[values.len() / 2])
+/// A frame of n.v whose mirror direction is `reflected`.
+fn frame(random: &mut Random, reflected: DVec3, nv: f64) -> Frame {
+    let aside = random.direction();
+    let aside = (aside - reflected * aside.dot(reflected)).normalize();
+    let normal = reflected * nv + aside * (1.0 - nv * nv).sqrt();
+    let view = normal * (2.0 * nv) - reflected;
+    Frame::new(normal, view, random.direction()).expect("finite")
 }
 
 fn main() {
@@ -102,27 +64,22 @@ fn main() {
         let environment = Environment::read(&path).expect("a panorama");
         let pyramid = Pyramid::build(&environment, SIZE).expect("a power of two");
         let oracle = Oracle::new(&environment);
-        let Layout::Panorama { width, .. } = environment.layout() else { panic!("a panorama") };
-        let texels = environment.texels();
-        let brightest = (0..texels.len())
-            .max_by(|a, b| texels[*a].iter().sum::<f32>().total_cmp(&texels[*b].iter().sum::<f32>()))
-            .expect("texels") as u32;
-        let sun = environment.layout().direction_from_texel(0, brightest % width, brightest / width);
+        let sun = brightest(&environment);
         let mut random = Random(7);
         for ((roughness, nv, _), (errors, epsilons)) in CELLS.into_iter().zip(&mut rows) {
             let anywhere: Vec<Frame> = (0..frames)
                 .map(|_| {
-                    let reflected = random.within(DVec3::Y, PI);
-                    random.frame(reflected, nv)
+                    let reflected = random.direction();
+                    frame(&mut random, reflected, nv)
                 })
                 .collect();
             let around: Vec<Frame> = (0..frames)
                 .map(|_| {
                     let reflected = random.within(sun, (6.0 * roughness * roughness).min(TAU / 4.0));
-                    random.frame(reflected, nv)
+                    frame(&mut random, reflected, nv)
                 })
                 .collect();
-            let look = |frames: &[Frame]| -> [f64; 2] {
+            let look = |frames: &[Frame]| {
                 let found: Vec<DVec3> = frames
                     .iter()
                     .map(|f| DVec3::from(pyramid.reflect(f, roughness as f32, [1.0; 3], 1.0).map(f64::from)))
@@ -133,8 +90,8 @@ fn main() {
                     .collect();
                 measures(&found, &truth)
             };
-            let [error, _] = look(&anywhere);
-            let [_, epsilon] = look(&around);
+            let [error, ..] = look(&anywhere);
+            let [_, epsilon, _] = look(&around);
             errors.push(error);
             epsilons.push(epsilon);
         }

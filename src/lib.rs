@@ -16,9 +16,9 @@
 //! A quadtree over the environment's texels with the first three moments of their energy serves adaptive
 //! lobes with bounds. The octahedral environment map (OEM) is resampled by exact overlap areas: no energy is
 //! lost, and a constant stays constant. Its summed-area table (SAT) in 64-bit fixed point serves boxes, a mip
-//! chain of Gaussians over it the real-time tier. The GPU engine runs the same stages as compute passes, and the tests compare its
-//! results with the CPU's. `docs/architecture.md` draws the modules, `docs/algorithm.md` explains the
-//! mathematics.
+//! chain of Gaussians over it the real-time tier. The GPU engine runs the same stages as compute passes, and
+//! the tests compare its results with the CPU's. `docs/architecture.md` draws the modules,
+//! `docs/algorithm.md` explains the mathematics.
 //!
 //! # Conventions
 //!

@@ -1,13 +1,7 @@
 // Looks a pyramid up for lists of directions. Queries are directions in the map's space with perceptual
 // roughness in w; answers are radiance.
-@group(0) @binding(0) var<uniform> octagloss_pyramid: OctaglossPyramid;
-@group(0) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, 1>;
-@group(0) @binding(2) var octagloss_levels: texture_2d_array<f32>;
-@group(0) @binding(3) var octagloss_sharp: texture_2d_array<f32>;
-@group(0) @binding(4) var octagloss_cosine: texture_2d_array<f32>;
-@group(0) @binding(5) var octagloss_linear: sampler;
 #include "common/rows.wgsl"
-#include "common/pyramid.wgsl"
+#include "common/pyramid_group.wgsl"
 
 const GROUP_SIZE = 64u;
 

@@ -1,12 +1,7 @@
 // Looks reflections up for lists of frames in the map's space. A query is the normal with perceptual
 // roughness in w, the view with f90 in w, and f0; answers are radiance, and the albedo for f0 in w.
-@group(0) @binding(0) var<uniform> octagloss_pyramid: OctaglossPyramid;
-@group(0) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, 1>;
-@group(0) @binding(2) var octagloss_levels: texture_2d_array<f32>;
-@group(0) @binding(3) var octagloss_sharp: texture_2d_array<f32>;
-@group(0) @binding(4) var octagloss_cosine: texture_2d_array<f32>;
-@group(0) @binding(5) var octagloss_linear: sampler;
 @group(0) @binding(6) var octagloss_reflections: texture_2d_array<f32>;
+#include "common/pyramid_group.wgsl"
 #include "common/rows.wgsl"
 #include "common/reflect.wgsl"
 

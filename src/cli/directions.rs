@@ -54,15 +54,19 @@ pub(super) fn read_directions(path: &Path) -> anyhow::Result<Directions> {
 ///
 /// # Errors
 /// A message that names the place, the value and the remedy.
-pub fn read_either(mut from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
+pub fn read_either(from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
+    let (is_array, from) = sniffed(from)?;
+    if is_array { array_directions(from, limits) } else { parse_directions(from, limits) }
+}
+
+/// Whether `from` is a NumPy array, by its first bytes, and all of it.
+pub(super) fn sniffed(mut from: impl Read) -> anyhow::Result<(bool, impl Read)> {
     let mut start = Vec::new();
     from.by_ref().take(npy::MAGIC.len() as u64).read_to_end(&mut start)?;
-    let is_array = start == npy::MAGIC;
     if start.starts_with(b"PK\x03\x04") {
         bail!("a ZIP file such as .npz; save one array with numpy.save");
     }
-    let from = Cursor::new(start).chain(from);
-    if is_array { array_directions(from, limits) } else { parse_directions(from, limits) }
+    Ok((start == npy::MAGIC, Cursor::new(start).chain(from)))
 }
 
 /// Parses directions as the rows of an array.
@@ -98,16 +102,11 @@ pub(super) fn shortest(value: f64, precision: Precision) -> String {
 
 /// Parses directions, one per line.
 fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Result<Directions> {
-    let text = read_text(from, limits)?;
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(&text[..]);
+    let text = read_text(from, limits, "x,y,z")?;
+    let mut reader = csv_reader(&text);
     let mut records = reader.records();
     let header = records.next().transpose()?.ok_or_else(|| anyhow!("empty; the first line must be x,y,z"))?;
-    // Strip a byte order mark.
-    let names: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
+    let names = names_of(&header);
     let has_roughness = match names[..] {
         ["x", "y", "z"] => false,
         ["x", "y", "z", "roughness"] => true,
@@ -149,8 +148,18 @@ fn parse_directions(from: impl Read, limits: Limits) -> anyhow::Result<Direction
     Ok(Directions { asked, has_roughness })
 }
 
-/// Reads all of `from`; stops at the first exceeded limit.
-pub(super) fn read_text(mut from: impl Read, limits: Limits) -> anyhow::Result<Vec<u8>> {
+/// Reads CSV of any number of columns, the header as the first record.
+pub(super) fn csv_reader(text: &[u8]) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(text)
+}
+
+/// The names in a header, without a byte order mark.
+pub(super) fn names_of(header: &csv::StringRecord) -> Vec<&str> {
+    header.iter().map(|name| name.trim_start_matches('\u{feff}')).collect()
+}
+
+/// Reads all of `from`, lines of `columns`; stops at the first exceeded limit.
+pub(super) fn read_text(mut from: impl Read, limits: Limits, columns: &str) -> anyhow::Result<Vec<u8>> {
     let mut text = Vec::new();
     let mut chunk = vec![0; 64 << 10];
     let (mut line, mut length) = (1, 0);
@@ -164,7 +173,7 @@ pub(super) fn read_text(mut from: impl Read, limits: Limits) -> anyhow::Result<V
         for byte in &chunk[..count] {
             (line, length) = if *byte == b'\n' { (line + 1, 0) } else { (line, length + 1) };
             if length > limits.line {
-                bail!("line {line} is longer than {} bytes; a line is x,y,z", limits.line);
+                bail!("line {line} is longer than {} bytes; a line is {columns}", limits.line);
             }
         }
         if count > limits.bytes - text.len() {

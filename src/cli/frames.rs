@@ -1,14 +1,14 @@
 //! Frames of `octagloss query --frames`: a normal, a view and a tangent each, from a file or standard input,
 //! as CSV or as a NumPy array (.npy) of six or nine columns.
 
-use super::directions::{LIMITS, line_of, read_text, shortest};
+use super::directions::{LIMITS, csv_reader, line_of, names_of, read_text, shortest, sniffed};
 use crate::error::quoted;
 use crate::frame::Frame;
 use crate::io::npy;
 use crate::io::regular::open_regular;
 use anyhow::{Context as _, anyhow, bail};
 use glam::DVec3;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::path::Path;
 
 /// Names of the columns. The tangent may be missing.
@@ -39,11 +39,8 @@ pub(super) fn read_frames(path: &Path) -> anyhow::Result<Frames> {
 }
 
 /// Reads an array or CSV, by the first bytes.
-fn read_either(mut from: impl Read) -> anyhow::Result<Frames> {
-    let mut start = Vec::new();
-    from.by_ref().take(npy::MAGIC.len() as u64).read_to_end(&mut start)?;
-    let is_array = start == npy::MAGIC;
-    let from = Cursor::new(start).chain(from);
+fn read_either(from: impl Read) -> anyhow::Result<Frames> {
+    let (is_array, from) = sniffed(from)?;
     if !is_array {
         return parsed(from);
     }
@@ -59,17 +56,13 @@ fn read_either(mut from: impl Read) -> anyhow::Result<Frames> {
 
 /// Parses frames, one per line.
 fn parsed(from: impl Read) -> anyhow::Result<Frames> {
-    let text = read_text(from, LIMITS)?;
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(&text[..]);
-    let mut records = reader.records();
     let needed = format!("{}, and tx,ty,tz for a tangent", COLUMNS[..6].join(","));
+    let text = read_text(from, LIMITS, &needed)?;
+    let mut reader = csv_reader(&text);
+    let mut records = reader.records();
     let header =
         records.next().transpose()?.ok_or_else(|| anyhow!("empty; the first line must be {needed}"))?;
-    let names: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
+    let names = names_of(&header);
     if names != COLUMNS && names != COLUMNS[..6] {
         bail!("line 1 is {}; the header must be {needed}", quoted(&names.join(",")));
     }

@@ -86,7 +86,6 @@ impl LiveEnvironment {
     /// An environment of these maps over these planes.
     fn over(context: &Context, planes: &OemPlanes, maps: PyramidMaps) -> Self {
         let build = build_pyramid::stages(context, planes, &maps);
-        maps.set_rotation(context, columns(DMat3::IDENTITY));
         let layout = layout(context);
         let bind_group = maps.bind_group(context, &layout);
         let draw_layout = view_layout(context);

@@ -93,8 +93,8 @@ impl PyramidMaps {
     /// The maps of an environment over an OEM of `inner` texels along an edge, black.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048, [`Error::Limit`] if the
-    /// device has no textures of this size.
+    /// [`Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048, [`Error::Limit`] if
+    /// the device has no textures of this size.
     pub fn new(context: &Context, inner: u32) -> Result<Self> {
         Ok(Self::sharing(context, inner, 1)?.remove(0))
     }
@@ -233,7 +233,7 @@ impl PyramidMaps {
     /// Bind group of these resources, with `layout`.
     #[must_use]
     pub fn bind_group(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        self.bind_group_over(context, layout, self.light(), Some(self.probe))
+        self.with_resources(false, |resources| group(context, "octagloss pyramid", layout, resources))
     }
 
     /// Bind group of these and all maps that share their textures.
@@ -242,44 +242,28 @@ impl PyramidMaps {
         context: &Context,
         layout: &wgpu::BindGroupLayout,
     ) -> wgpu::BindGroup {
-        self.bind_group_over(context, layout, self.lights.as_entire_binding(), None)
+        self.with_resources(true, |resources| group(context, "octagloss pyramids", layout, resources))
     }
 
-    /// Of the layers of one environment, or of all.
-    fn bind_group_over(
+    /// What `make` makes of the resources of this environment, or of all that share them, in the order of
+    /// their bindings.
+    pub(super) fn with_resources<T>(
         &self,
-        context: &Context,
-        layout: &wgpu::BindGroupLayout,
-        lights: wgpu::BindingResource<'_>,
-        probe: Option<u32>,
-    ) -> wgpu::BindGroup {
-        self.with_resources_over(lights, probe, |resources| {
-            group(context, "octagloss pyramid", layout, resources)
-        })
-    }
-
-    /// What `make` makes of the resources of this environment, in the order of their bindings.
-    pub(super) fn with_resources<T>(&self, make: impl FnOnce([wgpu::BindingResource<'_>; 6]) -> T) -> T {
-        self.with_resources_over(self.light(), Some(self.probe), make)
-    }
-
-    fn with_resources_over<T>(
-        &self,
-        lights: wgpu::BindingResource<'_>,
-        probe: Option<u32>,
+        all: bool,
         make: impl FnOnce([wgpu::BindingResource<'_>; 6]) -> T,
     ) -> T {
         let layers = |texture: &wgpu::Texture, count| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
-                base_array_layer: probe.map_or(0, |probe| count * probe),
-                array_layer_count: probe.map(|_| count),
+                base_array_layer: if all { 0 } else { count * self.probe },
+                array_layer_count: (!all).then_some(count),
                 ..Default::default()
             })
         };
         let views = [(&self.levels, 1), (&self.sharp, 2), (&self.cosine, 1)]
             .map(|(texture, count)| layers(texture, count));
         let [levels, sharp, cosine] = views.each_ref().map(wgpu::BindingResource::TextureView);
+        let lights = if all { self.lights.as_entire_binding() } else { self.light() };
         let linear = wgpu::BindingResource::Sampler(&self.linear);
         make([self.table.as_entire_binding(), lights, levels, sharp, cosine, linear])
     }

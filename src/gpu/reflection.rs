@@ -46,7 +46,7 @@ pub fn bind_group(context: &Context, maps: &PyramidMaps, layout: &wgpu::BindGrou
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
     });
-    maps.with_resources(|resources| {
+    maps.with_resources(false, |resources| {
         let table = wgpu::BindingResource::TextureView(&view);
         group(context, "octagloss reflections", layout, resources.into_iter().chain([table]))
     })

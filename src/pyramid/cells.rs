@@ -35,7 +35,7 @@ impl Cells {
         let inner = oem.size().inner;
         let side = inner.min(FINEST);
         let block = inner / side;
-        let scale = (-f64::from(exponent)).exp2() as f32;
+        let scale = levels::scale(exponent);
         let cell = |k: u32| {
             let mut cell = Cell::default();
             for texel in 0..block * block {
@@ -56,7 +56,7 @@ impl Cells {
     /// Irradiance over pi.
     pub(crate) fn cosine(&self) -> Map {
         Map::new(COARSEST, |x, y| {
-            let normal = levels::direction(COARSEST, x, y).as_vec3a();
+            let normal = direction_from_oct(texel_centre(COARSEST, x, y)).as_vec3a();
             let mut sum = Vec3A::ZERO;
             for cell in &self.cells {
                 sum += Vec3A::from_array(cell.moments.map(|moment| moment.dot(normal))).max(Vec3A::ZERO);

@@ -11,9 +11,7 @@
 
 use super::suns;
 use crate::oem::Oem;
-use crate::sphere::octahedral::{
-    direction_from_oct, oct_from_direction, octahedron_from_oct, texel_centre, wrap_texel,
-};
+use crate::sphere::octahedral::{oct_from_direction, octahedron_from_oct, texel_centre, wrap_texel};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A, Vec4};
 use half::f16;
 use rayon::prelude::*;
@@ -51,8 +49,8 @@ impl Map {
         Self { inner, texels }.bordered()
     }
 
-    /// A map whose texels are `texels(x, y)` for the quarter with x, y < `inner` / 2: the texel there, the one
-    /// mirrored along u, along v, and along both. The octahedron's mirrors let four texels share geometry.
+    /// A map whose texels are `texels(x, y)` for the quarter with x, y < `inner` / 2: the texel there, the
+    /// one mirrored along u, along v, and along both. Four texels share geometry by the octahedron's mirrors.
     pub(crate) fn of_quarters(inner: u32, texels: impl Fn(u32, u32) -> [Vec3A; 4] + Sync) -> Self {
         let (last, half) = (inner as usize, inner as usize / 2);
         let side = last + 2;
@@ -182,9 +180,14 @@ pub fn exponent(greatest: f32) -> i32 {
     if greatest > 0.0 { ((greatest.to_bits() >> 23) as i32 - 126).max(-100) - BRIGHTEST } else { 0 }
 }
 
+/// What light is multiplied by for the exponent of [`exponent`].
+pub(crate) fn scale(exponent: i32) -> f32 {
+    (-f64::from(exponent)).exp2() as f32
+}
+
 /// Radiance of `oem` by texel, times 2^-`exponent`, in half floats as textures hold it: suns stay in it.
 pub(crate) fn mirror(oem: &Oem, exponent: i32) -> Map {
-    let scale = (-f64::from(exponent)).exp2() as f32;
+    let scale = scale(exponent);
     Map::new(oem.size().inner, |x, y| {
         Vec3A::from_array(oem.radiance(x, y).map(|value| f16::from_f32(value * scale).to_f32()))
     })
@@ -325,9 +328,4 @@ fn oct_from(direction: Vec3) -> Vec2 {
     } else {
         Vec2::new((1.0 - p.z.abs()).copysign(p.x), (1.0 - p.x.abs()).copysign(p.z))
     }
-}
-
-/// Unit direction of texel (`x`, `y`).
-pub(crate) fn direction(inner: u32, x: u32, y: u32) -> DVec3 {
-    direction_from_oct(texel_centre(inner, x, y))
 }

@@ -76,7 +76,8 @@ impl Octaves {
             return Ok(Self(inner.ilog2() - COARSEST.ilog2() + 1));
         }
         Err(Error::Parameter(format!(
-            "an OEM of {inner} texels has no pyramid; choose a power of two from {COARSEST} to {} as `oem_size`",
+            "an OEM of {inner} texels has no pyramid; choose a power of two from {COARSEST} to {} as \
+             `oem_size`",
             Self::LARGEST
         )))
     }
@@ -140,7 +141,7 @@ impl Pyramid {
         let suns = Suns::of(oem);
         let exponent = levels::exponent(suns.greatest);
         let mirror = levels::mirror(oem, exponent);
-        let clamp = suns.clamp * (-f64::from(exponent)).exp2() as f32;
+        let clamp = suns.clamp * levels::scale(exponent);
         let mut maps = vec![levels::sharp(&mirror, clamp, octaves.sharp_width())];
         for level in 0..octaves.count() {
             let finer = maps.last().expect("the sharp level at least");

@@ -25,6 +25,7 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/plane.wgsl",
     "common/planes.wgsl",
     "common/pyramid.wgsl",
+    "common/pyramid_group.wgsl",
     "common/light.wgsl",
     "common/quad.wgsl",
     "common/reduce.wgsl",

@@ -27,13 +27,18 @@ pub(super) fn built(context: &Context, oem: &Oem) -> PyramidMaps {
     maps
 }
 
+/// A random map: texels along an edge, look, scale of the light.
+pub(super) fn lit(random: &mut Random, (size, look, scale): (u32, Look, f32)) -> Oem {
+    let light = texels(random, look, Layout::Octahedral { size });
+    let light: Vec<_> = light.iter().map(|texel| texel.map(|value| value * scale)).collect();
+    oem(OemSize { inner: size, border: 0 }, &light)
+}
+
 /// Compares look-ups of random maps (texels along an edge, look, scale of the light) with the CPU's.
 pub(super) fn look_ups(context: &Context, cases: &[(u32, Look, f32)], roughness: &[f64]) {
     for &(size, look, scale) in cases {
         let mut random = Random::new(31);
-        let light = texels(&mut random, look, Layout::Octahedral { size });
-        let light: Vec<_> = light.iter().map(|texel| texel.map(|value| value * scale)).collect();
-        let oem = oem(OemSize { inner: size, border: 0 }, &light);
+        let oem = lit(&mut random, (size, look, scale));
         let (expected, maps) = (Pyramid::of_oem(&oem).expect("a size"), built(context, &oem));
         let mut directions = landmarks();
         directions.extend((0..200).map(|_| random.direction()));

@@ -1,23 +1,19 @@
 //! Reflections of the true BRDF out of pyramids on the GPU against the CPU's.
 
-use super::pyramid::built;
+use super::pyramid::{built, lit};
 use super::{exceeds, wait, with_passes};
-use crate::support::common::{Look, Random, landmarks, oem, texels};
+use crate::support::common::{Look, Random, landmarks};
 use glam::DVec3;
-use octagloss::Layout;
 use octagloss::internals::frame::Frame;
 use octagloss::internals::gpu::Context;
 use octagloss::internals::gpu::reflection_query::{Query, reflect};
-use octagloss::internals::oem::OemSize;
 use octagloss::internals::pyramid::Pyramid;
 
 /// Compares reflections of random maps (texels along an edge, look, scale of the light) with the CPU's.
 pub(super) fn reflections(context: &Context, cases: &[(u32, Look, f32)], roughness: &[f32]) {
     for &(size, look, scale) in cases {
         let mut random = Random::new(31);
-        let light = texels(&mut random, look, Layout::Octahedral { size });
-        let light: Vec<_> = light.iter().map(|texel| texel.map(|value| value * scale)).collect();
-        let oem = oem(OemSize { inner: size, border: 0 }, &light);
+        let oem = lit(&mut random, (size, look, scale));
         let (pyramid, maps) = (Pyramid::of_oem(&oem).expect("a size"), built(context, &oem));
         let mut normals = landmarks();
         normals.extend((0..100).map(|_| random.direction()));
