@@ -54,7 +54,6 @@ impl Query {
             scan: self.table.scan.unwrap_or_default(),
             sharpest: sharpest(self.lobe, &each).unwrap_or(1.0),
             pyramid: self.filter == Filter::Pyramid,
-            ..ReflectorSettings::default()
         };
         let reflector = Reflector::new(environment, &settings)?;
         let query =
