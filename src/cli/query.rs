@@ -10,6 +10,7 @@ use super::values::EngineArg;
 use crate::analysis::oracle::Oracle;
 use crate::analysis::oracle::reflection::reflection;
 use crate::bake::query::Query;
+use crate::cpu::reflection::ReflectedLight;
 use crate::environment::Rgb;
 use crate::filter::{Answer, Bound, Filter};
 use crate::io::npy;
@@ -49,12 +50,10 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     on_threads(args.engine.threads, || {
         if let Some(path) = &args.frames {
             let frames = read_frames(path)?;
-            let radiance = reflected(&args, &frames, &source, &console)?;
-            let answers: Vec<Answer> =
-                radiance.into_iter().map(|radiance| Answer { radiance, bound: None }).collect();
+            let answers = reflected(&args, &frames, &source, &console)?;
             let rows = || frames.asked.iter().map(|asked| &*asked.typed);
-            return deliver(output, existing, &answers, false, "frames", &console, || {
-                csv(&frames.header, rows(), &answers, false)
+            return deliver(output, existing, &answers, args.bound, "frames", &console, || {
+                csv(&frames.header, rows(), &answers, args.bound)
             });
         }
         let directions = args.directions.as_deref().expect("required without frames");
@@ -119,7 +118,12 @@ fn deliver(
 }
 
 /// The radiance that the surfaces of `frames` reflect.
-fn reflected(args: &QueryArgs, frames: &Frames, source: &InputFiles, console: &Console) -> Outcome<Vec<Rgb>> {
+fn reflected(
+    args: &QueryArgs,
+    frames: &Frames,
+    source: &InputFiles,
+    console: &Console,
+) -> Outcome<Vec<Answer>> {
     let Some(roughness) = args.roughness else {
         return usage("--roughness R, R in [0, 1], is required with --frames");
     };
@@ -131,6 +135,7 @@ fn reflected(args: &QueryArgs, frames: &Frames, source: &InputFiles, console: &C
         return usage("--frames is answered by the CPU; omit --engine gpu");
     }
     let f0 = args.f0.unwrap_or(1.0);
+    let unbounded = |radiance: Rgb| Answer { radiance, bound: None };
     match args.filter {
         Filter::Pyramid if anisotropy > 0.0 => {
             usage("the pyramid reflects isotropically only; use --filter reference with --anisotropy")
@@ -146,24 +151,29 @@ fn reflected(args: &QueryArgs, frames: &Frames, source: &InputFiles, console: &C
                 ..ReflectorSettings::default()
             };
             let reflector = Reflector::new(&environment, &settings)?;
-            let reflect = |asked: &AskedFrame| reflector.reflect(&asked.frame, roughness as f32, f0 as f32);
+            let reflect =
+                |asked: &AskedFrame| unbounded(reflector.reflect(&asked.frame, roughness as f32, f0 as f32));
             Ok(frames.asked.par_iter().map(reflect).collect())
         }
-        Filter::Reference if roughness < LEAST_ROUGHNESS => {
-            usage(format!("--filter reference reflects from roughness {LEAST_ROUGHNESS} up"))
+        Filter::Reference | Filter::Adaptive(_) if roughness < LEAST_ROUGHNESS => {
+            usage(format!("--filter {} reflects from roughness {LEAST_ROUGHNESS} up", args.filter))
         }
         Filter::Reference => {
             let environment = source.open(&args.input, console)?.environment;
             let oracle = Oracle::new(&environment);
             let reflect = |asked: &AskedFrame| {
                 let [all, grazing] = reflection(&oracle, &asked.frame, roughness, anisotropy);
-                [0, 1, 2].map(|c| (f0 * all[c] + (1.0 - f0) * grazing[c]) as f32)
+                unbounded([0, 1, 2].map(|c| (f0 * all[c] + (1.0 - f0) * grazing[c]) as f32))
             };
             Ok(frames.asked.par_iter().map(reflect).collect())
         }
-        Filter::Adaptive(_) | Filter::Box => {
-            usage(format!("--frames has no --filter {}; use pyramid or reference", args.filter))
+        Filter::Adaptive(error) => {
+            let environment = source.open(&args.input, console)?.environment;
+            let light = ReflectedLight::new(&environment);
+            let reflect = |asked: &AskedFrame| light.reflect(&asked.frame, roughness, anisotropy, f0, error);
+            Ok(frames.asked.par_iter().map(reflect).collect())
         }
+        Filter::Box => usage("--frames has no --filter box; use adaptive:E, pyramid or reference"),
     }
 }
 

@@ -8,4 +8,6 @@ pub mod adaptive;
 pub mod box_filter;
 pub mod cells;
 pub mod mirror;
+mod range;
+pub mod reflection;
 pub(crate) mod subtexel;

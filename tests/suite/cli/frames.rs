@@ -28,6 +28,20 @@ fn frames_are_answered_by_pyramid_and_reference_alike() {
     for (found, exact) in found[..3].as_flattened().iter().zip(exact.as_flattened()) {
         assert!((found - exact).abs() < 0.05 * exact + 0.1, "{found}, not {exact}");
     }
+    // The certified bound, which is the default filter's.
+    let args = ["query", "sky.exr", "--quiet", "--frames", "frames.csv", "--roughness", "0.5", "--bound"];
+    let out = done(folder.path(), &[&args[..], &["--anisotropy", "0.7"]].concat()).out;
+    let mut lines = out.lines();
+    assert_eq!(lines.next(), Some("nx,ny,nz,vx,vy,vz,tx,ty,tz,r,g,b,bound,bound_r,bound_g,bound_b"));
+    let truth = query(&["--filter", "reference", "--anisotropy", "0.7"]);
+    for (line, truth) in lines.zip(truth) {
+        let values: Vec<f64> =
+            line.split(',').skip(9).map(|value| value.parse().expect("a number")).collect();
+        for c in 0..3 {
+            let (off, bound) = ((values[c] - truth[c]).abs(), values[4 + c]);
+            assert!(off <= bound + 1e-5 * truth[c] && bound < 0.5 * truth[c] + 0.1, "{line}: {truth:?}");
+        }
+    }
     // A darker surface reflects less, and a brushed one something else.
     let dark = query(&["--filter", "reference", "--f0", "0.04"]);
     let brushed = query(&["--filter", "reference", "--anisotropy", "0.7"]);
@@ -44,9 +58,9 @@ fn frames_name_what_they_need() {
     let rough = ["--roughness", "0.5"];
     fails(
         folder.path(),
-        &query(&rough),
+        &query(&[&rough[..], &["--filter", "box"]].concat()),
         2,
-        "--frames has no --filter adaptive:0.005; use pyramid or reference",
+        "--frames has no --filter box; use adaptive:E, pyramid or reference",
     );
     let brushed = [&rough[..], &["--filter", "reference", "--anisotropy", "0.5"]].concat();
     fails(folder.path(), &query(&brushed), 2, "--anisotropy needs tangents: columns tx,ty,tz in --frames");

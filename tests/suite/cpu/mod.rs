@@ -4,3 +4,4 @@ pub(super) mod adaptive;
 mod continuity;
 pub(super) mod extremes;
 pub(super) mod lights;
+mod reflections;
