@@ -159,6 +159,8 @@ mod view;
 
 pub use analysis::oracle::Oracle;
 pub use analysis::statistics::{HalfLoss, Statistics};
+pub use pyramid::BakedPyramid;
+
 pub use bake::{
     Bake, BakeSettings, LevelStats, OnProgress, Processor, Progress, Skybox, bake, bake_all, unwatched,
 };

@@ -1,21 +1,10 @@
 // Glossy reflections of any roughness and irradiance out of a pyramid: `Pyramid` of src/pyramid/mod.rs. At
-// most five bilinear reads.
+// most five bilinear reads. Maps and table are read by functions: those of pyramid_maps.wgsl or
+// pyramid_file.wgsl.
 #include "common/harmonics.wgsl"
 #include "common/light.wgsl"
 
 const INTERVALS = 640u;
-
-// The table of src/pyramid/fit.rs, and the maps' size.
-struct OctaglossPyramid {
-    // Texels along an edge of the finest maps, and of their border.
-    inner: f32,
-    border: f32,
-    pad_a: u32,
-    pad_b: u32,
-    // Weights at a node: mirror, sharp level, seven levels from fine to coarse, cosine, harmonics of order 0
-    // to 4, 1 over the integral of GGX.
-    weights: array<array<vec4<f32>, 4>, INTERVALS + 1u>,
-}
 
 // `direction` in the environment `probe`, as a unit vector. As dot products, which begin with `direction`:
 // where a condition depends on an expression that begins with a constant place in a stage's fourth uniform
@@ -31,8 +20,8 @@ fn place_of(direction: vec3<f32>) -> vec2<f32> {
     let folded = 1.0 - abs(p.zx);
     let turned = vec2<f32>(select(-folded.x, folded.x, p.x >= 0.0), select(-folded.y, folded.y, p.z >= 0.0));
     let uv = select(turned, p.xz, p.y >= 0.0);
-    let inner = octagloss_pyramid.inner;
-    return 0.5 + uv * (0.5 * inner / (inner + 2.0 * octagloss_pyramid.border));
+    let inner = map_inner();
+    return 0.5 + uv * (0.5 * inner / (inner + 2.0 * map_border()));
 }
 
 // Harmonics of radiance around the unit vector `d`, the sum of each order times its weight.
@@ -63,30 +52,28 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     let node = log2(1.0 + 50.0 * roughness) * 112.826518;
     let k = min(u32(node), INTERVALS - 1u);
     let share = node - f32(k);
-    let low = octagloss_pyramid.weights[k];
-    let high = octagloss_pyramid.weights[k + 1u];
+    var low = node_weights(k);
+    var high = node_weights(k + 1u);
     let a = mix(low[0], high[0], share);
     let b = mix(low[1], high[1], share);
     let c = mix(low[2], high[2], share);
     let e = mix(low[3], high[3], share);
     var sum = vec3<f32>();
     if a.x != 0.0 {
-        sum += a.x * textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe, 0.0).xyz;
+        sum += a.x * read_mirror(probe, at);
     }
     if a.y != 0.0 {
-        sum += a.y * textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe + 1u, 0.0).xyz;
+        sum += a.y * read_sharp(probe, at);
     }
     var levels = array<f32, 7>(a.z, a.w, b.x, b.y, b.z, b.w, c.x);
     // Levels that a smaller map does not have weigh nothing.
     for (var level = 0u; level < 7u; level++) {
         if levels[level] != 0.0 {
-            let read = textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, f32(level));
-            sum += levels[level] * read.xyz;
+            sum += levels[level] * read_levels(probe, at, f32(level));
         }
     }
     if c.y != 0.0 {
-        let place = place_in_cosine(at);
-        sum += c.y * textureSampleLevel(octagloss_cosine, octagloss_linear, place, probe, 0.0).xyz;
+        sum += c.y * read_cosine(probe, place_in_cosine(at));
     }
     sum += harmonics_around(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
@@ -113,8 +100,8 @@ fn squared(v: vec3<f32>) -> f32 {
 
 // The same place in the cosine map, which has a border of one texel around 32.
 fn place_in_cosine(at: vec2<f32>) -> vec2<f32> {
-    let size = octagloss_pyramid.inner + 2.0 * octagloss_pyramid.border;
-    return 0.5 + (at - 0.5) * (size / octagloss_pyramid.inner * (32.0 / 34.0));
+    let size = map_inner() + 2.0 * map_border();
+    return 0.5 + (at - 0.5) * (size / map_inner() * (32.0 / 34.0));
 }
 
 // Irradiance on a surface with `normal` (world space, any length but zero) over pi: the radiance that a white
@@ -126,9 +113,7 @@ fn octagloss_irradiance(normal: vec3<f32>) -> vec3<f32> {
 // The same in the environment `probe`.
 fn octagloss_irradiance_of(probe: u32, normal: vec3<f32>) -> vec3<f32> {
     let d = source_from_world(probe, normal);
-    let at = place_in_cosine(place_of(d));
-    var sum = textureSampleLevel(octagloss_cosine, octagloss_linear, at, probe, 0.0).xyz;
-    sum *= octagloss_lights[probe].unscale;
+    var sum = read_cosine(probe, place_in_cosine(place_of(d))) * octagloss_lights[probe].unscale;
     for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];
         let facing = vec3<f32>(dot(d, sun.red.xyz), dot(d, sun.green.xyz), dot(d, sun.blue.xyz));

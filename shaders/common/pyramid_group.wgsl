@@ -5,4 +5,4 @@
 @group(0) @binding(3) var octagloss_sharp: texture_2d_array<f32>;
 @group(0) @binding(4) var octagloss_cosine: texture_2d_array<f32>;
 @group(0) @binding(5) var octagloss_linear: sampler;
-#include "common/pyramid.wgsl"
+#include "common/pyramid_maps.wgsl"

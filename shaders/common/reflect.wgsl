@@ -11,22 +11,19 @@ fn reflection_node(layer: u32, roughness: f32, cosine: f32) -> vec4<f32> {
     // 1 / log2(11).
     let place = vec2<f32>(log2(1.0 + 10.0 * roughness) * 0.289064826, sqrt(cosine));
     let at = (place * (NODES - 1.0) + 0.5) / NODES;
-    return textureSampleLevel(octagloss_reflections, octagloss_linear, at, layer, 0.0);
+    return read_reflections(layer, at);
 }
 
 // Light around the unit vector `direction` between two levels: 0 the mirror, 1 the sharp one.
 fn between_levels(probe: u32, direction: vec3<f32>, level: f32) -> vec3<f32> {
     let at = place_of(direction);
     if level >= 2.0 {
-        return textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, level - 2.0).xyz;
+        return read_levels(probe, at, level - 2.0);
     }
-    let sharp = textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe + 1u, 0.0).xyz;
     if level >= 1.0 {
-        let finest = textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, 0.0).xyz;
-        return mix(sharp, finest, level - 1.0);
+        return mix(read_sharp(probe, at), read_levels(probe, at, 0.0), level - 1.0);
     }
-    let mirror = textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe, 0.0).xyz;
-    return mix(mirror, sharp, level);
+    return mix(read_mirror(probe, at), read_sharp(probe, at), level);
 }
 
 // GGX with Smith's height-correlated masking, and (1 - v.h)^5, of a light of `spread`: `Brdf::around` of
@@ -109,9 +106,7 @@ fn octagloss_reflect_of(
         in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
     }
     let rest = reflection_node(READS, roughness, cosine);
-    let place = place_in_cosine(place_of(n));
-    let cosine_light = textureSampleLevel(octagloss_cosine, octagloss_linear, place, probe, 0.0).xyz;
-    sum += (f0 * rest.x + f90 * rest.y) * cosine_light;
+    sum += (f0 * rest.x + f90 * rest.y) * read_cosine(probe, place_in_cosine(place_of(n)));
     // Harmonics around five directions in the plane, of orders from their place up.
     var angles = array<vec2<f32>, 5>(
         vec2<f32>(1.0, 0.0),
@@ -135,7 +130,7 @@ fn octagloss_reflect_of(
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
     // Suns, in axes of the surface with the view in the plane of x and z.
     let share = max(1.0 - in_mirror / (rest.z + rest.w), 0.0);
-    let alpha = max(roughness * roughness, 0.9 / octagloss_pyramid.inner);
+    let alpha = max(roughness * roughness, 0.9 / map_inner());
     let across = cross(n, towards);
     for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];

@@ -3,7 +3,7 @@
 @group(0) @binding(6) var octagloss_reflections: texture_2d_array<f32>;
 #include "common/pyramid_group.wgsl"
 #include "common/rows.wgsl"
-#include "common/reflect.wgsl"
+#include "common/reflect_maps.wgsl"
 
 const GROUP_SIZE = 64u;
 

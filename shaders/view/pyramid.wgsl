@@ -5,7 +5,7 @@
 @group(1) @binding(3) var octagloss_sharp: texture_2d_array<f32>;
 @group(1) @binding(4) var octagloss_cosine: texture_2d_array<f32>;
 @group(1) @binding(5) var octagloss_linear: sampler;
-#include "common/pyramid.wgsl"
+#include "common/pyramid_maps.wgsl"
 #include "common/view_draw.wgsl"
 
 fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32> {

@@ -211,6 +211,7 @@ impl<'a> Job<'a> {
                 stats,
                 sheen: parts.sheen.map(|sheen| chain(&sheen, BoundsUse::Drop)),
                 sheen_stats,
+                pyramid: None,
                 irradiance: parts.irradiance.map(|index| taken(index, BoundsUse::Drop)),
                 skybox: parts.skybox.map(|index| taken(index, BoundsUse::Drop)),
                 sh: sh_window.applied(sh),

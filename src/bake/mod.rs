@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
+use crate::pyramid::BakedPyramid;
 use crate::reflector::{Reflector, Workspace, check_answers};
 use glam::DVec3;
 use job::Job;
@@ -126,6 +127,9 @@ pub(crate) async fn bake_job(
     let (oem, energy) = engine.oem().await?;
     let (environment, settings) = job.inputs();
     let mut bakes = job.finish(levels, oem, energy)?;
+    for (bake, settings) in bakes.iter_mut().zip(settings).filter(|(_, settings)| settings.pyramid) {
+        bake.pyramid = Some(BakedPyramid::new(environment, settings.size)?);
+    }
     for (bake, settings) in bakes.iter_mut().zip(settings).filter(|(_, settings)| settings.measure) {
         bake.typical_error = typical_error(engine, &bake.chain, settings, environment.layout()).await?;
     }

@@ -5,6 +5,7 @@ use crate::chain::{Chain, Level};
 use crate::environment::{Layout, Map};
 use crate::error::{Error, Result};
 use crate::oem::OemSize;
+use crate::pyramid::BakedPyramid;
 use crate::sh::window::ShWindow;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -44,6 +45,8 @@ pub struct Bake {
     pub sheen: Option<Chain>,
     /// Statistics of each sheen level.
     pub sheen_stats: Vec<LevelStats>,
+    /// The pyramid, if requested.
+    pub pyramid: Option<BakedPyramid>,
     /// Spherical harmonics of the source, see `sh`, windowed.
     pub sh: Vec<[f64; 3]>,
     /// Their window, with its width resolved.

@@ -97,6 +97,8 @@ pub struct BakeSettings {
     pub chain: Option<ChainKind>,
     /// Also bake the chain's sizes and roughnesses with the Charlie lobe (sheen).
     pub sheen: bool,
+    /// Also build the pyramid over a map of `size` texels along an edge.
+    pub pyramid: bool,
     /// Measure [`crate::bake::Bake::typical_error`], which takes a few per cent of the bake's time.
     pub measure: bool,
 }
@@ -120,6 +122,7 @@ impl Default for BakeSettings {
             sh_window: ShWindow::None,
             chain: None,
             sheen: false,
+            pyramid: false,
             measure: false,
         }
     }

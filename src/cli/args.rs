@@ -64,6 +64,8 @@ pub(super) enum Command {
     /// Prints the command that compiles the viewer and runs it.
     #[cfg(not(feature = "view"))]
     View(super::view_absent::ViewArgs),
+    /// Print shader code that reads outputs
+    Reader(super::reader::ReaderArgs),
     /// Print a completion script for a shell
     Completions(super::completions::CompletionsArgs),
     /// Print the manual page, or write all pages into a folder
@@ -159,13 +161,13 @@ pub(super) struct QueryArgs {
     /// CSV with the header nx,ny,nz,vx,vy,vz, or an array with six columns: normals, and directions to the
     /// viewer; with tx,ty,tz, or nine columns, tangents, too. Answers are the radiance that the surfaces
     /// reflect: GGX with height-correlated Smith masking and Schlick's Fresnel term, not normalised. A view
-    /// with n.v below 0.01 is turned up to that. By --filter pyramid or reference, on the CPU.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["directions", "bound", "lobe"])]
+    /// with n.v below 0.01 is turned up to that. By --filter adaptive:E, pyramid or reference, on the CPU.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["directions", "lobe"])]
     pub(super) frames: Option<PathBuf>,
     /// Anisotropy of --frames, in [0, 1] [default: 0]
     ///
     /// As in KHR_materials_anisotropy: alpha along the tangent is r^2 + (1 - r^2) A^2, across it r^2. With
-    /// --filter reference.
+    /// --filter adaptive:E or reference.
     #[arg(long, value_name = "A", value_parser = within([0.0, 1.0]), requires = "frames")]
     pub(super) anisotropy: Option<f64>,
     /// Reflectance of --frames at normal incidence, in [0, 1] [default: 1]

@@ -337,7 +337,8 @@ impl Work {
             return Err(Error::input(job.source.path(), CHANGED).into());
         }
         let source = Source { files: input_files, ..source };
-        let measured = |plan: &BakePlan| BakeSettings { measure: true, ..plan.settings.clone() };
+        let measured =
+            |plan: &BakePlan| BakeSettings { measure: !plan.settings.pyramid, ..plan.settings.clone() };
         let settings: Vec<BakeSettings> = plans.iter().map(measured).collect();
         let engine = self.engine.chosen(engine, console)?;
         if settings[0].filter == Filter::Reference {

@@ -142,6 +142,10 @@ impl Parts {
             parts.report(&path.join(REPORT), None)?;
             parts.lamp(&path.join("sun.json"));
         }
+        if let Some(level) = io::pyramid_irradiance(&bake.path)? {
+            let content = FoundContent::Map(level);
+            parts.found.push(Found { part: "irradiance", path: bake.path.clone(), content });
+        }
         if bake.path.is_file()
             && let Some(text) = io::filament_harmonics(&bake.path)?
         {

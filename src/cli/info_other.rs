@@ -93,7 +93,10 @@ fn known_texture(path: &Path) -> Option<(&'static str, String, [u32; 2])> {
     }
     let header = ktx2::Reader::new(&bytes[..]).ok()?.header();
     let pixels = header.format.map_or_else(|| "unnamed".to_owned(), |format| format!("{format:?}"));
-    let content = format!("a table or texture of pixels {pixels}");
+    let content = match header.layer_count {
+        0 | 1 => format!("a table or texture of pixels {pixels}"),
+        layers => format!("an array of {layers} textures of pixels {pixels}, such as the maps of a pyramid"),
+    };
     Some(("KTX2", content, [header.pixel_width, header.pixel_height]))
 }
 
@@ -147,6 +150,8 @@ fn known_data(path: &Path) -> Option<(&'static str, String)> {
                 let target =
                     value["target"]["name"].as_str().map_or(String::new(), |name| format!(" for {name}"));
                 format!("report of a bake of {}{target}", value["input"].as_str().unwrap_or("an environment"))
+            } else if has(&["suns", "harmonics", "uniform"]) {
+                "the light of a pyramid without its maps".to_owned()
             } else if has(&["coefficients"]) {
                 "spherical harmonics".to_owned()
             } else if has(&["direction", "irradiance"]) {
@@ -156,7 +161,7 @@ fn known_data(path: &Path) -> Option<(&'static str, String)> {
             };
             Some(("JSON", content))
         }
-        "csv" | "txt" | "wgsl" | "glsl" | "hlsl" | "svg" => {
+        "csv" | "txt" | "wgsl" | "glsl" | "hlsl" | "metal" | "svg" => {
             Some(("text", format!("{} lines", text()?.lines().count())))
         }
         _ => None,

@@ -45,6 +45,7 @@ mod measures;
 mod outcome;
 mod output;
 mod query;
+mod reader;
 mod shared_args;
 mod shell;
 mod signals;
@@ -126,6 +127,7 @@ fn run(command: Command, licenses: Option<&str>) -> Outcome {
         Command::Convert(args) => convert::run(&args),
         Command::Completions(args) => completions::run(&args, Args::command()),
         Command::Man(args) => man::run(&args, Args::command()),
+        Command::Reader(args) => reader::run(&args),
         Command::Licenses => licenses::run(licenses),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(*args),
@@ -140,7 +142,7 @@ fn refuse(error: &clap::Error) -> Outcome {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()),
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => usage(
             "missing subcommand; choose one of bake, query, info, compare, bench, synth, dfg, analyze, \
-             convert, view, completions, man, licenses; see octagloss --help",
+             convert, view, reader, completions, man, licenses; see octagloss --help",
         ),
         // clap names neither the option nor the value.
         ErrorKind::InvalidUtf8 => usage(not_utf8(std::env::args_os())),

@@ -290,6 +290,12 @@ fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> 
             let specs = settings.level_specs()?;
             format!("{pixel} octahedral map {}, {} levels, with borders", settings.size, specs.len())
         }
+        Content::Pyramid => {
+            let levels = settings.level_specs()?.len();
+            format!("{pixel} pyramid {}, {levels} levels, with borders", settings.size)
+        }
+        Content::PyramidLight => "suns and harmonics".to_owned(),
+        Content::PyramidTables => "tables of the look-ups".to_owned(),
         Content::Reader => "shader code".to_owned(),
         Content::Panorama => format!("panorama {}x{}", 2 * settings.size, settings.size),
         Content::Mips => {

@@ -1,6 +1,6 @@
 //! Encodes the files of a plan from a bake.
 
-use super::{babylon, gltf, playcanvas};
+use super::{babylon, gltf, playcanvas, pyramid};
 use crate::bake::Bake;
 use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::Rgb;
@@ -15,7 +15,9 @@ use crate::io::layout::image_from_faces;
 use crate::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::io::oem_write::oem_bytes;
 use crate::io::provenance::{IRRADIANCE, RECIPE_KEY, TakenSun};
+use crate::io::pyramid_write::{maps_bytes, tables_bytes};
 use crate::lobe::Lobe;
+use crate::pyramid::BakedPyramid;
 use crate::recipe::source::SunReport;
 use crate::recipe::{Recipe, fields};
 use crate::sh::scale::{ShScale, scaled};
@@ -102,6 +104,16 @@ fn file_of(
         }
         Content::Irradiance => cube(std::slice::from_ref(irradiance(bake)?), false)?,
         Content::Oem => oem_bytes(plan.container, levels, plan.pixel, &of_target(plan, metadata))?,
+        Content::Pyramid => maps_bytes(
+            baked_pyramid(bake)?,
+            plan.pixel,
+            &pyramid::metadata(baked_pyramid(bake)?, &of_target(plan, metadata)),
+        )?,
+        Content::PyramidLight => text(pyramid::light_json(baked_pyramid(bake)?)),
+        Content::PyramidTables => {
+            let bytes = tables_bytes(baked_pyramid(bake)?.octaves())?;
+            CubeFile { bytes, clamped: Vec::new() }
+        }
         Content::Reader => {
             let (_, code) = READERS.iter().find(|(name, _)| *name == path).expect("a reader of that name");
             text((*code).to_owned())
@@ -126,6 +138,10 @@ fn file_of(
 
 fn missing(what: &str) -> Error {
     Error::Parameter(format!("{what} is required but was not baked"))
+}
+
+fn baked_pyramid(bake: &Bake) -> Result<&BakedPyramid> {
+    bake.pyramid.as_ref().ok_or_else(|| missing("a pyramid"))
 }
 
 fn irradiance(bake: &Bake) -> Result<&Level> {

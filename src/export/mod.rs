@@ -6,5 +6,6 @@ pub(crate) mod gltf;
 pub mod lights;
 pub(crate) mod playcanvas;
 pub mod produce;
+pub(crate) mod pyramid;
 pub mod report;
 pub mod write;

@@ -201,7 +201,9 @@ pub fn products(
     for (plan, mut bake) in plans.iter().zip(bakes) {
         let BakePlan { recipe, plan: files_plan, .. } = plan;
         bake.warnings.dedup();
-        let levels = bake.levels_mut().enumerate();
+        // Those of a pyramid's map serve the report and the preview; its own texels are scaled to their range.
+        let unwritten = if plan.settings.pyramid { bake.chain.levels.len() } else { 0 };
+        let levels = bake.levels_mut().enumerate().skip(unwritten);
         let applied = levels.map(|(index, level)| recipe.overflow.apply(index, level, files_plan.pixel));
         let compressed = applied.sum::<Result<_>>().map_err(|error| match error {
             Error::Parameter(message) if files_plan.is_targeted() => {
@@ -225,9 +227,9 @@ pub fn products(
         report.adapter.clone_from(&adapter);
         report.clamped = made.iter().flat_map(|file| &file.clamped).sum();
         let share = |level| clamped_share(level, files_plan.pixel);
-        report.clamped_energy_share = bake.levels().map(share).fold(0.0, f64::max);
+        report.clamped_energy_share = bake.levels().skip(unwritten).map(share).fold(0.0, f64::max);
         report.compressed = compressed;
-        let losses = losses(files_plan, &bake, &report);
+        let losses = if plan.settings.pyramid { Vec::new() } else { losses(files_plan, &bake, &report) };
         let warnings = [&source.warnings[..], plan.warning.as_slice(), fallback.as_slice(), &losses[..]];
         report.warnings = [&warnings.concat()[..], &bake.warnings].concat();
         let output =

@@ -8,6 +8,7 @@ use super::{Context, Stage};
 use crate::error::{Error, Result};
 use crate::oem::OemSize;
 use crate::pyramid::fit::{self, INTERVALS, WEIGHTS};
+use crate::pyramid::light::OctaglossLight;
 use crate::pyramid::{COARSEST, Octaves, cells, suns};
 use glam::DVec3;
 
@@ -31,40 +32,6 @@ struct OctaglossPyramid {
     border: f32,
     pad: [u32; 2],
     weights: [[f32; WEIGHTS]; INTERVALS as usize + 1],
-}
-
-/// `OctaglossSun` of the shaders.
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct OctaglossSun {
-    /// Mean direction of red light, and the mean squared distance of its light from there.
-    pub red: [f32; 4],
-    /// The same of green light.
-    pub green: [f32; 4],
-    /// The same of blue light.
-    pub blue: [f32; 4],
-    /// Radiance times solid angle.
-    pub energy: [f32; 3],
-    pad: f32,
-}
-
-/// An environment's light without its maps: `OctaglossLight` of the shaders.
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct OctaglossLight {
-    world_from_source: [[f32; 4]; 3],
-    /// The power of two that scales the maps.
-    pub scale: f32,
-    /// Its inverse.
-    pub unscale: f32,
-    /// What the rest is clamped to, scaled.
-    pub clamp: f32,
-    pad: f32,
-    /// Harmonics of the rest, scaled.
-    pub harmonics: [[f32; 4]; 25],
-    /// Suns.
-    pub suns: [OctaglossSun; suns::COUNT],
-    pad_to_256: [f32; 12],
 }
 
 /// Bytes of a light: a multiple of 256, at which bindings may begin.
@@ -305,7 +272,7 @@ pub(super) fn wgsl(count: u32, group: u32) -> String {
     let lights = format!("var<uniform> octagloss_lights: array<OctaglossLight, {count}>");
     let mut resources = RESOURCES.to_vec();
     resources.insert(1, &lights);
-    shader::for_callers("common/pyramid.wgsl", &resources, group, "octagloss")
+    shader::for_callers("common/pyramid_maps.wgsl", &resources, group, "octagloss")
 }
 
 /// Stage that answers `queries`, directions in the map's space with their roughness, and its output: four

@@ -58,5 +58,28 @@ pub(super) fn wgsl(group: u32) -> String {
     let mut resources = RESOURCES.to_vec();
     resources.insert(1, lights);
     resources.push("var octagloss_reflections: texture_2d_array<f32>");
-    shader::for_callers("common/reflect.wgsl", &resources, group, "octagloss")
+    shader::for_callers("common/reflect_maps.wgsl", &resources, group, "octagloss")
+}
+
+/// How the look-ups of files are used.
+#[cfg(any(test, feature = "internals"))]
+const READER: &str = "\
+// Reads files of `octagloss bake --target pyramid`: reflections of any roughness and view, and irradiance.
+// octagloss_lights holds the 256 floats `uniform` of NAME_pyramid.json, octagloss_maps NAME_pyramid.ktx2,
+// octagloss_tables pyramid_tables.ktx2; octagloss_linear is a sampler, linear in texels and in mip levels and
+// clamped to the edge. Directions are in the world, right-handed, y up. To use: octagloss_radiance,
+// octagloss_irradiance, octagloss_reflect and octagloss_albedo; `probe` is 0.
+";
+
+/// WGSL of the look-ups of pyramids in files, as [`crate::target::READERS`] has it.
+#[cfg(any(test, feature = "internals"))]
+#[must_use]
+pub fn reader_wgsl() -> String {
+    let resources = [
+        "var<uniform> octagloss_lights: array<OctaglossLight, 1>",
+        "var octagloss_maps: texture_2d_array<f32>",
+        "var octagloss_tables: texture_2d<f32>",
+        "var octagloss_linear: sampler",
+    ];
+    READER.to_owned() + &shader::for_callers("common/pyramid_file.wgsl", &resources, 0, "octagloss")
 }

@@ -34,6 +34,8 @@ pub(crate) mod panics;
 mod picture;
 mod picture_map;
 pub mod provenance;
+mod pyramid_read;
+pub(crate) mod pyramid_write;
 pub mod regular;
 mod repair;
 pub mod side_report;
@@ -309,6 +311,9 @@ fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
         Some(Format::Ktx1) => ktx1::read::decode_chain(source),
         Some(Format::Ktx2) => {
             let texture = ktx2::read::open(source)?;
+            if pyramid_read::is_pyramid(&texture) {
+                return pyramid_read::decode_chain(&texture);
+            }
             texture.chain(texture.roughness()?)
         }
         _ => Err(unreadable(source).unwrap_or_else(|| {
@@ -317,6 +322,26 @@ fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
             )
         })),
     }
+}
+
+/// The irradiance over pi of the pyramid in the file `path`; `None` if it is none.
+///
+/// # Errors
+/// As [`read_chain`].
+#[cfg(feature = "cli")]
+pub(crate) fn pyramid_irradiance(path: &Path) -> Result<Option<Level>> {
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let bytes = read_regular(path, DEFAULT_MEMORY_LIMIT)?;
+    if Format::sniff(&bytes) != Some(Format::Ktx2) {
+        return Ok(None);
+    }
+    let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
+    catching_panics(path, || {
+        let texture = ktx2::read::open(&source)?;
+        pyramid_read::is_pyramid(&texture).then(|| pyramid_read::decode_irradiance(&texture)).transpose()
+    })
 }
 
 /// Undoes the flip of a chain as it is stored.

@@ -41,8 +41,8 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
     let holds_levels = |path: &&String| {
         let mut contents = TARGETS.iter().filter_map(|target| target.content_of(path));
         contents.any(|content| {
-            use Content::{Atlas, Env, Glb, Oem, Panorama, Specular};
-            matches!(content, Specular | Oem | Panorama | Env | Glb | Atlas)
+            use Content::{Atlas, Env, Glb, Oem, Panorama, Pyramid, Specular};
+            matches!(content, Specular | Oem | Panorama | Env | Glb | Atlas | Pyramid)
         })
     };
     let found: Vec<&String> = paths.iter().filter(holds_levels).collect();

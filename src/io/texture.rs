@@ -26,6 +26,8 @@ pub(super) struct Texture<'a> {
     pub(super) is_signed: bool,
     pub(super) width: u32,
     pub(super) height: u32,
+    /// Images of an array: those of a pyramid, else one.
+    pub(super) layers: u32,
     pub(super) is_cube: bool,
     /// Whether the rows of a 2D image run upwards.
     pub(super) is_bottom_up: bool,
@@ -56,6 +58,11 @@ impl Texture<'_> {
     /// Decodes level 0.
     pub(super) fn picture(&self) -> Result<Picture> {
         let Self { source, width, height, is_cube, .. } = self;
+        if self.layers > 1 {
+            return Err(source.error(
+                "a pyramid is for look-ups and is no environment; compare, info and view --filter levels read it",
+            ));
+        }
         Ok(Picture {
             width: *width,
             height: if *is_cube { 6 * width } else { *height },
@@ -112,8 +119,12 @@ impl Texture<'_> {
     }
 
     /// Such as `KTX2 cube, RGBA16F, 9 levels`.
-    fn format(&self) -> String {
-        let kind = if self.is_cube { "cube" } else { "2D" };
+    pub(super) fn format(&self) -> String {
+        let kind = match (self.is_cube, self.layers) {
+            (true, _) => "cube",
+            (false, 1) => "2D",
+            (false, _) => "pyramid",
+        };
         let pixel = match self.pixel {
             Pixel::F16 => "RGBA16F",
             Pixel::F32 => "RGBA32F",
@@ -126,12 +137,12 @@ impl Texture<'_> {
     }
 
     /// Origin recorded in the file.
-    fn provenance(&self) -> Result<Provenance> {
+    pub(super) fn provenance(&self) -> Result<Provenance> {
         Provenance::of_texts(&self.text).map_err(|message| self.source.error(message))
     }
 
     /// Decodes the texels of one level, face by face.
-    fn level(&self, level: usize) -> Result<Vec<Rgb>> {
+    pub(super) fn level(&self, level: usize) -> Result<Vec<Rgb>> {
         let side = |full: u32| (full >> level).max(1);
         let (width, height) = (side(self.width), side(self.height));
         let mut texels = Vec::new();

@@ -10,6 +10,7 @@
 //! *reads* of levels are round.
 
 use super::suns;
+use crate::environment::Rgb;
 use crate::oem::Oem;
 use crate::sphere::octahedral::{oct_from_direction, octahedron_from_oct, texel_centre, wrap_texel};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A, Vec4};
@@ -47,6 +48,12 @@ impl Map {
             }
         });
         Self { inner, texels }.bordered()
+    }
+
+    /// The square of `inner` texels within the square `texels`, whose border has `border`.
+    pub(crate) fn of_bordered(inner: u32, border: u32, texels: &[Rgb]) -> Self {
+        let side = inner + 2 * border;
+        Self::new(inner, |x, y| texels[((y + border) * side + x + border) as usize].into())
     }
 
     /// A map whose texels are `texels(x, y)` for the quarter with x, y < `inner` / 2: the texel there, the
@@ -88,6 +95,16 @@ impl Map {
     #[must_use]
     pub fn texel(&self, x: i32, y: i32) -> Vec3A {
         self.texels[(y + 1) as usize * (self.inner as usize + 2) + (x + 1) as usize]
+    }
+
+    /// The square with a border of `border` texels, by rows.
+    pub(crate) fn with_border(&self, border: u32) -> Vec<Rgb> {
+        let side = i64::from(self.inner + 2 * border);
+        let texel = |(x, y): (i64, i64)| {
+            let (x, y) = wrap_texel(self.inner, x - i64::from(border), y - i64::from(border));
+            self.texel(x as i32, y as i32).to_array()
+        };
+        (0..side).flat_map(|y| (0..side).map(move |x| (x, y))).map(texel).collect()
     }
 
     /// Bilinear between the texels around `direction`, a unit vector.

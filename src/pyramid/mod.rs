@@ -13,10 +13,12 @@
 //! the texels halve, down to s = .35 at 32 x 32. The weights are a table over roughness ([`fit`]). CPU and
 //! GPU build the levels by the same algorithm ([`levels`]), `shaders/pyramid/`.
 
+mod baked;
 pub mod brdf;
 pub mod cells;
 pub mod fit;
 pub mod levels;
+pub mod light;
 pub mod reads;
 mod reflect;
 pub mod suns;
@@ -29,6 +31,7 @@ use crate::environment::Rgb;
 use crate::error::{Error, Result};
 use crate::oem::{Oem, OemSize};
 use crate::sh::basis;
+pub use baked::BakedPyramid;
 use cells::Cells;
 use fit::{COSINE, LOBE, ORDERS, WEIGHTS, weights_at};
 use glam::{DVec3, Vec3A};
@@ -120,7 +123,7 @@ impl Octaves {
 }
 
 /// An environment's pyramid.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Pyramid {
     octaves: Octaves,
     /// Mirror, sharp level, levels from fine to coarse. Light is multiplied by 2^-exponent.
@@ -163,24 +166,6 @@ impl Pyramid {
         }
     }
 
-    fn unscaled(&self, light: Vec3A) -> Vec3A {
-        (light.as_dvec3() * f64::from(self.exponent).exp2()).as_vec3a()
-    }
-}
-
-/// For tests and measurements.
-#[cfg(any(test, feature = "internals"))]
-impl Pyramid {
-    /// Builds the pyramid of `environment` over a map of `size` texels along an edge, a power of two from 32
-    /// to 2048.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for another size, [`Error::Limit`] if the overlaps of texels exceed the memory.
-    pub fn build(environment: &Environment, size: u32) -> Result<Self> {
-        Octaves::over(size)?;
-        Self::of_oem(&oem_from_environment(environment, OemSize { inner: size, border: 0 })?)
-    }
-
     /// Irradiance on a surface with `normal` (any length but zero) over pi.
     #[must_use]
     pub fn irradiance(&self, normal: DVec3) -> Rgb {
@@ -199,6 +184,29 @@ impl Pyramid {
     #[must_use]
     pub const fn cosine(&self) -> &Map {
         &self.cosine
+    }
+
+    /// Its levels.
+    pub(crate) const fn octaves(&self) -> Octaves {
+        self.octaves
+    }
+
+    fn unscaled(&self, light: Vec3A) -> Vec3A {
+        (light.as_dvec3() * f64::from(self.exponent).exp2()).as_vec3a()
+    }
+}
+
+/// For tests and measurements.
+#[cfg(any(test, feature = "internals"))]
+impl Pyramid {
+    /// Builds the pyramid of `environment` over a map of `size` texels along an edge, a power of two from 32
+    /// to 2048.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for another size, [`Error::Limit`] if the overlaps of texels exceed the memory.
+    pub fn build(environment: &Environment, size: u32) -> Result<Self> {
+        Octaves::over(size)?;
+        Self::of_oem(&oem_from_environment(environment, OemSize { inner: size, border: 0 })?)
     }
 
     /// Harmonics of radiance to order 4, scaled so, too.

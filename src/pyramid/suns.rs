@@ -99,7 +99,6 @@ impl Sun {
     }
 
     /// Its irradiance on a surface with the unit `normal`, over pi.
-    #[cfg(any(test, feature = "internals"))]
     pub(crate) fn diffuse(&self, normal: Vec3A) -> Vec3A {
         let facing = |channel: SunChannel| channel.energy * channel.direction.dot(normal).max(0.0);
         FRAC_1_PI * Vec3A::from_array(self.channels.map(facing))

@@ -65,6 +65,7 @@ impl Recipe {
             size: Some(settings.size),
             ladder: Some(settings.ladder),
             chain: Some(settings.chain()),
+            filter: settings.filter,
             sh_order: Some(settings.sh_order),
             ..self.clone()
         };
@@ -206,6 +207,10 @@ impl Recipe {
             let container = plan.container.name();
             return wrong(format!("target {name}: `format` {container} is for cubes; use ktx2 or exr"));
         }
+        if target.has_pyramid() && plan.container != Container::Ktx2 {
+            let container = plan.container.name();
+            return wrong(format!("target {name}: `format` {container} has no arrays; use ktx2"));
+        }
         if target.map != Map::Cube && self.flip.is_some() {
             return wrong(format!("target {name} has no cube; omit `flip`"));
         }
@@ -215,8 +220,12 @@ impl Recipe {
         plan.pixel = self.pixel.unwrap_or(plan.pixel);
         plan.flip = self.flip.unwrap_or(plan.flip);
         plan.diffuse = self.diffuse_of(plan.diffuse)?;
+        if target.has_pyramid() && plan.diffuse != Diffuse::None {
+            return wrong(format!("target {name} holds its irradiance; omit `diffuse` and `irradiance`"));
+        }
         plan.skybox |= self.skybox.is_some();
-        self.filter.check(self.lobe, self.table.oem_size)?;
+        let filter = if target.has_pyramid() { Filter::Pyramid } else { self.filter };
+        filter.check(self.lobe, self.table.oem_size)?;
         plan.check()?;
         let size = self.size.unwrap_or(target.size);
         let irradiance = self.irradiance.unwrap_or(target.irradiance_size);
@@ -228,6 +237,8 @@ impl Recipe {
             chain: self.chain.or(target.chain),
             irradiance: plan.diffuse.has_cube().then_some(irradiance),
             sheen: target.has_sheen(),
+            pyramid: target.has_pyramid(),
+            filter,
             ..self.settings()
         };
         let check = || plan.check_levels(size, settings.level_specs()?.len() as u32, settings.ladder);

@@ -38,6 +38,12 @@ pub enum Content {
     ShText,
     /// Octahedral levels with their borders.
     Oem,
+    /// The maps of a pyramid.
+    Pyramid,
+    /// Its suns, harmonics and scale as JSON.
+    PyramidLight,
+    /// The tables of pyramids of its size.
+    PyramidTables,
     /// The entry of [`READERS`] named by its path.
     Reader,
     /// Level 0 as one image; the path's extension selects the format.
@@ -54,11 +60,15 @@ pub enum Content {
     Image(LevelName),
 }
 
-/// Shader code for reading an octahedral map, by file name.
-pub const READERS: [(&str, &str); 3] = [
+/// Shader code for reading octahedral maps and pyramids, by file name.
+pub const READERS: [(&str, &str); 7] = [
     ("oem.wgsl", include_str!("../../shaders/readers/oem.wgsl")),
     ("oem.glsl", include_str!("../../shaders/readers/oem.glsl")),
     ("oem.hlsl", include_str!("../../shaders/readers/oem.hlsl")),
+    ("pyramid.wgsl", include_str!("../../shaders/readers/pyramid.wgsl")),
+    ("pyramid.glsl", include_str!("../../shaders/readers/pyramid.glsl")),
+    ("pyramid.hlsl", include_str!("../../shaders/readers/pyramid.hlsl")),
+    ("pyramid.metal", include_str!("../../shaders/readers/pyramid.metal")),
 ];
 
 /// A file of a target.
@@ -136,8 +146,8 @@ pub struct Target {
 }
 
 use Content::{
-    Atlas, Env, Glb, Image, Irradiance, Mips, Oem, Panorama, Reader, ShJson, ShText, Sheen, Skybox,
-    SkyboxPanorama, Specular,
+    Atlas, Env, Glb, Image, Irradiance, Mips, Oem, Panorama, PyramidLight, PyramidTables, Reader, ShJson,
+    ShText, Sheen, Skybox, SkyboxPanorama, Specular,
 };
 
 /// This program's own conventions, the base of the other rows.
@@ -186,7 +196,7 @@ const SKY: Target =
     Target { pixel: Pixel::F32, map: Map::Panorama, size: 1024, last_size: Some(1024), ..ENGINE };
 
 /// The presets.
-pub const TARGETS: [Target; 13] = [
+pub const TARGETS: [Target; 14] = [
     GENERIC,
     // Cube textures are looked up with x negated unless they are render targets (WebGLMaterials.js); a
     // prefiltered cube runs down to 8 texels and its last level is the irradiance (PMREMGenerator.js,
@@ -281,6 +291,26 @@ pub const TARGETS: [Target; 13] = [
             FileSpec { path: "{name}_irradiance.{ext}", content: Irradiance },
             FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
             FileSpec { path: "{name}_sh.json", content: ShJson },
+        ],
+        verified: Some("its own readers"),
+        ..ENGINE
+    },
+    // See io/pyramid_write.rs. Its levels are those of the octahedral map that it is made of.
+    Target {
+        name: "pyramid",
+        reader: "the real-time look-ups in any renderer's shaders",
+        map: Map::Octahedral,
+        size: 512,
+        last_size: Some(32),
+        files: &[
+            FileSpec { path: "{name}_pyramid.{ext}", content: Content::Pyramid },
+            FileSpec { path: "{name}_pyramid.json", content: PyramidLight },
+            FileSpec { path: "pyramid_tables.ktx2", content: PyramidTables },
+            FileSpec { path: "pyramid.wgsl", content: Reader },
+            FileSpec { path: "pyramid.glsl", content: Reader },
+            FileSpec { path: "pyramid.hlsl", content: Reader },
+            FileSpec { path: "pyramid.metal", content: Reader },
+            FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
         ],
         verified: Some("its own readers"),
         ..ENGINE
@@ -461,6 +491,12 @@ impl Target {
         self.files.iter().any(|file| file.content == Sheen)
     }
 
+    /// Whether its levels are a pyramid, which holds every roughness and the irradiance.
+    #[must_use]
+    pub fn has_pyramid(&self) -> bool {
+        self.files.iter().any(|file| file.content == Content::Pyramid)
+    }
+
     /// Whether its levels are in an atlas.
     #[must_use]
     pub fn has_atlas(&self) -> bool {
@@ -544,6 +580,7 @@ impl TargetPlan {
             Env => sizes::check_env(size, levels),
             Glb => sizes::check_glb(size),
             Atlas => sizes::check_atlas(size, levels),
+            Content::Pyramid => sizes::check_pyramid(size, levels),
             _ => Ok(()),
         })
     }

@@ -1,6 +1,8 @@
 //! Sizes that the containers of targets can hold.
 
 use crate::error::{Error, Result};
+use crate::io::pyramid_write;
+use crate::pyramid::Octaves;
 
 /// Checks that an `.env` can hold a chain of `levels` from `size` down.
 ///
@@ -44,4 +46,17 @@ pub(crate) fn check_atlas(size: u32, levels: u32) -> Result<()> {
         "an atlas needs a `size` that is a power of two from 32, and {ATLAS_LEVELS} levels; {size} with \
          {levels} levels is not"
     )))
+}
+
+/// Checks that a pyramid over a map of `size` can be written.
+///
+/// # Errors
+/// [`Error::Parameter`] if it cannot, or if it has other than `levels` levels.
+pub(crate) fn check_pyramid(size: u32, levels: u32) -> Result<()> {
+    pyramid_write::check_size(size)?;
+    let own = Octaves::over(size)?.count();
+    if levels == own {
+        return Ok(());
+    }
+    Err(Error::Parameter(format!("a pyramid of `size` {size} has {own} levels, not {levels}; omit `levels`")))
 }

@@ -77,6 +77,7 @@ pub(in crate::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
         is_signed,
         width,
         height,
+        layers: 1,
         is_cube,
         is_bottom_up: false,
         levels,

@@ -91,6 +91,7 @@ pub(in crate::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
         is_signed: false,
         width,
         height,
+        layers: 1,
         is_cube: true,
         is_bottom_up: false,
         levels: stored.len(),

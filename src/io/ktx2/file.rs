@@ -15,6 +15,8 @@ pub(in crate::io) struct TextureShape {
     pub(in crate::io) format: Format,
     pub(in crate::io) width: u32,
     pub(in crate::io) height: u32,
+    /// Images of an array; 0 for no array.
+    pub(in crate::io) layers: u32,
     /// 6 for a cube, else 1.
     pub(in crate::io) faces: u32,
     pub(in crate::io) levels: usize,
@@ -30,7 +32,7 @@ pub(in crate::io) fn ktx2_file(
     pairs: &[(&str, &str)],
     texels: impl Fn(usize) -> Vec<u8>,
 ) -> Result<Vec<u8>> {
-    let TextureShape { format, width, height, faces, levels } = *shape;
+    let TextureShape { format, width, height, layers, faces, levels } = *shape;
     let (basic, type_size) = Basic::from_format(format).expect("the crate knows what is written");
     let block = Block::Basic(basic).to_vec();
     let dfd_bytes = [&(block.len() as u32 + 4).to_le_bytes()[..], &block].concat();
@@ -44,7 +46,7 @@ pub(in crate::io) fn ktx2_file(
         pixel_width: width,
         pixel_height: height,
         pixel_depth: 0,
-        layer_count: 0,
+        layer_count: layers,
         face_count: faces,
         level_count: levels as u32,
         supercompression_scheme: Some(SupercompressionScheme::Zstandard),

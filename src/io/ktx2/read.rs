@@ -4,6 +4,7 @@
 use super::zstandard;
 use crate::error::Result;
 use crate::format::Pixel;
+use crate::io::pyramid_write::{KEY as PYRAMID_KEY, SQUARES};
 use crate::io::source::{Source, TEXEL_BYTES};
 use crate::io::texture::{READABLE, Texture, image_bytes};
 use ktx2::{Format, SupercompressionScheme};
@@ -33,10 +34,13 @@ pub(in crate::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
             return Err(source.error(format!("supercompressed by {other:?}; zstd and none can be read")));
         }
     }
-    if header.pixel_depth > 1 || header.layer_count > 1 {
+    let layers = header.layer_count.max(1);
+    let has_light = reader.key_value_data().any(|(key, _)| key == PYRAMID_KEY);
+    if header.pixel_depth > 1
+        || (layers > 1 && !(has_light && header.face_count == 1 && layers == SQUARES as u32))
+    {
         return Err(source.error(format!(
-            "{} layers of depth {}; one flat layer can be read",
-            header.layer_count.max(1),
+            "{layers} layers of depth {}; one flat layer and pyramids can be read",
             header.pixel_depth.max(1)
         )));
     }
@@ -52,7 +56,7 @@ pub(in crate::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
         return Err(source.error(format!("{levels} levels; 32 are the most there can be")));
     }
     // Level 0 takes its decompressed bytes and its texels; all mips together take a third of that.
-    let faces = if is_cube { 6 } else { 1 };
+    let faces = if is_cube { 6 } else { u64::from(layers) };
     let mips = if levels > 1 { 2 } else { 1 };
     // Blocks take one byte a texel, at most four times that in partial blocks.
     let stored = if pixel == Pixel::Bc6h { 4 } else { image_bytes(pixel, 1, 1) as u64 };
@@ -96,6 +100,7 @@ pub(in crate::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
         is_signed,
         width,
         height,
+        layers,
         is_cube,
         is_bottom_up: is_upwards && !is_cube,
         levels,

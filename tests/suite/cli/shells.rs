@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "bake",
     "query",
     "info",
@@ -20,6 +20,7 @@ const COMMANDS: [&str; 13] = [
     "completions",
     "man",
     "licenses",
+    "reader",
 ];
 
 #[test]
@@ -77,7 +78,7 @@ fn manual_pages_tell_of_every_subcommand() {
     }
     let ran = done(folder.path(), &["man", "-o", "pages/man1"]);
     assert_eq!(ran.out, "");
-    assert!(ran.err.contains("14 manual pages"), "{}", ran.err);
+    assert!(ran.err.contains("15 manual pages"), "{}", ran.err);
     let pages = folder.path().join("pages/man1");
     let mut expected: Vec<String> = COMMANDS.map(|command| format!("octagloss-{command}.1")).to_vec();
     expected.push("octagloss.1".to_owned());

@@ -24,6 +24,7 @@ mod oem_reader;
 #[cfg(feature = "view")]
 mod present;
 mod pyramid;
+mod pyramid_reader;
 mod reflection;
 mod reflections;
 mod sat;

@@ -162,6 +162,7 @@ fn level_folder(
     let layout = OutputLayout::Faces;
     let plan = TargetPlan { container, pixel, diffuse, layout, ..TargetPlan::new(&UNTARGETED) };
     let bake = Bake {
+        pyramid: None,
         typical_error: None,
         chain: chain.clone(),
         stats: Vec::new(),

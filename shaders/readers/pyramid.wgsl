@@ -1,0 +1,399 @@
+// Reads files of `octagloss bake --target pyramid`: reflections of any roughness and view, and irradiance.
+// octagloss_lights holds the 256 floats `uniform` of NAME_pyramid.json, octagloss_maps NAME_pyramid.ktx2,
+// octagloss_tables pyramid_tables.ktx2; octagloss_linear is a sampler, linear in texels and in mip levels and
+// clamped to the edge. Directions are in the world, right-handed, y up. To use: octagloss_radiance,
+// octagloss_irradiance, octagloss_reflect and octagloss_albedo; `probe` is 0.
+@group(0) @binding(0) var<uniform> octagloss_lights: array<OctaglossLight, 1>;
+@group(0) @binding(1) var octagloss_maps: texture_2d_array<f32>;
+@group(0) @binding(2) var octagloss_tables: texture_2d<f32>;
+@group(0) @binding(3) var octagloss_linear: sampler;
+// Reads of a pyramid in its files: src/io/pyramid_write.rs has their layout.
+// Reflections of the true BRDF out of a pyramid: `Pyramid::reflect` of src/pyramid/reflect.rs. Nine trilinear
+// reads, one bilinear.
+// Glossy reflections of any roughness and irradiance out of a pyramid: `Pyramid` of src/pyramid/mod.rs. At
+// most five bilinear reads. Maps and table are read by functions: those of pyramid_maps.wgsl or
+// pyramid_file.wgsl.
+// Real spherical harmonics to order 4: `basis` of src/sh/coefficients.rs.
+
+// Evaluates the basis at the unit vector `d`.
+fn octagloss_harmonic_basis(d: vec3<f32>) -> array<f32, 25> {
+    let x = d.x;
+    let y = d.y;
+    let z = d.z;
+    let xx = x * x;
+    let yy = y * y;
+    let zz = z * z;
+    return array<f32, 25>(
+        0.28209479,
+        0.48860251 * y,
+        0.48860251 * z,
+        0.48860251 * x,
+        1.09254843 * x * y,
+        1.09254843 * y * z,
+        0.31539157 * (3.0 * zz - 1.0),
+        1.09254843 * x * z,
+        0.54627422 * (xx - yy),
+        0.59004359 * y * (3.0 * xx - yy),
+        2.89061144 * x * y * z,
+        0.45704580 * y * (5.0 * zz - 1.0),
+        0.37317633 * z * (5.0 * zz - 3.0),
+        0.45704580 * x * (5.0 * zz - 1.0),
+        1.44530572 * z * (xx - yy),
+        0.59004359 * x * (xx - 3.0 * yy),
+        2.50334294 * x * y * (xx - yy),
+        1.77013077 * y * z * (3.0 * xx - yy),
+        0.94617470 * x * y * (7.0 * zz - 1.0),
+        0.66904654 * y * z * (7.0 * zz - 3.0),
+        0.10578555 * (35.0 * zz * zz - 30.0 * zz + 3.0),
+        0.66904654 * x * z * (7.0 * zz - 3.0),
+        0.47308735 * (xx - yy) * (7.0 * zz - 1.0),
+        1.77013077 * x * z * (xx - 3.0 * yy),
+        0.62583574 * (xx * xx - 6.0 * xx * yy + yy * yy));
+}
+// Per-environment data of a pyramid: `OctaglossLight` of src/gpu/pyramid.rs.
+
+const octagloss_SUNS = 8u;
+
+// A sun: `Sun` of src/pyramid/suns.rs. Unused ones have no energy.
+struct OctaglossSun {
+    // Mean direction of each channel, and the mean octagloss_squared distance of its light from there.
+    red: vec4<f32>,
+    green: vec4<f32>,
+    blue: vec4<f32>,
+    // Radiance times solid angle.
+    energy: vec3<f32>,
+    pad: f32,
+}
+
+struct OctaglossLight {
+    // The rotation that takes a direction of the environment to one of the world.
+    world_from_source: mat3x3<f32>,
+    // The power of two that scales the maps, its inverse, and what the rest is clamped to, scaled.
+    scale: f32,
+    unscale: f32,
+    clamp: f32,
+    pad: f32,
+    // Harmonics of the rest to order 4, scaled.
+    harmonics: array<vec4<f32>, 25>,
+    // Fills a multiple of 256 bytes, at which bindings may begin.
+    @size(560) suns: array<OctaglossSun, octagloss_SUNS>,
+}
+
+const octagloss_INTERVALS = 640u;
+
+// `direction` in the environment `probe`, as a unit vector. As dot products, which begin with `direction`:
+// where a condition depends on an expression that begins with a constant place in a stage's fourth uniform
+// buffer, Mesa 22.3's llvmpipe crashes, and the second environment of a shader has its light there.
+fn octagloss_source_from_world(probe: u32, direction: vec3<f32>) -> vec3<f32> {
+    let axes = octagloss_lights[probe].world_from_source;
+    return normalize(vec3<f32>(dot(direction, axes[0]), dot(direction, axes[1]), dot(direction, axes[2])));
+}
+
+// Texture coordinates of `direction`, the same in all maps with borders that halve with the texels.
+fn octagloss_place_of(direction: vec3<f32>) -> vec2<f32> {
+    let p = direction / (abs(direction.x) + abs(direction.y) + abs(direction.z));
+    let folded = 1.0 - abs(p.zx);
+    let turned = vec2<f32>(select(-folded.x, folded.x, p.x >= 0.0), select(-folded.y, folded.y, p.z >= 0.0));
+    let uv = select(turned, p.xz, p.y >= 0.0);
+    let inner = octagloss_map_inner();
+    return 0.5 + uv * (0.5 * inner / (inner + 2.0 * octagloss_map_border()));
+}
+
+// Harmonics of radiance around the unit vector `d`, the sum of each order times its weight.
+fn octagloss_harmonics_around(probe: u32, d: vec3<f32>, weights: array<f32, 5>) -> vec3<f32> {
+    var basis = octagloss_harmonic_basis(d);
+    var sum = vec3<f32>();
+    for (var order = 0u; order < 5u; order++) {
+        var own = vec3<f32>();
+        for (var k = order * order; k < (order + 1u) * (order + 1u); k++) {
+            own += basis[k] * octagloss_lights[probe].harmonics[k].xyz;
+        }
+        sum += weights[order] * own;
+    }
+    return sum;
+}
+
+// Radiance of a GGX reflection around `direction` (world space, any length but zero) at `roughness` in
+// [0, 1].
+fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
+    return octagloss_radiance_of(0u, direction, roughness);
+}
+
+// The same in the environment `probe`.
+fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> vec3<f32> {
+    let d = octagloss_source_from_world(probe, direction);
+    let at = octagloss_place_of(d);
+    // 640 / log2(51).
+    let node = log2(1.0 + 50.0 * roughness) * 112.826518;
+    let k = min(u32(node), octagloss_INTERVALS - 1u);
+    let share = node - f32(k);
+    var low = octagloss_node_weights(k);
+    var high = octagloss_node_weights(k + 1u);
+    let a = mix(low[0], high[0], share);
+    let b = mix(low[1], high[1], share);
+    let c = mix(low[2], high[2], share);
+    let e = mix(low[3], high[3], share);
+    var sum = vec3<f32>();
+    if a.x != 0.0 {
+        sum += a.x * octagloss_read_mirror(probe, at);
+    }
+    if a.y != 0.0 {
+        sum += a.y * octagloss_read_sharp(probe, at);
+    }
+    var levels = array<f32, 7>(a.z, a.w, b.x, b.y, b.z, b.w, c.x);
+    // Levels that a smaller map does not have weigh nothing.
+    for (var level = 0u; level < 7u; level++) {
+        if levels[level] != 0.0 {
+            sum += levels[level] * octagloss_read_levels(probe, at, f32(level));
+        }
+    }
+    if c.y != 0.0 {
+        sum += c.y * octagloss_read_cosine(probe, octagloss_place_in_cosine(at));
+    }
+    sum += octagloss_harmonics_around(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
+    sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
+    // GGX around the suns: `glossy` of src/pyramid/suns.rs.
+    let alpha = roughness * roughness;
+    for (var k = 0u; k < octagloss_SUNS; k++) {
+        let sun = octagloss_lights[probe].suns[k];
+        // A quarter of the octagloss_squared distance, which the cosine does not resolve in single precision.
+        let apart = vec3<f32>(
+            octagloss_squared(d - sun.red.xyz), octagloss_squared(d - sun.green.xyz), octagloss_squared(d - sun.blue.xyz));
+        let s = min(0.25 * apart, vec3<f32>(0.5));
+        let spread = vec3<f32>(sun.red.w, sun.green.w, sun.blue.w);
+        let a2 = min(alpha * alpha + 0.5 * spread, vec3<f32>(1.0));
+        let bend = s + a2 * (1.0 - s);
+        let lobe = 0.31830987 * a2 / (bend * bend) * (1.0 - 2.0 * s);
+        sum += sun.energy * lobe * (e.w * (1.0 - a.x));
+    }
+    return sum;
+}
+
+fn octagloss_squared(v: vec3<f32>) -> f32 {
+    return dot(v, v);
+}
+
+// The same place in the cosine map, which has a border of one texel around 32.
+fn octagloss_place_in_cosine(at: vec2<f32>) -> vec2<f32> {
+    let size = octagloss_map_inner() + 2.0 * octagloss_map_border();
+    return 0.5 + (at - 0.5) * (size / octagloss_map_inner() * (32.0 / 34.0));
+}
+
+// Irradiance on a surface with `normal` (world space, any length but zero) over pi: the radiance that a white
+// diffuse surface reflects.
+fn octagloss_irradiance(normal: vec3<f32>) -> vec3<f32> {
+    return octagloss_irradiance_of(0u, normal);
+}
+
+// The same in the environment `probe`.
+fn octagloss_irradiance_of(probe: u32, normal: vec3<f32>) -> vec3<f32> {
+    let d = octagloss_source_from_world(probe, normal);
+    var sum = octagloss_read_cosine(probe, octagloss_place_in_cosine(octagloss_place_of(d))) * octagloss_lights[probe].unscale;
+    for (var k = 0u; k < octagloss_SUNS; k++) {
+        let sun = octagloss_lights[probe].suns[k];
+        let facing = vec3<f32>(dot(d, sun.red.xyz), dot(d, sun.green.xyz), dot(d, sun.blue.xyz));
+        sum += sun.energy * (0.31830987 * max(facing, vec3<f32>()));
+    }
+    return sum;
+}
+
+const octagloss_READS = 9u;
+const octagloss_NODES = vec2<f32>(46.0, 26.0);
+const octagloss_LEAST_COSINE = 0.01f;
+
+// A layer of the table of src/pyramid/reads.rs at `roughness` and n.v of `cosine`.
+fn octagloss_reflection_node(layer: u32, roughness: f32, cosine: f32) -> vec4<f32> {
+    // 1 / log2(11).
+    let place = vec2<f32>(log2(1.0 + 10.0 * roughness) * 0.289064826, sqrt(cosine));
+    let at = (place * (octagloss_NODES - 1.0) + 0.5) / octagloss_NODES;
+    return octagloss_read_reflections(layer, at);
+}
+
+// Light around the unit vector `direction` between two levels: 0 the mirror, 1 the sharp one.
+fn octagloss_between_levels(probe: u32, direction: vec3<f32>, level: f32) -> vec3<f32> {
+    let at = octagloss_place_of(direction);
+    if level >= 2.0 {
+        return octagloss_read_levels(probe, at, level - 2.0);
+    }
+    if level >= 1.0 {
+        return mix(octagloss_read_sharp(probe, at), octagloss_read_levels(probe, at, 0.0), level - 1.0);
+    }
+    return mix(octagloss_read_mirror(probe, at), octagloss_read_sharp(probe, at), level);
+}
+
+// GGX with Smith's height-correlated masking, and (1 - v.h)^5, of a light of `spread`: `Brdf::around` of
+// src/pyramid/brdf.rs. In axes of the surface with its normal z.
+fn octagloss_brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32) -> vec2<f32> {
+    if light.z <= 0.0 {
+        return vec2<f32>();
+    }
+    let half_vector = normalize(view + light);
+    let cosine = dot(view, half_vector);
+    let across = vec2<f32>(-view.y, view.x) / cosine;
+    let squares = alpha * alpha + 0.5 * spread * (1.0 + across * across);
+    let mixed = 0.5 * spread * across.x * across.y;
+    let determinant = squares.x * squares.y - mixed * mixed;
+    let h = half_vector.xy;
+    let slopes = squares.y * h.x * h.x - 2.0 * mixed * h.x * h.y + squares.x * h.y * h.y;
+    let bend = slopes / determinant + half_vector.z * half_vector.z;
+    let masking = light.z * length(vec3<f32>(alpha * view.xy, view.z))
+        + view.z * length(vec3<f32>(alpha * light.xy, light.z));
+    let value = 0.5 * light.z / (masking * 3.14159265 * sqrt(determinant) * bend * bend);
+    return vec2<f32>(value, pow(max(1.0 - cosine, 0.0), 5.0));
+}
+
+// Harmonics of radiance around the unit vector `d`, by order.
+fn octagloss_harmonic_orders(probe: u32, d: vec3<f32>) -> array<vec3<f32>, 5> {
+    var basis = octagloss_harmonic_basis(d);
+    var sums = array<vec3<f32>, 5>();
+    for (var order = 0u; order < 5u; order++) {
+        for (var k = order * order; k < (order + 1u) * (order + 1u); k++) {
+            sums[order] += basis[k] * octagloss_lights[probe].harmonics[k].xyz;
+        }
+    }
+    return sums;
+}
+
+// Radiance that a surface reflects to a viewer: GGX with Smith's height-correlated masking and Schlick's
+// Fresnel term f0 + (f90 - f0) (1 - v.h)^5. `normal` and `view`, towards the viewer, are in world space, of
+// any length but zero; `roughness` is in [0, 1]. A view with n.v below 0.01, or from below the surface, is
+// turned up to that.
+fn octagloss_reflect(
+    normal: vec3<f32>,
+    view: vec3<f32>,
+    roughness: f32,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
+    return octagloss_reflect_of(0u, normal, view, roughness, f0, f90);
+}
+
+// The same in the environment `probe`.
+fn octagloss_reflect_of(
+    probe: u32,
+    normal: vec3<f32>,
+    view: vec3<f32>,
+    roughness: f32,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
+    let n = octagloss_source_from_world(probe, normal);
+    let seen = octagloss_source_from_world(probe, view);
+    let cosine = clamp(dot(n, seen), octagloss_LEAST_COSINE, 1.0);
+    // The view without its part along the normal, or any direction in the surface where that vanishes.
+    var level_view = seen - n * dot(n, seen);
+    if dot(level_view, level_view) < 1e-10 {
+        level_view = select(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), abs(n.x) > 0.5);
+    }
+    let towards = normalize(level_view - n * dot(n, level_view));
+    // Offsets of reads have its length, so that nothing turns there.
+    let sine = sqrt(1.0 - cosine * cosine);
+    let along = towards * sine;
+    let v = along + n * cosine;
+    var sum = vec3<f32>();
+    var in_mirror = 0.0;
+    for (var k = 0u; k < octagloss_READS; k++) {
+        // Slope, level, weights of f0 and f90.
+        let read = octagloss_reflection_node(k, roughness, cosine);
+        let half_vector = normalize(n + read.x * along);
+        let direction = half_vector * (2.0 * dot(v, half_vector)) - v;
+        sum += (f0 * read.z + f90 * read.w) * octagloss_between_levels(probe, direction, read.y);
+        in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
+    }
+    let rest = octagloss_reflection_node(octagloss_READS, roughness, cosine);
+    sum += (f0 * rest.x + f90 * rest.y) * octagloss_read_cosine(probe, octagloss_place_in_cosine(octagloss_place_of(n)));
+    // Harmonics around five directions in the plane, of orders from their place up.
+    var angles = array<vec2<f32>, 5>(
+        vec2<f32>(1.0, 0.0),
+        vec2<f32>(0.309016994, 0.951056516),
+        vec2<f32>(-0.809016994, 0.587785252),
+        vec2<f32>(0.809016994, 0.587785252),
+        vec2<f32>(-0.309016994, 0.951056516));
+    var pair = 0u;
+    var texel = vec4<f32>();
+    for (var k = 0u; k < 5u; k++) {
+        var orders = octagloss_harmonic_orders(probe, n * angles[k].x + towards * angles[k].y);
+        for (var order = k; order < 5u; order++) {
+            if pair % 2u == 0u {
+                texel = octagloss_reflection_node(octagloss_READS + 1u + pair / 2u, roughness, cosine);
+            }
+            let weights = select(texel.zw, texel.xy, pair % 2u == 0u);
+            sum += (f0 * weights.x + f90 * weights.y) * orders[order];
+            pair++;
+        }
+    }
+    sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
+    // Suns, in axes of the surface with the view in the plane of x and z.
+    let share = max(1.0 - in_mirror / (rest.z + rest.w), 0.0);
+    let alpha = max(roughness * roughness, 0.9 / octagloss_map_inner());
+    let across = cross(n, towards);
+    for (var k = 0u; k < octagloss_SUNS; k++) {
+        let sun = octagloss_lights[probe].suns[k];
+        var channels = array<vec4<f32>, 3>(sun.red, sun.green, sun.blue);
+        var values = array<vec2<f32>, 3>();
+        for (var c = 0u; c < 3u; c++) {
+            let to = channels[c].xyz;
+            let light = vec3<f32>(dot(to, towards), dot(to, across), dot(to, n));
+            values[c] = octagloss_brdf_around(vec3<f32>(sine, 0.0, cosine), light, vec2<f32>(alpha), channels[c].w);
+        }
+        let value = vec3<f32>(values[0].x, values[1].x, values[2].x);
+        let fresnel = vec3<f32>(values[0].y, values[1].y, values[2].y);
+        sum += sun.energy * (share * value) * (f0 + (f90 - f0) * fresnel);
+    }
+    return sum;
+}
+
+// What a surface reflects of a white world, f0 times the first plus f90 times the second: for multiple
+// scattering, and for what lies under a clear coat. `cosine` is n.v.
+fn octagloss_albedo(cosine: f32, roughness: f32) -> vec2<f32> {
+    return octagloss_reflection_node(octagloss_READS, roughness, clamp(cosine, octagloss_LEAST_COSINE, 1.0)).zw;
+}
+
+// Squares of the array. The finest mip of the others has the mirror and the sharp level, the coarsest of the
+// second the cosine.
+const octagloss_LEVELS = 0i;
+const octagloss_MIRROR = 1i;
+const octagloss_SHARP = 2i;
+
+// Texels of the tables: layers of nodes side by side, each with a column on either side and a row below that
+// repeat its edges, and four rows of weights. Samplers may round to a share of a texel.
+const octagloss_TABLES = vec2<f32>(864.0, 31.0);
+
+fn octagloss_map_inner() -> f32 {
+    return f32(textureDimensions(octagloss_maps).x) * (16.0 / 17.0);
+}
+
+fn octagloss_map_border() -> f32 {
+    return f32(textureDimensions(octagloss_maps).x) / 34.0;
+}
+
+fn octagloss_node_weights(node: u32) -> array<vec4<f32>, 4> {
+    var weights = array<vec4<f32>, 4>();
+    for (var row = 0u; row < 4u; row++) {
+        weights[row] = textureLoad(octagloss_tables, vec2<u32>(node, 27u + row), 0i);
+    }
+    return weights;
+}
+
+fn octagloss_read_mirror(probe: u32, at: vec2<f32>) -> vec3<f32> {
+    return textureSampleLevel(octagloss_maps, octagloss_linear, at, octagloss_MIRROR, 0.0).xyz;
+}
+
+fn octagloss_read_sharp(probe: u32, at: vec2<f32>) -> vec3<f32> {
+    return textureSampleLevel(octagloss_maps, octagloss_linear, at, octagloss_SHARP, 0.0).xyz;
+}
+
+// Between levels, 0 the finest.
+fn octagloss_read_levels(probe: u32, at: vec2<f32>, level: f32) -> vec3<f32> {
+    return textureSampleLevel(octagloss_maps, octagloss_linear, at, octagloss_LEVELS, level).xyz;
+}
+
+fn octagloss_read_cosine(probe: u32, at: vec2<f32>) -> vec3<f32> {
+    let last = round(log2(octagloss_map_inner() / 32.0));
+    return textureSampleLevel(octagloss_maps, octagloss_linear, at, octagloss_MIRROR, last).xyz;
+}
+
+fn octagloss_read_reflections(layer: u32, at: vec2<f32>) -> vec4<f32> {
+    let corner = vec2<f32>(1.0 + f32(layer) * (octagloss_NODES.x + 2.0), 0.0);
+    return textureSampleLevel(octagloss_tables, octagloss_linear, (at * octagloss_NODES + corner) / octagloss_TABLES, 0.0);
+}

@@ -1,0 +1,129 @@
+//! Writes pyramids as KTX2 files that shaders read: `shaders/common/pyramid_file.wgsl`.
+//!
+//! The maps are an array of three bordered octahedral squares with MIP levels. The first has the levels, from
+//! fine to coarse. Of the second the finest MIP level has the mirror and the coarsest the cosine level, of
+//! the third the finest has the sharp level; the others are black. A border is a 32nd of the edge, one texel
+//! at the coarsest level.
+//!
+//! The tables, the same for all environments of one size, are half floats: the layers of the table of
+//! reflections stand side by side, with a column on either side and a row below that repeat their edges, for
+//! samplers that round; then come four rows with the weights of radiance.
+
+use super::cube_file::CubeFile;
+use super::ktx2::file::{TextureShape, ktx2_file};
+use super::ktx2::write::format_of;
+use crate::environment::Rgb;
+use crate::error::{Error, Result};
+use crate::format::texel_bytes::texel_bytes;
+use crate::format::{Pixel, push_halves};
+use crate::pyramid::fit::{self, WEIGHTS};
+use crate::pyramid::levels::Map;
+use crate::pyramid::reads::{LAYERS, NODES, table};
+use crate::pyramid::{BakedPyramid, COARSEST, Octaves};
+use ktx2::Format;
+
+/// Key of the light in the maps' metadata, and a version that changes with the layout of the files.
+pub(crate) const KEY: &str = "octaglossPyramid";
+pub(crate) const VERSION: u32 = 1;
+
+/// Squares of the array.
+pub(super) const SQUARES: usize = 3;
+
+/// Texels along an edge of the smallest map: over a smaller one, mirror and cosine were one MIP level.
+pub(crate) const LEAST: u32 = 2 * COARSEST;
+
+/// Rows of the table's weights.
+const WEIGHT_ROWS: usize = WEIGHTS / 4;
+
+/// Encodes the maps of `baked`. `metadata` are text key/value pairs.
+///
+/// # Errors
+/// [`Error::Parameter`] for a map of less than 64 texels, for pixels that KTX2 cannot hold or that end below
+/// the light of half floats, and for keys that it cannot hold.
+pub(crate) fn maps_bytes(
+    baked: &BakedPyramid,
+    pixel: Pixel,
+    metadata: &[(String, String)],
+) -> Result<CubeFile> {
+    let pyramid = &baked.pyramid;
+    let octaves = pyramid.octaves();
+    check_size(octaves.inner())?;
+    let [mirror, sharp, levels @ ..] = pyramid.maps() else { unreachable!("a level at least") };
+    let last = levels.len() - 1;
+    let squares = |mip: usize| -> [Option<&Map>; SQUARES] {
+        let second = if mip == 0 { Some(mirror) } else { (mip == last).then(|| pyramid.cosine()) };
+        [Some(&levels[mip]), second, (mip == 0).then_some(sharp)]
+    };
+    let bordered: Vec<Vec<Rgb>> = (0..levels.len())
+        .map(|mip| {
+            let size = octaves.size(mip as u32);
+            let area = size.bordered() as usize * size.bordered() as usize;
+            squares(mip)
+                .into_iter()
+                .flat_map(|map| map.map_or_else(|| vec![[0.0; 3]; area], |map| map.with_border(size.border)))
+                .collect()
+        })
+        .collect();
+    let side = octaves.size(0).bordered();
+    let shape = TextureShape {
+        format: format_of(pixel)?,
+        width: side,
+        height: side,
+        layers: SQUARES as u32,
+        faces: 1,
+        levels: levels.len(),
+    };
+    let pairs: Vec<(&str, &str)> = metadata.iter().map(|(key, value)| (&key[..], &value[..])).collect();
+    let bytes = ktx2_file(&shape, &pairs, |mip| {
+        texel_bytes(octaves.size(mip as u32).bordered(), &bordered[mip], pixel)
+    })?;
+    Ok(CubeFile { bytes, clamped: Vec::new() })
+}
+
+/// Checks that a map of `inner` texels along an edge can be written.
+///
+/// # Errors
+/// [`Error::Parameter`] if it has no pyramid, or one of a single level.
+pub(crate) fn check_size(inner: u32) -> Result<()> {
+    match Octaves::over(inner) {
+        Ok(_) if inner >= LEAST => Ok(()),
+        _ => Err(Error::Parameter(format!(
+            "a `size` of {inner} has no pyramid to write; choose a power of two from {LEAST} to {}",
+            Octaves::LARGEST
+        ))),
+    }
+}
+
+/// Encodes the tables for pyramids of `octaves`.
+///
+/// # Errors
+/// [`Error::Parameter`] if compression fails.
+pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
+    let ([across, rows], side) = (NODES, NODES[0] + 2);
+    let (nodes, weights) = (table(octaves), fit::table(octaves));
+    let width = side * LAYERS;
+    let mut texels = vec![[0.0; 4]; width * (rows + 1 + WEIGHT_ROWS)];
+    let (reflections, radiance) = texels.split_at_mut(width * (rows + 1));
+    for (k, texel) in reflections.iter_mut().enumerate() {
+        let (x, y) = (k % width, k / width);
+        let column = (x % side).clamp(1, across) - 1;
+        *texel = nodes[y.min(rows - 1) * across + column][x / side];
+    }
+    for (k, node) in weights.iter().enumerate() {
+        for (row, texel) in node.as_chunks::<4>().0.iter().enumerate() {
+            radiance[row * width + k] = *texel;
+        }
+    }
+    let mut data = Vec::with_capacity(8 * texels.len());
+    push_halves(texels.as_flattened(), &mut data);
+    let shape = TextureShape {
+        format: Format::R16G16B16A16_SFLOAT,
+        width: width as u32,
+        height: (rows + 1 + WEIGHT_ROWS) as u32,
+        layers: 0,
+        faces: 1,
+        levels: 1,
+    };
+    let content = format!("tables of pyramids over maps of {}", octaves.inner());
+    ktx2_file(&shape, &[("octaglossContent", &content)], |_| data.clone())
+}

@@ -1,0 +1,225 @@
+//! The files of `--target pyramid`, read by the shader code beside them, against the CPU's pyramid.
+
+use super::{exceeds, in_full, look};
+use crate::support::common::{Look, Random, landmarks, texels};
+use glam::{DMat3, DVec3};
+use octagloss::internals::bake::{BakeSettings, bake};
+use octagloss::internals::export::files::{Made, files};
+use octagloss::internals::filter::Filter;
+use octagloss::internals::frame::Frame;
+use octagloss::internals::gpu::Context;
+use octagloss::internals::gpu::reflection::reader_wgsl;
+use octagloss::internals::pyramid::Pyramid;
+use octagloss::internals::target::{READERS, Target, TargetPlan};
+use octagloss::wgpu::{self, util::DeviceExt as _};
+use octagloss::{Environment, Layout, Map};
+
+fn reader(name: &str) -> &'static str {
+    READERS.iter().find(|(own, _)| *own == name).expect("a reader").1
+}
+
+/// Hash of the reader in the head of its translations.
+fn fnv(text: &str) -> u64 {
+    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, step)
+}
+
+#[test]
+fn the_reader_of_pyramids_is_made_of_the_shaders() {
+    let made = reader_wgsl();
+    if std::env::var_os("OCTAGLOSS_WRITE_READER").is_some() {
+        std::fs::write("shaders/readers/pyramid.wgsl", made).unwrap();
+        return;
+    }
+    assert_eq!(reader("pyramid.wgsl"), made, "run tests/consumers/translate/run");
+    for name in ["pyramid.glsl", "pyramid.hlsl", "pyramid.metal"] {
+        let hash = format!("{:016x}", fnv(&made));
+        assert!(reader(name).contains(&hash), "{name}: run tests/consumers/translate/run");
+    }
+}
+
+/// The files of `environment`, whose map has `size` texels along an edge.
+fn made(environment: &Environment, size: u32) -> Vec<Made> {
+    let target = Target::named("pyramid").unwrap();
+    let settings = BakeSettings {
+        map: Map::Octahedral,
+        size,
+        levels: Some(target.levels(size)),
+        filter: Filter::Pyramid,
+        pyramid: true,
+        ..BakeSettings::default()
+    };
+    files(&TargetPlan::new(target), "sky", &bake(environment, &settings).unwrap(), &[]).unwrap()
+}
+
+fn file<'a>(made: &'a [Made], path: &str) -> &'a [u8] {
+    &made.iter().find(|file| file.path == path).unwrap_or_else(|| panic!("no {path}")).bytes
+}
+
+/// The file `bytes` as a texture.
+fn texture(context: &Context, bytes: &[u8]) -> wgpu::Texture {
+    let reader = ktx2::Reader::new(bytes).unwrap();
+    let header = reader.header();
+    assert_eq!(header.format, Some(ktx2::Format::R16G16B16A16_SFLOAT));
+    let data: Vec<u8> = reader
+        .levels()
+        .flat_map(|level| {
+            zstd::bulk::decompress(level.data, level.uncompressed_byte_length as usize).unwrap()
+        })
+        .collect();
+    context.device().create_texture_with_data(
+        context.queue(),
+        &wgpu::TextureDescriptor {
+            label: Some("file"),
+            size: wgpu::Extent3d {
+                width: header.pixel_width,
+                height: header.pixel_height,
+                depth_or_array_layers: header.layer_count.max(1),
+            },
+            mip_level_count: header.level_count,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::MipMajor,
+        &data,
+    )
+}
+
+/// What a surface is asked for: normal and roughness, view and f90.
+type Query = [[f32; 4]; 2];
+
+/// Reflection and radiance, albedo for f0 in w; irradiance.
+type Answer = [[f32; 4]; 3];
+
+const F0: [f32; 3] = [1.0, 0.5, 0.04];
+
+fn looked_up(context: &Context, reader: &str, made: &[Made], queries: &[Query]) -> Vec<Answer> {
+    let light: serde_json::Value = serde_json::from_slice(file(made, "sky_pyramid.json")).unwrap();
+    let uniform: Vec<f32> = serde_json::from_value(light["uniform"].clone()).unwrap();
+    assert_eq!(uniform.len(), 256);
+    let lights = context.device().create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("light"),
+        contents: bytemuck::cast_slice(&uniform),
+        usage: wgpu::BufferUsages::UNIFORM,
+    });
+    let maps = texture(context, file(made, "sky_pyramid.ktx2"));
+    let tables = texture(context, file(made, "pyramid_tables.ktx2"));
+    let [maps, tables] = [maps, tables].map(|texture| texture.create_view(&Default::default()));
+    let linear = context.device().create_sampler(&wgpu::SamplerDescriptor {
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    });
+    let source = format!(
+        "{reader}
+        @group(0) @binding(4) var<storage, read> asked: array<array<vec4<f32>, 2>>;
+        @group(0) @binding(5) var<storage, read_write> answers: array<array<vec4<f32>, 3>>;
+        @compute @workgroup_size(64) fn look(@builtin(global_invocation_id) id: vec3<u32>) {{
+            if id.x < arrayLength(&asked) {{
+                let n = asked[id.x][0];
+                let v = asked[id.x][1];
+                let f0 = vec3<f32>({:?}, {:?}, {:?});
+                let albedo = octagloss_albedo(dot(normalize(n.xyz), normalize(v.xyz)), n.w);
+                answers[id.x][0] = vec4<f32>(octagloss_reflect(n.xyz, v.xyz, n.w, f0, v.w), albedo.x);
+                answers[id.x][1] = vec4<f32>(octagloss_radiance(n.xyz, n.w), 1.0);
+                answers[id.x][2] = vec4<f32>(octagloss_irradiance(n.xyz), 1.0);
+            }}
+        }}",
+        F0[0], F0[1], F0[2]
+    );
+    let resources = [
+        lights.as_entire_binding(),
+        wgpu::BindingResource::TextureView(&maps),
+        wgpu::BindingResource::TextureView(&tables),
+        wgpu::BindingResource::Sampler(&linear),
+    ];
+    look::answers(context, &source, &resources, queries)
+}
+
+/// Of each look-up the greatest difference from `expected`, over its peak.
+fn off(expected: &[Answer], found: &[Answer]) -> [f64; 3] {
+    [0, 1, 2].map(|k| {
+        let channels = || {
+            let pairs = expected.iter().zip(found);
+            pairs.flat_map(move |(e, f)| (0..3).map(move |c| (f64::from(e[k][c]), f64::from(f[k][c]))))
+        };
+        let peak = channels().map(|(e, _)| e).fold(0.0, f64::max);
+        // NaN counts as far off.
+        channels()
+            .map(|(e, f)| if f.is_nan() { f64::INFINITY } else { (e - f).abs() / peak })
+            .fold(0.0, f64::max)
+    })
+}
+
+/// Positions of reads are exact to a 512th of a texel in each direction and of a level, and texels differ by
+/// less than the peak of the answers: .006. Weights are halves, which differ by a 2048th of themselves; the
+/// absolute values of those of five reads sum to less than three, those of the reflection's ten to less than
+/// eight: .004.
+const TOLERANCE: f64 = 0.01;
+
+#[test]
+fn files_are_read_as_the_cpu_reads_its_pyramid() {
+    in_full("pyramid reader", |context| {
+        for (size, look, degrees) in [(64, Look::Noise, 0.0), (128, Look::Suns, 40.0)] {
+            let mut random = Random::new(7);
+            let layout = Layout::Panorama { width: 128, height: 64 };
+            let light = texels(&mut random, look, layout);
+            let environment = Environment::new(layout, light).unwrap().rotated_y(degrees).unwrap();
+            let (made, pyramid) = (made(&environment, size), Pyramid::build(&environment, size).unwrap());
+            let roughness = [0.0, 0.1, 0.25, 0.5, 0.8, 1.0];
+            let mut normals = landmarks();
+            normals.extend((0..200).map(|_| random.direction()));
+            let asked: Vec<(DVec3, DVec3, f32)> = (0..)
+                .zip(normals)
+                .map(|(k, normal)| (normal, random.direction() + 1.01 * normal, roughness[k % 6]))
+                .collect();
+            let queries: Vec<Query> = asked
+                .iter()
+                .map(|(n, v, r)| [n.as_vec3().extend(*r).to_array(), v.as_vec3().extend(0.9).to_array()])
+                .collect();
+            let own = DMat3::from_rotation_y(degrees.to_radians()).transpose();
+            let expected: Vec<Answer> = asked
+                .iter()
+                .map(|(n, v, r)| {
+                    let frame = Frame::new(own * *n, own * *v, DVec3::ZERO).unwrap();
+                    let [albedo, _] = pyramid.albedo(frame.view.z as f32, *r);
+                    let with = |[r, g, b]: [f32; 3], w| [r, g, b, w];
+                    [
+                        with(pyramid.reflect(&frame, *r, F0, 0.9), albedo),
+                        with(pyramid.lobes(*r).radiance(own * *n), 1.0),
+                        with(pyramid.irradiance(own * *n), 1.0),
+                    ]
+                })
+                .collect();
+            let name = format!("{look:?} {size} on {}", context.describe());
+            let found = looked_up(context, reader("pyramid.wgsl"), &made, &queries);
+            let far = off(&expected, &found);
+            assert!(far.iter().all(|off| !exceeds(*off, TOLERANCE)), "{name}: off by {far:?}");
+            for (e, f) in expected.iter().zip(&found) {
+                assert!((e[0][3] - f[0][3]).abs() < 2e-3, "{name}: albedo {} for {}", f[0][3], e[0][3]);
+            }
+            // The comparison detects a reader of the wrong square, border or row. A smooth sky is nearly the
+            // same in several.
+            let mutants = [
+                ("octagloss_SHARP = 2i", "octagloss_SHARP = 1i"),
+                ("octagloss_MIRROR = 1i", "octagloss_MIRROR = 2i"),
+                ("octagloss_LEVELS = 0i", "octagloss_LEVELS = 1i"),
+                ("(864.0, 31.0)", "(864.0, 30.0)"),
+                ("(16.0 / 17.0)", "(15.0 / 17.0)"),
+                ("27u + row", "26u + row"),
+                ("1.0 + f32(layer)", "3.0 + f32(layer)"),
+            ];
+            for (right, wrong) in mutants.into_iter().filter(|_| look == Look::Noise) {
+                let code = reader("pyramid.wgsl");
+                assert!(code.contains(right), "{right}");
+                let found = looked_up(context, &code.replace(right, wrong), &made, &queries);
+                let far = off(&expected, &found);
+                assert!(far.iter().any(|off| exceeds(*off, TOLERANCE)), "{wrong} is not detected: {far:?}");
+            }
+        }
+    });
+}
