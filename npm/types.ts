@@ -1,6 +1,6 @@
 // Uses of the package that its types must accept, and one that they must refuse.
 import { bake, close, configure, info, query, targets } from 'octagloss';
-import { loadEnvironment } from 'octagloss/three';
+import { loadEnvironment, loadPyramid } from 'octagloss/three';
 import type { Scene, WebGLRenderer } from 'three';
 
 export async function use(bytes: Uint8Array, scene: Scene, renderer: WebGLRenderer): Promise<number> {
@@ -17,6 +17,10 @@ export async function use(bytes: Uint8Array, scene: Scene, renderer: WebGLRender
     const { texture, probe } = await loadEnvironment('sky_pmrem.ktx2', { renderer, sh: null });
     scene.environment = texture;
     if (probe) scene.add(probe);
+    const pyramid = await loadPyramid('sky/sky_pyramid.ktx2', { scene });
+    pyramid.use(scene).enabled = false;
+    // @ts-expect-error A pyramid has one format.
+    await loadPyramid(bytes, { scene, format: 'exr' });
     const answers: Float32Array = await query(bytes, { directions: [0, 1, 0], roughness: 0.5 });
     const names: string[] = (await targets()).map(({ name }) => name);
     close();

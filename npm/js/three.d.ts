@@ -1,4 +1,4 @@
-import type { CompressedCubeTexture, LightProbe } from 'three';
+import type { CompressedCubeTexture, LightProbe, Material, Object3D } from 'three';
 import type { BakeOptions, BakeResult } from './index.js';
 
 export interface EnvironmentOptions extends Omit<BakeOptions, 'target' | 'format'> {
@@ -25,3 +25,31 @@ export function loadEnvironment(
     source: string | URL | Blob | ArrayBuffer | Uint8Array,
     options: EnvironmentOptions,
 ): Promise<LoadedEnvironment>;
+
+export interface PyramidOptions extends Omit<BakeOptions, 'target' | 'format'> {
+    /** Objects whose MeshStandardMaterial and MeshPhysicalMaterial use the pyramid at once. */
+    scene?: Object3D;
+    /** Address of pyramid_tables.ktx2. Default: beside the file. */
+    tables?: string;
+    /** Address of pyramid.glsl. Default: beside the file. */
+    reader?: string;
+}
+
+export interface Pyramid {
+    /** Uses the pyramid in a material, or in those of an object and all in it. */
+    use(target: Material | Object3D): Pyramid;
+    /** Whether materials read the pyramid. Otherwise they read scene.environment, as without it. */
+    enabled: boolean;
+    /** Factor of its light. */
+    intensity: number;
+    dispose(): void;
+}
+
+/**
+ * Loads NAME_pyramid.ktx2 of the target pyramid, or bakes any other environment: reflections of any roughness
+ * and view by the true BRDF, without a split sum, and irradiance.
+ */
+export function loadPyramid(
+    source: string | URL | Blob | ArrayBuffer | Uint8Array,
+    options?: PyramidOptions,
+): Promise<Pyramid>;

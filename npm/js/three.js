@@ -2,6 +2,7 @@
 import { CompressedCubeTexture, LightProbe, LinearFilter, LinearMipmapLinearFilter } from 'three';
 import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
 import { read } from 'three/addons/libs/ktx-parse.module.js';
+import { pyramidOf } from './pyramid.js';
 
 const KTX2 = [0xab, 0x4b, 0x54, 0x58, 0x20, 0x32, 0x30, 0xbb];
 
@@ -90,4 +91,36 @@ export async function loadEnvironment(source, { renderer, sh, signal, ...options
     }
     const texture = await textureOf(bytes, renderer);
     return { texture, probe: harmonics && probeOf(harmonics), result };
+}
+
+// Loads `--target pyramid` from its folder, or bakes it.
+export async function loadPyramid(source, { scene, tables, reader, signal, ...options } = {}) {
+    const url = typeof source === 'string' || source instanceof URL ? String(source) : undefined;
+    const bytesAt = async (place) =>
+        new Uint8Array(await fetched(place, signal).then((response) => response.arrayBuffer()));
+    const file = url === undefined ? source : await bytesAt(url);
+    const bytes = new Uint8Array(file instanceof Blob ? await file.arrayBuffer() : file);
+    let files;
+    if (targetOf(bytes) === 'pyramid') {
+        const beside = (name) => url?.replace(/[^/]*$/, name);
+        const [tablesAt, readerAt] = [
+            tables ?? beside('pyramid_tables.ktx2'),
+            reader ?? beside('pyramid.glsl'),
+        ];
+        if (!tablesAt || !readerAt) {
+            throw new TypeError('a pyramid in memory needs the addresses of its files: { tables, reader }');
+        }
+        const code = fetched(readerAt, signal).then((response) => response.text());
+        files = [bytes, await bytesAt(tablesAt), await code];
+    } else {
+        const { bake } = await import('./browser.js');
+        const input = source.name ?? url?.split(/[?#]/)[0].split('/').pop() ?? 'environment';
+        const result = await bake(bytes, { input, ...options, target: 'pyramid', signal });
+        const made = (suffix) => result.files.find(({ name }) => name.endsWith(suffix)).bytes;
+        const code = new TextDecoder().decode(made('pyramid.glsl'));
+        files = [made('_pyramid.ktx2'), made('pyramid_tables.ktx2'), code];
+    }
+    const pyramid = await pyramidOf(...files);
+    if (scene) pyramid.use(scene);
+    return pyramid;
 }

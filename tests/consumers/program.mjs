@@ -43,6 +43,24 @@ export function programAt(program, work) {
         // Radiance of a lobe around each of `directions`.
         query: (directions, roughness, lobe = 'ggx') =>
             ask(directions, ['--roughness', String(roughness), '--lobe', lobe]),
+        // Light that white metal of `roughness` reflects to `views`, pairs of a normal and a direction.
+        frames: (views, roughness) => {
+            const csv = 'nx,ny,nz,vx,vy,vz\n' + views.map((view) => view.flat().join(',')).join('\n') + '\n';
+            const args = [
+                '--frames',
+                '-',
+                '--filter',
+                'reference',
+                '--roughness',
+                String(roughness),
+                '--quiet',
+            ];
+            const rows = octagloss(['query', environment, ...args], csv)
+                .trim()
+                .split('\n')
+                .slice(1);
+            return rows.map((row) => row.split(',').slice(6).map(Number));
+        },
         // Irradiance over pi for each of `normals`.
         diffuse: (normals, source) => ask(normals, ['--lobe', 'cosine'], source),
     };

@@ -16,7 +16,7 @@ import { checkFilament } from './filament.mjs';
 import { checkGltf } from './gltf.mjs';
 import { checkKhronos } from './khronos.mjs';
 import { checkPlayCanvas } from './playcanvas.mjs';
-import { finish, programAt, check, recipe } from './program.mjs';
+import { finish, programAt, check, recipe, root } from './program.mjs';
 import { checkThree } from './three.mjs';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
@@ -53,7 +53,11 @@ const server = createServer((request, response) => {
         response.writeHead(200, { 'content-type': 'text/plain' }).end(recipe(path.slice(8), 'js'));
         return;
     }
-    const file = path.startsWith('/bake/') ? join(work, path.slice(6)) : join(here, path);
+    const folder = [
+        ['/bake/', work],
+        ['/octagloss/', join(root, 'npm', 'js')],
+    ].find(([prefix]) => path.startsWith(prefix));
+    const file = folder ? join(folder[1], path.slice(folder[0].length)) : join(here, path);
     try {
         const body = readFileSync(file);
         response

@@ -10,7 +10,10 @@ const TOLERANCE = 0.02;
 // Diffuse spheres with the sun in the environment and as a lamp, greatest difference of a channel.
 const SUNLIT = 0.02;
 
-export async function checkThree({ open, bake, query, diffuse, check }) {
+// Spheres by the pyramid against the true BRDF. Multiple scattering is three.js's own.
+const TRUE = 0.03;
+
+export async function checkThree({ open, bake, query, frames, diffuse, check }) {
     bake('three', ['--target', 'three']);
     bake('three-dds', ['--target', 'three', '--pixel', 'bc6h', '--format', 'dds']);
     bake('three-unflipped', ['--target', 'three', '--flip', 'none']);
@@ -54,6 +57,47 @@ export async function checkThree({ open, bake, query, diffuse, check }) {
                 `relative error ${worst.toFixed(4)}`,
             );
         }
+    }
+    // The true reflection by a pyramid, and by the engine's own split sum.
+    for (const pixel of ['f16', 'bc6h'])
+        bake(`three-pyramid-${pixel}`, ['--target', 'pyramid', '--pixel', pixel]);
+    for (const roughness of [0.2, 0.4, 0.7, 1]) {
+        const worst = { f16: 0, bc6h: 0, off: 0 };
+        for (const eye of EYES.slice(-2)) {
+            const pixels = spherePixels(512, eye, 32);
+            const once = frames(
+                pixels.map(({ normal }) => [normal, eye]),
+                roughness,
+            );
+            const rest = diffuse(pixels.map((p) => p.normal));
+            const truth = pixels.map((p, k) => {
+                const share = 1 - reflected(p.cosine, roughness);
+                return once[k].map((v, c) => v + share * rest[k][c]);
+            });
+            for (const kind of Object.keys(worst)) {
+                const pixel = kind === 'off' ? 'f16' : kind;
+                const url = `/bake/three-pyramid-${pixel}/world_pyramid.ktx2`;
+                const environment = '/bake/three/world_pmrem.ktx2';
+                const options = { url, environment, roughness, eye, enabled: kind !== 'off' };
+                const picture = await page.evaluate((options) => window.pyramid(options), options);
+                const error = relativeError(shownAt(picture, pixels), truth);
+                worst[kind] = Math.max(worst[kind], error);
+            }
+        }
+        for (const pixel of ['f16', 'bc6h']) {
+            check(
+                `three pyramid ${pixel}, roughness ${roughness}, 2 views`,
+                worst[pixel] < TRUE,
+                `relative error ${worst[pixel].toFixed(4)}`,
+            );
+        }
+        // Its lobe of roughness 1 is bent to the normal, which is right there.
+        const least = roughness < 1 ? 2 * worst.f16 : 0;
+        check(
+            `three PMREM, roughness ${roughness}, the switch is off`,
+            worst.off > least,
+            `relative error ${worst.off.toFixed(4)}`,
+        );
     }
     // The comparison detects a cube with the wrong flip.
     const eye = EYES.at(-1);

@@ -1,0 +1,203 @@
+// Pyramids for three.js: reflections of any roughness and view in MeshStandardMaterial and
+// MeshPhysicalMaterial, by the look-ups of `bake --target pyramid`.
+import {
+    ClampToEdgeWrapping,
+    CompressedArrayTexture,
+    DataTexture,
+    HalfFloatType,
+    LinearFilter,
+    LinearMipmapLinearFilter,
+    Matrix3,
+    RGB_BPTC_UNSIGNED_Format,
+    RGBAFormat,
+    UnsignedByteType,
+    Vector3,
+    Vector4,
+} from 'three';
+import { read } from 'three/addons/libs/ktx-parse.module.js';
+import { ZSTDDecoder } from 'three/addons/libs/zstddec.module.js';
+
+// Pixels by their number in Vulkan: format, type, and the array of their bytes.
+const PIXELS = {
+    97: [RGBAFormat, HalfFloatType, Uint16Array],
+    143: [RGB_BPTC_UNSIGNED_Format, UnsignedByteType, Uint8Array],
+};
+
+const KEY = 'octaglossPyramid';
+
+// The images of the KTX2 file `bytes` by mip level, and its keys.
+async function opened(bytes) {
+    const file = read(bytes);
+    const pixels = PIXELS[file.vkFormat];
+    if (!pixels) throw new Error('a pyramid for three.js has pixels f16 or bc6h; bake it with one of them');
+    const decoder = new ZSTDDecoder();
+    await decoder.init();
+    const [format, type, Numbers] = pixels;
+    const mipmaps = file.levels.map(({ levelData, uncompressedByteLength }, level) => {
+        const packed = file.supercompressionScheme === 2;
+        const raw = packed ? decoder.decode(levelData, uncompressedByteLength) : levelData;
+        const aligned = raw.slice();
+        const data = new Numbers(aligned.buffer, 0, aligned.byteLength / Numbers.BYTES_PER_ELEMENT);
+        return { data, width: file.pixelWidth >> level, height: file.pixelHeight >> level };
+    });
+    return { mipmaps, format, type, layers: Math.max(file.layerCount, 1), keys: file.keyValue };
+}
+
+function linear(texture) {
+    texture.magFilter = LinearFilter;
+    texture.minFilter = texture.mipmaps.length > 1 ? LinearMipmapLinearFilter : LinearFilter;
+    texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
+    texture.generateMipmaps = false;
+    texture.flipY = false;
+    texture.needsUpdate = true;
+    return texture;
+}
+
+function textOf(value) {
+    const text = value instanceof Uint8Array ? new TextDecoder().decode(value) : (value ?? '');
+    return text.replace(/\0.*$/s, '');
+}
+
+// The 256 numbers of the file's light as uniforms of the struct OctaglossLight.
+function lightOf(uniform) {
+    const vector = (at) => new Vector4(...uniform.slice(at, at + 4));
+    const turned = [0, 4, 8].flatMap((at) => uniform.slice(at, at + 3));
+    return {
+        world_from_source: new Matrix3().fromArray(turned),
+        scale: uniform[12],
+        unscale: uniform[13],
+        clamp_: uniform[14],
+        pad: 0,
+        harmonics: Array.from({ length: 25 }, (_, k) => vector(16 + 4 * k)),
+        suns: Array.from({ length: 8 }, (_, k) => {
+            const [red, green, blue] = [0, 4, 8].map((at) => vector(116 + 16 * k + at));
+            const energy = new Vector3(...uniform.slice(128 + 16 * k, 131 + 16 * k));
+            return { red, green, blue, energy, pad: 0 };
+        }),
+    };
+}
+
+// Light around the material, in place of what comes from scene.environment: irradiance and albedo, with which
+// three.js computes diffuse light and multiple scattering, and reflections instead of radiance times a split
+// sum.
+const IRRADIANCE = `
+    if (octagloss_share > 0.0) {
+        vec3 lit = inverseTransformDirection(geometryNormal, viewMatrix);
+        iblIrradiance = PI * octagloss_share * octagloss_irradiance(lit);
+        material.dfg = octagloss_albedo(dot(geometryNormal, geometryViewDir), material.roughness);
+        radiance = vec3(0.0);
+        clearcoatRadiance = vec3(0.0);
+    }
+`;
+const REFLECTION = `
+    if (octagloss_share > 0.0) {
+        vec3 viewer = inverseTransformDirection(geometryViewDir, viewMatrix);
+        reflectedLight.indirectSpecular += octagloss_share * octagloss_reflect(
+            inverseTransformDirection(geometryNormal, viewMatrix), viewer, material.roughness,
+            mix(material.specularColor, material.diffuseColor, material.metalness), material.specularF90);
+        #ifdef USE_CLEARCOAT
+            clearcoatSpecularIndirect += octagloss_share * octagloss_reflect(
+                inverseTransformDirection(geometryClearcoatNormal, viewMatrix), viewer,
+                material.clearcoatRoughness, material.clearcoatF0, material.clearcoatF90);
+        #endif
+    }
+`;
+
+// The light of one environment, for any number of materials.
+class Pyramid {
+    #uniforms;
+    #code;
+    #intensity = 1;
+    #enabled = true;
+
+    constructor(uniforms, code) {
+        this.#uniforms = uniforms;
+        // Structs of uniforms are set one by one, where three.js has no blocks for these materials.
+        this.#code = `uniform float octagloss_share;\n${code.replace(
+            /layout\(std140\) uniform \w+ \{ (.*?;) \};/,
+            'uniform $1',
+        )}`;
+    }
+
+    /** Uses the pyramid in `target`: a material, or those of an object and all in it. */
+    use(target) {
+        if (target.isMaterial) return this.#patch(target);
+        target.traverse(({ material }) => {
+            for (const own of [material ?? []].flat()) if (own.isMeshStandardMaterial) this.#patch(own);
+        });
+        return this;
+    }
+
+    #patch(material) {
+        if (!material.isMeshStandardMaterial) {
+            throw new TypeError('a pyramid lights MeshStandardMaterial and MeshPhysicalMaterial');
+        }
+        const [uniforms, code] = [this.#uniforms, this.#code];
+        material.onBeforeCompile = (shader) => {
+            Object.assign(shader.uniforms, uniforms);
+            const parts = [
+                ['#include <lights_physical_pars_fragment>', (own) => `${own}\n${code}`],
+                ['#include <lights_fragment_maps>', (own) => own + IRRADIANCE],
+                ['#include <lights_fragment_end>', (own) => own + REFLECTION],
+            ];
+            for (const [chunk, changed] of parts) {
+                if (!shader.fragmentShader.includes(chunk)) {
+                    throw new Error(`three.js has no ${chunk} here; its release is another than 0.187`);
+                }
+                shader.fragmentShader = shader.fragmentShader.replace(chunk, changed(chunk));
+            }
+        };
+        material.customProgramCacheKey = () => 'octagloss pyramid';
+        material.needsUpdate = true;
+        return this;
+    }
+
+    /** Whether materials read the pyramid; else scene.environment, as without it. */
+    get enabled() {
+        return this.#enabled;
+    }
+
+    set enabled(enabled) {
+        this.#enabled = enabled;
+        this.#uniforms.octagloss_share.value = enabled ? this.#intensity : 0;
+    }
+
+    /** Factor of its light. */
+    get intensity() {
+        return this.#intensity;
+    }
+
+    set intensity(intensity) {
+        this.#intensity = intensity;
+        this.enabled = this.#enabled;
+    }
+
+    dispose() {
+        this.#uniforms.octagloss_maps.value.dispose();
+        this.#uniforms.octagloss_tables.value.dispose();
+    }
+}
+
+// A pyramid of its files: maps and tables as bytes, the GLSL as text.
+export async function pyramidOf(maps, tables, code) {
+    const [levels, table] = await Promise.all([opened(maps), opened(tables)]);
+    if (!levels.keys[KEY]) throw new Error('the file is no pyramid; bake it with the target pyramid');
+    const { uniform } = JSON.parse(textOf(levels.keys[KEY]));
+    const { width, height } = levels.mipmaps[0];
+    const array = new CompressedArrayTexture(
+        levels.mipmaps,
+        width,
+        height,
+        levels.layers,
+        levels.format,
+        levels.type,
+    );
+    const [{ data, width: columns, height: rows }] = table.mipmaps;
+    const uniforms = {
+        octagloss_share: { value: 1 },
+        octagloss_lights: { value: [lightOf(uniform)] },
+        octagloss_maps: { value: linear(array) },
+        octagloss_tables: { value: linear(new DataTexture(data, columns, rows, table.format, table.type)) },
+    };
+    return new Pyramid(uniforms, code);
+}
