@@ -1,4 +1,4 @@
-//! `octagloss bench --engine gpu`: times the passes by timestamp queries and prints JSON.
+//! `octagloss bench --engine gpu`: times the passes and prints JSON.
 
 use super::args::BenchArgs;
 use super::console::Console;
@@ -9,7 +9,7 @@ use crate::bake::BakeSettings;
 use crate::bake::memory;
 use crate::filter::Filter;
 use crate::geometry::tent::Reconstruction;
-use crate::gpu::device::timer::Timer;
+use crate::gpu::device::timer::Clock;
 use crate::gpu::pyramid::{self, PyramidMaps};
 use crate::gpu::reparameterise::{self, upload};
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on};
@@ -23,25 +23,35 @@ use serde_json::json;
 use std::collections::BTreeMap;
 
 /// Times stages repeatedly.
-struct Clock<'a> {
+struct Repeated<'a> {
     context: &'a Context,
-    timer: Timer,
+    clock: Clock,
     runs: u32,
 }
 
-impl Clock<'_> {
-    /// Times each of `stages` and the whole from first start to last end, after one warm-up run.
-    fn time(&self, stages: &[&Stage]) -> Outcome<(Vec<Timing>, Timing)> {
+/// Times of a list of stages.
+struct Timings {
+    each: Vec<Timing>,
+    /// From first start to last end.
+    whole: Timing,
+    /// From submission to completion.
+    wall: Timing,
+}
+
+impl Repeated<'_> {
+    /// Times each of `stages` and the whole, after one warm-up run.
+    fn time(&self, stages: &[&Stage]) -> Outcome<Timings> {
         let mut each = vec![Vec::new(); stages.len()];
-        let mut all = Vec::new();
+        let (mut whole, mut wall) = (Vec::new(), Vec::new());
         for run in 0..=self.runs {
-            let (seconds, total) = block_on(Some(self.context), self.timer.run(self.context, stages))??;
+            let times = block_on(Some(self.context), self.clock.time(self.context, stages))??;
             if run > 0 {
-                each.iter_mut().zip(seconds).for_each(|(each, seconds)| each.push(seconds));
-                all.push(total);
+                each.iter_mut().zip(times.each).for_each(|(each, seconds)| each.push(seconds));
+                whole.push(times.whole);
+                wall.push(times.wall);
             }
         }
-        Ok((each.into_iter().map(timing).collect(), timing(all)))
+        Ok(Timings { each: each.into_iter().map(timing).collect(), whole: timing(whole), wall: timing(wall) })
     }
 }
 
@@ -56,7 +66,6 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         );
     };
     let context = engine.context();
-    let clock = Clock { context, timer: Timer::new(context, 32)?, runs: args.runs };
 
     let size = args.size;
     memory::check_square("this bench", "--size", size, BYTES_A_TEXEL)?;
@@ -96,9 +105,6 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         names.push("pyramid_1920x1080".to_owned());
     }
     stages.push(copy::stage(context, &sat));
-    let (mut each, _) = clock.time(&stages.iter().collect::<Vec<_>>())?;
-    let copy = each.pop().expect("the copy is the last");
-    let stages: BTreeMap<String, Timing> = names.into_iter().zip(each).collect();
 
     let source = cube(&light, 512)?;
     let texture = upload(context, &source)?;
@@ -109,7 +115,6 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         fixed_point::stage(context, &planes, &sat),
         sat_scan::stage(context, &planes, &sat),
     ];
-    let (_, cube_to_sat) = clock.time(&pipeline.iter().collect::<Vec<_>>())?;
 
     let environment = light.environment(512)?;
     let settings = BakeSettings {
@@ -119,7 +124,14 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         ..BakeSettings::default()
     };
     let levels = engine.bake_stages(&environment, &settings)?;
-    let (levels, whole) = clock.time(&levels.iter().collect::<Vec<_>>())?;
+
+    let lists: [Vec<&Stage>; 3] = [&stages[..], &pipeline, &levels].map(|list| list.iter().collect());
+    let clock = block_on(Some(context), Clock::of(context, &lists.each_ref().map(Vec::as_slice)))??;
+    let repeated = Repeated { context, clock, runs: args.runs };
+    let [all, pipeline, levels] = &lists;
+    let (mut all, pipeline, bake) = (repeated.time(all)?, repeated.time(pipeline)?, repeated.time(levels)?);
+    let copy = all.each.pop().expect("the copy is the last");
+    let stages: BTreeMap<String, Timing> = names.into_iter().zip(all.each).collect();
     let seconds = |name: &str| stages.get(name).map(|timing| timing.median_seconds);
     let mut ratios = BTreeMap::new();
     for (name, timing) in &stages {
@@ -138,16 +150,21 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         "input": light.name(),
         "size": size,
         "runs": args.runs,
+        // What measures: timestamp queries, or the time from the submission of a stage to its completion, if
+        // the device's timestamps are missing or leave out work.
+        "clock": repeated.clock.name(),
         // Reads and writes 24 bytes per texel, the minimum traffic of a scan.
         "copy": copy,
         // Each pass over an octahedral map of `size` texels, and a frame by the pyramid with per-pixel
         // roughness.
         "stages": stages,
+        // From submission to completion of all these and the copy; of `cube_to_sat`; of `bake`.
+        "wall": { "stages": all.wall, "cube_to_sat": pipeline.wall, "bake": bake.wall },
         // Cube of 6 x 512^2 to an octahedral map of 1024^2 to its exact table, all dispatches.
-        "cube_to_sat": cube_to_sat,
-        // The input, or 512x256, into 256^2, five Filament levels, adaptive:0.005: GPU time of every level,
-        // and of reparameterisation, cells and all levels.
-        "bake": { "levels": levels, "total_seconds": whole.median_seconds },
+        "cube_to_sat": pipeline.whole,
+        // The input, or 512x256, into 256^2, five Filament levels, adaptive:0.005: the time of
+        // reparameterisation, of cells, if some level needs them, and of every level; and of all.
+        "bake": { "levels": bake.each, "total_seconds": bake.whole.median_seconds },
         "ratios": ratios,
     }))
 }

@@ -126,7 +126,7 @@ pub(crate) fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-fn json(text: &str) -> Value {
+pub(crate) fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
 }
 

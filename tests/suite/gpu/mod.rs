@@ -7,6 +7,7 @@
 mod adaptive;
 mod atlas;
 mod bake;
+mod bench;
 mod boxes;
 mod brief;
 mod cells;
