@@ -62,14 +62,14 @@ impl<'a> Job<'a> {
                 }
             }
             let (specs, other_filter) = (settings.level_specs()?, settings.filter.for_other_lobes());
-            let mut chain = |lobe: Lobe, filter: Filter| -> Vec<usize> {
-                specs.iter().map(|spec| index_of(LevelJob { spec: *spec, lobe, filter })).collect()
+            let mut chain = |lobe: Lobe, filter: Filter, sparse: bool| -> Vec<usize> {
+                specs.iter().map(|spec| index_of(LevelJob { spec: *spec, lobe, filter, sparse })).collect()
             };
-            let levels = chain(settings.lobe, settings.filter);
-            let sheen = settings.sheen.then(|| chain(Lobe::Charlie, other_filter));
+            let levels = chain(settings.lobe, settings.filter, false);
+            let sheen = settings.sheen.then(|| chain(Lobe::Charlie, other_filter, true));
             let irradiance = settings.irradiance.map(|size| {
                 let spec = LevelSpec { layout: Layout::Cube { size }, roughness: 1.0 };
-                index_of(LevelJob { spec, lobe: Lobe::Cosine, filter: other_filter })
+                index_of(LevelJob { spec, lobe: Lobe::Cosine, filter: other_filter, sparse: false })
             });
             let skybox = settings.skybox.map(|size| {
                 let layout = match settings.map {
@@ -78,9 +78,9 @@ impl<'a> Job<'a> {
                 };
                 let spec = LevelSpec { layout, roughness: 0.0 };
                 // As level 0 of that size.
-                index_of(LevelJob { spec, lobe: Lobe::Ggx, filter: settings.filter })
+                index_of(LevelJob { spec, lobe: Lobe::Ggx, filter: settings.filter, sparse: false })
             });
-            let node = |spec| LevelJob { spec, lobe: settings.lobe, filter: settings.filter };
+            let node = |spec| LevelJob { spec, lobe: settings.lobe, filter: settings.filter, sparse: false };
             let nodes = settings.nodes(specs.len()).iter().map(|found| index_of(node(found.spec))).collect();
             bakes.push(BakeParts { levels, sheen, irradiance, skybox, nodes });
         }

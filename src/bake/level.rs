@@ -1,5 +1,6 @@
 //! Bakes one level. Tiles of neighbouring texels share their tree walks.
 
+use super::sparse;
 use crate::chain::LevelSpec;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
@@ -8,7 +9,7 @@ use crate::geometry::footprints::footprints_over;
 use crate::geometry::tiling::{Tile, Tiling};
 use crate::lobe::Lobe;
 use crate::names::named;
-use crate::reflector::{Reflector, Workspace};
+use crate::reflector::{Lobes, Reflector, Workspace};
 use crate::sphere::cube::Face;
 use rayon::prelude::*;
 
@@ -29,6 +30,8 @@ pub(crate) struct LevelJob {
     pub(crate) spec: LevelSpec,
     pub(crate) lobe: Lobe,
     pub(crate) filter: Filter,
+    /// Whether texels may be interpolated, where that is as good; they then have no bounds.
+    pub(crate) sparse: bool,
 }
 
 impl LevelJob {
@@ -52,11 +55,34 @@ pub(crate) struct BakedLevel {
     pub(crate) leaves_per_texel: Option<f64>,
 }
 
+/// Evaluates the texels of `tile` into their `line`, by way of `answers`.
+pub(super) fn answer_tile(
+    lobes: &Lobes<'_>,
+    tile: &Tile,
+    workspace: &mut Workspace,
+    answers: &mut Vec<Answer>,
+    line: &mut [Answer],
+) {
+    answers.clear();
+    lobes.evaluate_units(&tile.directions, workspace, answers);
+    tile.resolve(answers, line);
+}
+
 /// Counts of quadrature leaves, packets and directions of a level.
+#[derive(Default)]
 pub(crate) struct LeafCounts {
     pub(crate) leaves: u64,
     pub(crate) packets: u64,
     pub(crate) directions: u64,
+}
+
+impl LeafCounts {
+    /// Adds those of `workspace`.
+    pub(super) fn add(&mut self, workspace: &Workspace) {
+        self.leaves += workspace.leaves;
+        self.packets += workspace.packets;
+        self.directions += workspace.directions;
+    }
 }
 
 /// Bakes `level`; calls `advance` with the number of texels done, from any thread.
@@ -65,7 +91,7 @@ pub(crate) fn bake_level(
     level: &LevelJob,
     advance: Advance<'_>,
 ) -> Result<BakedLevel> {
-    let LevelJob { spec, lobe, filter } = *level;
+    let LevelJob { spec, lobe, filter, sparse } = *level;
     if level.is_mirror() {
         // A mirror level is the mean radiance over each texel.
         let texels = footprints_over(reflector.environment(), spec.layout)?;
@@ -74,6 +100,9 @@ pub(crate) fn bake_level(
     }
     let lobes = reflector.lobes(lobe, spec.roughness, filter)?;
     let tiling = Tiling::new(reflector.size().inner, spec, lobe);
+    if sparse && sparse::is_sparse(level) {
+        return sparse::bake_sparsely(&lobes, &tiling, level, advance);
+    }
     let rows = (0..tiling.rows())
         .into_par_iter()
         .map_init(
@@ -82,20 +111,15 @@ pub(crate) fn bake_level(
                 let mut line = tiling.line(row);
                 let mut workspace = Workspace::default();
                 tiling.for_each_tile(row, tile, |tile| {
-                    answers.clear();
-                    lobes.evaluate_units(&tile.directions, &mut workspace, answers);
-                    tile.resolve(answers, &mut line);
+                    answer_tile(&lobes, tile, &mut workspace, answers, &mut line);
                 });
                 advance(line.len() as u64)?;
                 Ok((line, workspace))
             },
         )
         .collect::<Result<Vec<(Vec<Answer>, Workspace)>>>()?;
-    let work = LeafCounts {
-        leaves: rows.iter().map(|(_, workspace)| workspace.leaves).sum(),
-        packets: rows.iter().map(|(_, workspace)| workspace.packets).sum(),
-        directions: rows.iter().map(|(_, workspace)| workspace.directions).sum(),
-    };
+    let mut work = LeafCounts::default();
+    rows.iter().for_each(|(_, workspace)| work.add(workspace));
     Ok(BakedLevel::new(Processor::Cpu, rows.into_iter().flat_map(|(line, _)| line), work))
 }
 

@@ -8,6 +8,7 @@ pub mod query;
 pub(crate) mod result;
 pub(crate) mod settings;
 pub(crate) mod solve;
+mod sparse;
 
 use crate::analysis::typical::{median, probes};
 use crate::chain::Chain;

@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// Texels along an edge of a tile: sixteen directions, one packet, if each texel has one.
-const TILE: u32 = 4;
+pub(crate) const TILE: u32 = 4;
 
 /// Texel width, over the lobe's full width at half maximum, from which the footprint is averaged.
 const FOOTPRINT_FROM: f64 = 1.0 / 3.0;

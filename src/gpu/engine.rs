@@ -368,7 +368,7 @@ impl<'a> GpuReflector<'a> {
 
 impl bake::Engine for GpuReflector<'_> {
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
-        let LevelJob { spec, lobe, filter } = *level;
+        let LevelJob { spec, lobe, filter, .. } = *level;
         let context = &self.engine.context;
         if level.is_mirror() {
             // Use the CPU for overlaps with other maps: each matrix is used once.
