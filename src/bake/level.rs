@@ -1,6 +1,5 @@
 //! Bakes one level. Tiles of neighbouring texels share their tree walks.
 
-use super::sparse;
 use crate::chain::LevelSpec;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
@@ -91,7 +90,7 @@ pub(crate) fn bake_level(
     level: &LevelJob,
     advance: Advance<'_>,
 ) -> Result<BakedLevel> {
-    let LevelJob { spec, lobe, filter, sparse } = *level;
+    let LevelJob { spec, lobe, filter, .. } = *level;
     if level.is_mirror() {
         // A mirror level is the mean radiance over each texel.
         let texels = footprints_over(reflector.environment(), spec.layout)?;
@@ -100,9 +99,6 @@ pub(crate) fn bake_level(
     }
     let lobes = reflector.lobes(lobe, spec.roughness, filter)?;
     let tiling = Tiling::new(reflector.size().inner, spec, lobe);
-    if sparse && sparse::is_sparse(level) {
-        return sparse::bake_sparsely(&lobes, &tiling, level, advance);
-    }
     let rows = (0..tiling.rows())
         .into_par_iter()
         .map_init(

@@ -85,7 +85,10 @@ pub(crate) trait Engine {
 
 impl Engine for Reflector<'_> {
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
-        level::bake_level(self, level, advance)
+        match sparse::tolerance(level) {
+            Some(tolerance) => sparse::bake_sparsely(self, level, tolerance, advance),
+            None => level::bake_level(self, level, advance),
+        }
     }
 
     async fn oem(&self) -> Result<(OemSize, [f64; 3])> {
