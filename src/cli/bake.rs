@@ -17,6 +17,7 @@ use crate::bake::BakeSettings;
 use crate::export::produce::{check_memory, products};
 use crate::filter::Filter;
 use crate::io::InputLayout;
+use crate::io::file_name::path_key;
 use crate::io::output::{self, Existing};
 use crate::io::regular::CHANGED;
 use crate::recipe::InputOptions;
@@ -119,7 +120,7 @@ impl Work {
         let mut by_stem = BTreeMap::new();
         for (source, within) in &sources {
             let name = within.join(source.stem() + &suffix);
-            if let Some(other) = by_stem.insert(name.clone(), source.path()) {
+            if let Some(other) = by_stem.insert(path_key(&name), source.path()) {
                 return usage(format!(
                     "{} and {} would both be written as {}; rename one or bake them separately",
                     other.display(),
@@ -190,7 +191,7 @@ impl Work {
                     let what = if *input == real { "is an input" } else { "holds an input" };
                     return usage(format!("{} {what}; name another output with -o", place.display()));
                 }
-                if let Some(place) = all.replace(place) {
+                if !all.insert(path_key(&place)) {
                     return usage(format!("{} is named for two outputs", place.display()));
                 }
             }

@@ -4,6 +4,7 @@
 //! bake's output folder.
 
 use crate::Error;
+use crate::io::file_name::verbatim_length;
 use crate::io::side_report::REPORT;
 use crate::io::{has_readable_name, is_bake_folder, levels_path, readable_extensions};
 use glob::{MatchOptions, Pattern};
@@ -131,7 +132,11 @@ impl Walk<'_> {
                 }
             }
             PatternPart::Wild(pattern) => {
-                let options = MatchOptions { require_literal_leading_dot: true, ..MatchOptions::new() };
+                let options = MatchOptions {
+                    case_sensitive: !cfg!(windows),
+                    require_literal_leading_dot: true,
+                    ..MatchOptions::new()
+                };
                 for name in self.names(folder) {
                     if !pattern.matches_with(&name.to_string_lossy(), options) {
                         continue;
@@ -234,11 +239,12 @@ fn is_real_folder(path: &Path) -> bool {
 /// existing path.
 fn pattern(path: &Path) -> Option<(&Path, Vec<PatternPart>)> {
     const WILD: [char; 3] = ['*', '?', '['];
-    let text = path.to_str().filter(|text| text.contains(WILD))?;
+    let text = path.to_str()?;
+    let verbatim = verbatim_length(text);
+    let wild = verbatim + text[verbatim..].find(WILD)?;
     if path.symlink_metadata().is_ok() {
         return None;
     }
-    let wild = text.find(WILD)?;
     let start = text[..wild].rfind(std::path::is_separator).map_or(0, |slash| slash + 1);
     let mut parts: Vec<PatternPart> = Vec::new();
     for part in text[start..].split(std::path::is_separator).filter(|part| !["", "."].contains(part)) {

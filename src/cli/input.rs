@@ -3,10 +3,9 @@
 use super::console::Console;
 use super::outcome::{Outcome, usage};
 use crate::Layout;
-use crate::io::{self, InputLayout, LoadedChain};
+use crate::io::{self, InputLayout, LoadedChain, regular};
 use crate::recipe::InputOptions;
 use crate::recipe::source::Source;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files of one environment: one file, or the six faces of a cube.
@@ -113,8 +112,7 @@ pub(super) fn layout_name(layout: Layout) -> &'static str {
 /// Reads the bake in `path`: a folder of levels or of a target, a KTX, KTX2 or EXR file that records its
 /// levels' roughness, or a DDS file with a report that does. `None` for other files.
 pub(super) fn read_bake(path: &Path) -> crate::Result<Option<LoadedChain>> {
-    let metadata = fs::metadata(path).map_err(|error| crate::Error::io(path, error))?;
-    if metadata.is_dir() {
+    if regular::metadata(path)?.is_dir() {
         // Images and a target's files may be environments.
         let faces = ["m0_px.exr", "m0_px.hdr"].iter().any(|name| path.join(name).is_file());
         let chain = io::load_chain(path);

@@ -31,7 +31,21 @@ pub(super) fn watch() {
     drop(std::thread::Builder::new().name("signals".to_owned()).stack_size(1 << 18).spawn(wait));
 }
 
-#[cfg(not(unix))]
+/// Installs the handler of Ctrl-C, Ctrl-Break and a closed console, which removes temporary files and ends the
+/// process with the status that Windows gives interrupted ones.
+#[cfg(windows)]
+pub(super) fn watch() {
+    // STATUS_CONTROL_C_EXIT.
+    const INTERRUPTED: i32 = 0xc000_013a_u32.cast_signed();
+    // Without the handler the system ends the process, and the next run cleans up.
+    let handler = ctrlc::set_handler(|| {
+        crate::io::output::remove_temporaries();
+        std::process::exit(INTERRUPTED);
+    });
+    drop(handler);
+}
+
+#[cfg(not(any(unix, windows)))]
 pub(super) fn watch() {}
 
 /// The mask of ignored signals, from Linux's /proc.

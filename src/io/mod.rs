@@ -16,6 +16,7 @@ mod decode;
 pub mod environment_write;
 pub mod exr;
 mod face_names;
+pub(crate) mod file_name;
 mod fit;
 pub mod hdr;
 mod key_values;
@@ -434,7 +435,7 @@ pub(crate) fn names_in(folder: &Path) -> Result<Vec<String>> {
 
 /// Whether `path` is a directory.
 fn is_directory(path: &Path) -> Result<bool> {
-    Ok(fs::metadata(path).map_err(|source| Error::io(path, source))?.is_dir())
+    Ok(regular::metadata(path)?.is_dir())
 }
 
 /// Reads six images into one cube; repairs or rejects NaN and Inf.

@@ -5,7 +5,7 @@
 
 use super::regular::open_regular;
 use super::side_report::REPORT;
-use super::temporary::{Live, Temporary, exchange, exists, refused, rename_new, resolved, with_path};
+use super::temporary::{Live, Temporary, exchange, exists, refused, rename, rename_new, resolved, with_path};
 use crate::error::{Error, Result};
 use crate::format::LevelName;
 use crate::target::{self, Target};
@@ -227,11 +227,11 @@ impl Staged {
     fn replace(&self) -> io::Result<Put> {
         let (new, old) = (self.path(), self.temporary.old_path());
         match self.kind {
-            Kind::File => fs::rename(new, &self.place).map(|()| Put::Over),
+            Kind::File => rename(&new, &self.place).map(|()| Put::Over),
             Kind::Folder => {
-                fs::rename(&self.place, &old)?;
+                rename(&self.place, &old)?;
                 // If restoring fails too, the temporary keeps it for the next run.
-                fs::rename(new, &self.place).inspect_err(|_| drop(fs::rename(&old, &self.place)))?;
+                rename(&new, &self.place).inspect_err(|_| drop(rename(&old, &self.place)))?;
                 Ok(Put::SetAside)
             }
         }
@@ -241,11 +241,11 @@ impl Staged {
     fn take_back(&self, put: &Put) {
         let new = self.path();
         match put {
-            Put::Fresh => drop(fs::rename(&self.place, new)),
+            Put::Fresh => drop(rename(&self.place, &new)),
             Put::Exchanged => drop(exchange(&new, &self.place)),
             Put::SetAside => {
-                let back = fs::rename(&self.place, new)
-                    .and_then(|()| fs::rename(self.temporary.old_path(), &self.place));
+                let back =
+                    rename(&self.place, &new).and_then(|()| rename(&self.temporary.old_path(), &self.place));
                 drop(back);
             }
             Put::Over => {}
@@ -263,6 +263,10 @@ pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
         Ok(found) if found.is_dir() => Err(refused(path, "is a folder; name a file")),
         Ok(found) if !found.is_file() => Err(refused(path, "is not a regular file; name one")),
         Ok(_) if existing == Existing::Keep => Err(refused(path, "already exists; `force` replaces it")),
+        // Elsewhere the folder decides.
+        Ok(found) if cfg!(windows) && found.permissions().readonly() => {
+            Err(refused(path, "is read-only; allow writing to it, or name another file"))
+        }
         Ok(_) => Ok(()),
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(e) => Err(Error::io(path, e)),

@@ -1,7 +1,8 @@
 //! Opens input files. Only regular files are read: a pipe may block, and a device may be endless.
 
+use super::file_name::device_message;
 use crate::error::{Error, Result};
-use std::fs::{File, OpenOptions};
+use std::fs::{File, Metadata, OpenOptions};
 use std::io::Read as _;
 use std::path::Path;
 
@@ -20,7 +21,7 @@ pub(crate) fn open_regular(path: &Path) -> Result<File> {
         options.custom_flags(rustix::fs::OFlags::NONBLOCK.bits() as i32);
     }
     let file = options.open(path).map_err(|error| refused(path, error))?;
-    let kind = file.metadata().map_err(|error| Error::io(path, error))?.file_type();
+    let kind = file.metadata().map_err(|error| refused(path, error))?.file_type();
     if kind.is_file() {
         return Ok(file);
     }
@@ -61,10 +62,26 @@ pub(crate) fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Metadata of the input `path`.
+///
+/// # Errors
+/// [`Error::Io`], or [`Error::Input`] for a name that the system takes for a device.
+pub(crate) fn metadata(path: &Path) -> Result<Metadata> {
+    match std::fs::metadata(path) {
+        // Some versions of Windows take fewer names for devices.
+        Ok(found) if found.is_dir() || found.len() > 0 => Ok(found),
+        found => match device_message(path) {
+            Some(message) => Err(Error::input(path, message)),
+            None => found.map_err(|error| Error::io(path, error)),
+        },
+    }
+}
+
 /// Error for a path that could not be opened. Sockets have their own message; the system's does not mention
 /// sockets.
 fn refused(path: &Path, error: std::io::Error) -> Error {
-    match std::fs::metadata(path) {
+    match metadata(path) {
+        Err(Error::Input { path, message }) => Error::Input { path, message },
         Ok(metadata) if !metadata.is_file() => Error::input(path, not_regular(metadata.file_type())),
         _ => Error::io(path, error),
     }

@@ -10,11 +10,11 @@
 //! A killed process leaves them behind with a free lock; [`recover`] then restores `STEM.old` if its output
 //! is missing, and removes the rest.
 
-use super::regular::read_regular;
+use super::file_name;
 use crate::error::{Error, Result};
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Write as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::{Builder, NamedTempFile};
@@ -166,19 +166,22 @@ fn recover_one(folder: &Path, path: &Path) -> Option<PathBuf> {
     }
     let file = File::options().read(true).write(true).open(path).ok()?;
     file.try_lock().ok()?;
-    let names = Names { stem: path.with_extension(""), place: folder.join(name_in(path)?) };
+    // Through this handle: Windows keeps others from reading what is locked.
+    let names = Names { stem: path.with_extension(""), place: folder.join(name_in(&file)?) };
     let restores = exists(&names.with(OLD)) && !exists(&names.place);
     names.clear().ok()?;
     fs::remove_file(path).ok()?;
-    restores.then_some(names.place)
+    restores.then(|| file_name::as_written(&names.place))
 }
 
 /// Longest output name in a lock file, in bytes; file systems allow at most 255 characters.
 const LONGEST_NAME: u64 = 4096;
 
-/// The output's name in the lock file `path`; `None` if the process was killed before it wrote it.
-fn name_in(path: &Path) -> Option<OsString> {
-    let bytes = read_regular(path, LONGEST_NAME).ok()?;
+/// The output's name in the lock file `file`; `None` if it is none. A process that was killed before it wrote
+/// it has no output.
+fn name_in(file: &File) -> Option<OsString> {
+    let mut bytes = Vec::new();
+    file.take(LONGEST_NAME + 1).read_to_end(&mut bytes).ok().filter(|count| *count as u64 <= LONGEST_NAME)?;
     let name = if bytes.is_empty() { OsString::from("unnamed") } else { os_string(bytes)? };
     // Accept plain names only, which cannot reference another folder.
     (Path::new(&name).file_name() == Some(OsStr::new(&name))).then_some(name)
@@ -220,8 +223,32 @@ pub(super) fn exchange(a: &Path, b: &Path) -> Option<io::Result<()>> {
 /// Renames `from` to `to`, which must not exist.
 pub(super) fn rename_new(from: &Path, to: &Path) -> io::Result<()> {
     renamed(from, to, Flag::NoReplace).unwrap_or_else(|| {
-        if exists(to) { Err(io::ErrorKind::AlreadyExists.into()) } else { fs::rename(from, to) }
+        if exists(to) { Err(io::ErrorKind::AlreadyExists.into()) } else { rename(from, to) }
     })
+}
+
+/// Renames `from` to `to`. On Windows tries for a second while another program has one of them open, such as
+/// a scanner of new files; then the error says so.
+pub(super) fn rename(from: &Path, to: &Path) -> io::Result<()> {
+    let mut tries = if cfg!(windows) { 20 } else { 0 };
+    loop {
+        match fs::rename(from, to) {
+            Err(error) if tries > 0 && is_in_use(&error) => {
+                tries -= 1;
+                std::thread::sleep(std::time::Duration::from_millis(50));
+            }
+            Err(error) if cfg!(windows) && is_in_use(&error) => {
+                let message = format!("{error}; another program may have it open, close it there");
+                return Err(io::Error::new(error.kind(), message));
+            }
+            other => return other,
+        }
+    }
+}
+
+/// Whether Windows refuses access (5), or says that another program uses the file (32, 33).
+fn is_in_use(error: &io::Error) -> bool {
+    matches!(error.raw_os_error(), Some(5 | 32 | 33))
 }
 
 #[derive(Clone, Copy)]
@@ -259,6 +286,9 @@ fn renamed(_: &Path, _: &Path, flag: Flag) -> Option<io::Result<()>> {
 /// `/dev/stdout`.
 pub(super) fn resolved(path: &Path) -> Result<PathBuf> {
     let mut at = path.to_owned();
+    if let Some(reason) = path.file_name().and_then(|name| file_name::refusal(&name.to_string_lossy())) {
+        return Err(refused(path, &reason));
+    }
     // The limit of Linux.
     for _ in 0..40 {
         let folder = folder_of(&at).map_err(|error| with_path(error, path))?;
