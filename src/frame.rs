@@ -13,6 +13,8 @@ pub struct Frame {
     pub axes: DMat3,
     /// Towards the viewer along those axes, a unit vector with z of at least [`LEAST_COSINE`].
     pub view: DVec3,
+    /// Whether there was a tangent. Without one, reflections are isotropic.
+    pub has_tangent: bool,
 }
 
 impl Frame {
@@ -27,14 +29,14 @@ impl Frame {
             return None;
         }
         let along = unit(tangent).map_or(DVec3::ZERO, |tangent| tangent - normal * normal.dot(tangent));
-        let along =
-            if along.length_squared() > 1e-12 { along.normalize() } else { normal.any_orthonormal_vector() };
+        let has_tangent = along.length_squared() > 1e-12;
+        let along = if has_tangent { along.normalize() } else { normal.any_orthonormal_vector() };
         let axes = DMat3::from_cols(along, normal.cross(along), normal);
         let mut view = axes.transpose() * view;
         if view.z < LEAST_COSINE {
             let level = view.truncate().normalize_or(DVec2::X) * (1.0 - LEAST_COSINE * LEAST_COSINE).sqrt();
             view = level.extend(LEAST_COSINE);
         }
-        Some(Self { axes, view })
+        Some(Self { axes, view, has_tangent })
     }
 }

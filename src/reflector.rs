@@ -319,9 +319,9 @@ impl<'a> Reflector<'a> {
 
     /// Radiance that a surface reflects to the viewer of `frame`, in the world, out of the map's pyramid; see
     /// [`Pyramid::reflect`]. Its Fresnel term goes from `f0` to 1.
-    pub(crate) fn reflect(&self, frame: &Frame, roughness: f32, f0: f32) -> Rgb {
+    pub(crate) fn reflect(&self, frame: &Frame, roughness: f32, anisotropy: f32, f0: f32) -> Rgb {
         let frame = Frame { axes: self.environment.source_from_world() * frame.axes, ..*frame };
-        self.scale.radiance(self.pyramid().reflect(&frame, roughness, [f0; 3], 1.0))
+        self.scale.radiance(self.pyramid().reflect(&frame, roughness, anisotropy, [f0; 3], 1.0))
     }
 
     /// Lobes of one family and roughness, evaluated by one filter.

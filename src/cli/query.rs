@@ -137,9 +137,6 @@ fn reflected(
     let f0 = args.f0.unwrap_or(1.0);
     let unbounded = |radiance: Rgb| Answer { radiance, bound: None };
     match args.filter {
-        Filter::Pyramid if anisotropy > 0.0 => {
-            usage("the pyramid reflects isotropically only; use --filter reference with --anisotropy")
-        }
         Filter::Pyramid => {
             let environment = source.open(&args.input, console)?.environment;
             let settings = ReflectorSettings {
@@ -151,8 +148,9 @@ fn reflected(
                 ..ReflectorSettings::default()
             };
             let reflector = Reflector::new(&environment, &settings)?;
-            let reflect =
-                |asked: &AskedFrame| unbounded(reflector.reflect(&asked.frame, roughness as f32, f0 as f32));
+            let reflect = |asked: &AskedFrame| {
+                unbounded(reflector.reflect(&asked.frame, roughness as f32, anisotropy as f32, f0 as f32))
+            };
             Ok(frames.asked.par_iter().map(reflect).collect())
         }
         Filter::Reference | Filter::Adaptive(_) if roughness < LEAST_ROUGHNESS => {

@@ -185,9 +185,11 @@ impl<'a> ReflectedLight<'a> {
     }
 
     /// Radiance that a surface of `roughness` in (0, 1], `anisotropy` in [0, 1] and reflectance `f0` (1 at
-    /// grazing incidence) reflects to the viewer of `frame` (in the world), to a relRMSE of `error`.
+    /// grazing incidence) reflects to the viewer of `frame` (in the world), to a relRMSE of `error`. A frame
+    /// without a tangent reflects isotropically.
     #[must_use]
     pub fn reflect(&self, frame: &Frame, roughness: f64, anisotropy: f64, f0: f64, error: f64) -> Answer {
+        let anisotropy = if frame.has_tangent { anisotropy } else { 0.0 };
         let lobe = Lobe::new(
             self.environment.source_from_world() * frame.axes,
             frame.view,

@@ -11,6 +11,13 @@
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
+/// Alpha along the tangent and across it at `roughness` and `anisotropy` in [0, 1].
+#[must_use]
+pub fn alphas(roughness: f64, anisotropy: f64) -> DVec2 {
+    let alpha = roughness * roughness;
+    DVec2::new(alpha + (1.0 - alpha) * anisotropy * anisotropy, alpha)
+}
+
 /// The reflection seen from one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Brdf {
@@ -24,8 +31,13 @@ impl Brdf {
     /// The reflection at `roughness` in (0, 1] and `anisotropy` in [0, 1].
     #[must_use]
     pub fn new(view: DVec3, roughness: f64, anisotropy: f64) -> Self {
-        let alpha = roughness * roughness;
-        Self { view, alpha: DVec2::new(alpha + (1.0 - alpha) * anisotropy * anisotropy, alpha) }
+        Self::of_alphas(view, alphas(roughness, anisotropy))
+    }
+
+    /// The reflection with `alpha` along the tangent and across it.
+    #[must_use]
+    pub const fn of_alphas(view: DVec3, alpha: DVec2) -> Self {
+        Self { view, alpha }
     }
 
     /// Radiance per irradiance from the unit vector `light`, F = 1, and the factor (1 - v.h)^5 of f90.

@@ -42,8 +42,8 @@ pub const NODES: [usize; 2] = [46, 26];
 const FUNCTIONS: usize = READS + 1 + HARMONICS;
 
 /// Ridge of reads, and of harmonics; roughness over which those come into use.
-const RIDGE: [f64; 2] = [1e-3, 5e-3];
-const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
+pub(super) const RIDGE: [f64; 2] = [1e-3, 5e-3];
+pub(super) const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
 
 /// Weight of the error over the lobe's square, which counts around lights, against that over the lobe; and
 /// the radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
@@ -53,8 +53,11 @@ const FLOOR: f64 = 1.0;
 /// Rings and spokes of half vectors.
 const FIT_GRID: [u32; 2] = [40, 16];
 
+/// Width of a lobe over its length, from which on it grows no narrower for the law.
+pub(super) const NARROWEST: f64 = 0.05;
+
 /// Nodes of the quadrature of the albedo: twice as many differ by less than 1e-4.
-const ALBEDO_NODES: u32 = 32;
+pub(super) const ALBEDO_NODES: u32 = 32;
 
 /// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
 /// least width over alpha, of how widths grow with the slope, and of how they alternate; as sums of these
@@ -72,21 +75,32 @@ const LAW: [[f64; 6]; 6] = [
 /// Slope and width of each read, both over alpha.
 #[must_use]
 pub fn law(roughness: f64, cosine: f64) -> [[f64; 2]; READS] {
-    let (x, y) = (cosine.max(0.05).ln(), (1.0 + 6.0 * roughness * roughness).ln());
+    let (x, y) = law_terms(cosine, roughness * roughness);
     let sum = |[a, b, c, d, e, f]: [f64; 6]| a + (b + c * x + e * y) * x + (d + f * y) * y;
-    let [shift, step, bend, width, growth, alternation] = LAW.map(sum);
-    let [step, bend, width, growth] = [step, bend, width, growth].map(f64::exp);
+    row(LAW.map(sum), 1.0)
+}
+
+/// What the law is a polynomial of: logarithms of the lobe's width over its length, and of its length.
+pub(super) fn law_terms(ratio: f64, length: f64) -> (f64, f64) {
+    (ratio.max(NARROWEST).ln(), (1.0 + 6.0 * length).ln())
+}
+
+/// Slope and width of each of `COUNT` reads, `step` apart, by the numbers of the law.
+pub(super) fn row<const COUNT: usize>(numbers: [f64; 6], step: f64) -> [[f64; 2]; COUNT] {
+    let [shift, spacing, bend, width, growth, alternation] = numbers;
+    let [spacing, bend, width, growth] = [spacing, bend, width, growth].map(f64::exp);
+    let middle = (COUNT - 1) / 2;
     std::array::from_fn(|read| {
-        let place = read as f64 - (READS as f64 - 1.0) / 2.0 + shift;
-        let slope = width * step * (bend * place).sinh() / bend;
-        let wider = if read % 2 == 0 { alternation } else { -alternation }.exp();
+        let place = (read as f64 - middle as f64) * step + shift;
+        let slope = width * spacing * (bend * place).sinh() / bend;
+        let wider = if read % 2 == middle % 2 { alternation } else { -alternation }.exp();
         [slope, wider * width * (1.0 + (growth * slope).powi(2)).sqrt()]
     })
 }
 
 /// The level of `width`: 0 the mirror, 1 the sharp level, then those from fine to coarse; whole numbers are
 /// levels, between them the logarithm counts.
-fn level_of(octaves: Octaves, width: f64) -> f64 {
+pub(super) fn level_of(octaves: Octaves, width: f64) -> f64 {
     let last = f64::from(octaves.count()) + 1.0;
     let sharp = last + (width / WIDEST).log2();
     let (mirror, from) = (octaves.mirror_width(), octaves.sharp_width());
@@ -150,48 +164,62 @@ pub fn node_at(octaves: Octaves, roughness: f32, cosine: f32) -> Node {
 }
 
 /// A piece of the sphere of lights.
-struct Point {
-    light: DVec3,
-    area: f64,
+pub(super) struct Point {
+    pub(super) light: DVec3,
+    pub(super) area: f64,
     /// The reflection, without and with the factor of f90.
-    lobe: [f64; 2],
+    pub(super) lobe: [f64; 2],
 }
 
 /// Pieces of one half of the sphere, dense around the lobe, which is symmetric about the plane of incidence:
 /// rings and spokes of half vectors. Areas are those of both halves.
 fn points(alpha: f64, view: DVec3, brdf: &Brdf) -> Vec<Point> {
-    let [rings, spokes] = FIT_GRID;
+    half_vectors(alpha, FIT_GRID, PI)
+        .filter_map(|(half, area)| Point::new(half, 2.0 * area, view, brdf))
+        .collect()
+}
+
+/// Half vectors and their areas: rings, and spokes over an angle of `around`, dense at the scale of `alpha`.
+pub(super) fn half_vectors(
+    alpha: f64,
+    [rings, spokes]: [u32; 2],
+    around: f64,
+) -> impl Iterator<Item = (DVec3, f64)> {
     let scale = 0.5 * alpha;
     let step = (PI / scale).asinh() / f64::from(rings);
-    let edge = |ring: u32| (scale * (step * f64::from(ring)).sinh()).min(PI);
-    let mut points = Vec::new();
-    for ring in 0..rings {
+    let edge = move |ring: u32| (scale * (step * f64::from(ring)).sinh()).min(PI);
+    (0..rings).flat_map(move |ring| {
         let (from, to) = (edge(ring), edge(ring + 1));
         let (sine, cosine) = f64::midpoint(from, to).sin_cos();
-        let area = 2.0 * (from.cos() - to.cos()) * PI / f64::from(spokes);
-        for spoke in 0..spokes {
-            let (y, x) = (PI * (f64::from(spoke) + 0.5) / f64::from(spokes)).sin_cos();
-            let half = DVec3::new(sine * x, sine * y, cosine);
-            let towards = view.dot(half);
-            if towards > 0.0 {
-                let light = half * (2.0 * towards) - view;
-                let (value, fresnel) = brdf.at(light);
-                points.push(Point { light, area: 4.0 * towards * area, lobe: [value, value * fresnel] });
-            }
-        }
+        let area = (from.cos() - to.cos()) * around / f64::from(spokes);
+        (0..spokes).map(move |spoke| {
+            let (y, x) = (around * (f64::from(spoke) + 0.5) / f64::from(spokes)).sin_cos();
+            (DVec3::new(sine * x, sine * y, cosine), area)
+        })
+    })
+}
+
+impl Point {
+    /// The piece of lights whose half vectors are a piece of `area` around `half`.
+    pub(super) fn new(half: DVec3, area: f64, view: DVec3, brdf: &Brdf) -> Option<Self> {
+        let towards = view.dot(half);
+        (towards > 0.0).then(|| {
+            let light = half * (2.0 * towards) - view;
+            let (value, fresnel) = brdf.at(light);
+            Self { light, area: 4.0 * towards * area, lobe: [value, value * fresnel] }
+        })
     }
-    points
 }
 
 /// A trilinear read of the levels: two Gaussians around a direction.
-struct Read {
+pub(super) struct Read {
     direction: DVec3,
     /// Inverse square width and share over the integral of each.
     gaussians: [[f64; 2]; 2],
 }
 
 impl Read {
-    fn new(octaves: Octaves, direction: DVec3, level: f64) -> Self {
+    pub(super) fn new(octaves: Octaves, direction: DVec3, level: f64) -> Self {
         let (whole, share) = (level.floor() as u32, level.fract());
         let of = |level: u32, share: f64| {
             if share == 0.0 {
@@ -204,7 +232,7 @@ impl Read {
     }
 
     /// What it makes of light from `light`.
-    fn at(&self, light: DVec3) -> f64 {
+    pub(super) fn at(&self, light: DVec3) -> f64 {
         let c = 1.0 - self.direction.dot(light);
         self.gaussians.iter().map(|[sharp, share]| share * (-c * sharp).exp()).sum()
     }
@@ -216,15 +244,75 @@ fn functions(reads: &[Read; READS], around: &[DVec3; 5], light: DVec3) -> [f64; 
     for (value, read) in values.iter_mut().zip(reads) {
         *value = read.at(light);
     }
-    values[READS] = light.z.max(0.0) / PI;
+    wide_functions(&mut values[READS..], around, light);
+    values
+}
+
+/// The clamped cosine, and harmonics around each direction of `around`, of orders from its place up.
+pub(super) fn wide_functions(values: &mut [f64], around: &[DVec3; 5], light: DVec3) {
+    values[0] = light.z.max(0.0) / PI;
     let zonal = around
         .iter()
         .enumerate()
         .flat_map(|(k, direction)| legendre(direction.dot(light)).into_iter().zip(0..).skip(k));
-    for (value, (zonal, order)) in values[READS + 1..].iter_mut().zip(zonal) {
+    for (value, (zonal, order)) in values[1..].iter_mut().zip(zonal) {
         *value = f64::from(2 * order + 1) / (4.0 * PI) * zonal;
     }
-    values
+}
+
+/// The weights for f0 and f90 of the first `used` functions that fit the lobe of `points`, under their `ridge`.
+/// Its integral is held at `albedo`, scale and bias of f0. `functions` are `reads` of integral 1, a cosine and
+/// harmonics.
+pub(super) fn weights<const N: usize>(
+    points: &[Point],
+    reads: usize,
+    used: usize,
+    ridge: &[f64; N],
+    albedo: [f64; 2],
+    functions: impl Fn(DVec3) -> [f64; N],
+) -> Vec<[f32; 2]> {
+    let [mean, square] = points.iter().fold([0.0; 2], |[mean, square], point| {
+        [mean + point.area * point.lobe[0], square + point.area * point.lobe[0] * point.lobe[0]]
+    });
+    // The normal equations, and a multiplier that holds the lobe's integral at the albedo.
+    let mut products = [[0.0; N]; N];
+    let mut right = vec![[0.0; 2]; used + 1];
+    for point in points {
+        let weight =
+            point.area * (1.0 / (FLOOR / (4.0 * PI) + point.lobe[0] / mean) + PEAK * mean * mean / square);
+        let values = functions(point.light);
+        for j in 0..used {
+            let own = weight * values[j];
+            for (product, value) in products[j][..=j].iter_mut().zip(&values) {
+                *product += own * value;
+            }
+            for (sum, lobe) in right[j].iter_mut().zip(point.lobe) {
+                *sum += own * lobe / mean;
+            }
+        }
+    }
+    let mut system = vec![vec![0.0; used + 2]; used + 1];
+    for j in 0..used {
+        for k in 0..used {
+            system[j][k] = products[j.max(k)][j.min(k)];
+        }
+        system[j][j] += ridge[j];
+        // Harmonics of order 0 have an integral, the others none.
+        let integral = if j <= reads + 1 { 1.0 } else { 0.0 };
+        system[j][used] = integral;
+        system[used][j] = integral;
+    }
+    let [scale, bias] = albedo;
+    let [all, grazing] = [0, 1].map(|side| {
+        let mut system = system.clone();
+        for (row, right) in system.iter_mut().zip(&right) {
+            row[used + 1] = right[side];
+        }
+        system[used][used + 1] = [scale + bias, bias][side] / mean;
+        solved(system)
+    });
+    let pair = |k: usize| [(all[k] - grazing[k]) * mean, grazing[k] * mean].map(|weight| weight as f32);
+    (0..used).map(pair).collect()
 }
 
 /// The node that fits the reflection at `roughness` and n.v of `cosine`.
@@ -251,52 +339,14 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
     let [from, to] = HARMONICS_FROM;
     let use_harmonics = smooth((roughness - from) / (to - from));
     let used = if use_harmonics > 0.0 { FUNCTIONS } else { READS };
-    let points = points(alpha, view, &brdf);
-    let [mean, square] = points.iter().fold([0.0; 2], |[mean, square], point| {
-        [mean + point.area * point.lobe[0], square + point.area * point.lobe[0] * point.lobe[0]]
-    });
-    // The normal equations, and a multiplier that holds the lobe's integral at the albedo.
-    let mut products = [[0.0; FUNCTIONS]; FUNCTIONS];
-    let mut right = vec![[0.0; 2]; used + 1];
-    for point in &points {
-        let weight =
-            point.area * (1.0 / (FLOOR / (4.0 * PI) + point.lobe[0] / mean) + PEAK * mean * mean / square);
-        let values = functions(&reads, &around, point.light);
-        for j in 0..used {
-            let own = weight * values[j];
-            for (product, value) in products[j][..=j].iter_mut().zip(&values) {
-                *product += own * value;
-            }
-            for (sum, lobe) in right[j].iter_mut().zip(point.lobe) {
-                *sum += own * lobe / mean;
-            }
-        }
-    }
-    // Harmonics of order 0 have an integral, the others none.
-    let mut integrals = [0.0; FUNCTIONS];
-    integrals[..=READS + 1].fill(1.0);
     // Lobes narrower than the mirror's texels are served by equal reads of it.
     let narrow = octaves.mirror_width() / (2.0 * cosine * roughness.max(1e-3).powi(2));
-    let ridge = RIDGE[0] * (1.0 + narrow.powi(4));
-    let mut system = vec![vec![0.0; used + 2]; used + 1];
-    for j in 0..used {
-        for k in 0..used {
-            system[j][k] = products[j.max(k)][j.min(k)];
-        }
-        system[j][j] += if j < READS { ridge } else { RIDGE[1] / use_harmonics };
-        system[j][used] = integrals[j];
-        system[used][j] = integrals[j];
-    }
-    let [all, grazing] = [0, 1].map(|side| {
-        let mut system = system.clone();
-        for (row, right) in system.iter_mut().zip(&right) {
-            row[used + 1] = right[side];
-        }
-        system[used][used + 1] = [scale + bias, bias][side] / mean;
-        solved(system)
-    });
-    for k in 0..used {
-        let pair = [(all[k] - grazing[k]) * mean, grazing[k] * mean].map(|weight| weight as f32);
+    let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
+    ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
+    let points = points(alpha, view, &brdf);
+    let weights =
+        weights(&points, READS, used, &ridge, [scale, bias], |light| functions(&reads, &around, light));
+    for (k, pair) in weights.into_iter().enumerate() {
         let (layer, at) = match k {
             _ if k < READS => (k, 2),
             READS => (READS, 0),

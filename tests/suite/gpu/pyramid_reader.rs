@@ -186,10 +186,10 @@ fn files_are_read_as_the_cpu_reads_its_pyramid() {
                 .iter()
                 .map(|(n, v, r)| {
                     let frame = Frame::new(own * *n, own * *v, DVec3::ZERO).unwrap();
-                    let [albedo, _] = pyramid.albedo(frame.view.z as f32, *r);
+                    let [albedo, _] = pyramid.albedo(frame.view.z as f32, *r, 0.0);
                     let with = |[r, g, b]: [f32; 3], w| [r, g, b, w];
                     [
-                        with(pyramid.reflect(&frame, *r, F0, 0.9), albedo),
+                        with(pyramid.reflect(&frame, *r, 0.0, F0, 0.9), albedo),
                         with(pyramid.lobes(*r).radiance(own * *n), 1.0),
                         with(pyramid.irradiance(own * *n), 1.0),
                     ]

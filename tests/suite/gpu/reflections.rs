@@ -37,7 +37,7 @@ pub(super) fn reflections(context: &Context, cases: &[(u32, Look, f32)], roughne
                 .map(|(normal, view)| Frame::new(*normal, *view, DVec3::ZERO).expect("a frame"))
                 .collect();
             let expected: Vec<_> =
-                frames.iter().map(|frame| pyramid.reflect(frame, roughness, f0, f90)).collect();
+                frames.iter().map(|frame| pyramid.reflect(frame, roughness, 0.0, f0, f90)).collect();
             let peak = f64::from(expected.iter().flatten().copied().fold(0.0, f32::max));
             let most = 0.01 * peak;
             // The first answer farther off than that.
@@ -50,7 +50,7 @@ pub(super) fn reflections(context: &Context, cases: &[(u32, Look, f32)], roughne
             let name = format!("{look:?} {size} at {roughness} on {}", context.describe());
             assert_eq!(wrong(&found).map(|wrong| format!("{wrong:?}")), None, "{name}, peak {peak:e}");
             for (frame, found) in frames.iter().zip(&found) {
-                let [albedo, _] = pyramid.albedo(frame.view.z as f32, roughness);
+                let [albedo, _] = pyramid.albedo(frame.view.z as f32, roughness, 0.0);
                 assert!((albedo - found[3]).abs() < 2e-3, "albedo {albedo}, not {}", found[3]);
             }
             found[7][1] += 2.0 * most as f32;

@@ -124,9 +124,9 @@ fn look_ups_of_a_white_world_are_the_albedo_and_turn_nowhere() {
     for roughness in [0.0, 0.1, 0.3, 0.5, 0.8, 1.0] {
         for nv in [0.01, 0.1, 0.4, 0.8, 1.0] {
             let frame = frame(&mut random, nv);
-            let [a, b] = pyramid.albedo(nv as f32, roughness);
+            let [a, b] = pyramid.albedo(nv as f32, roughness, 0.0);
             let expected = [1.0, 0.5, 0.0].map(|f0| f0 * a + 0.9 * b);
-            let found = pyramid.reflect(&frame, roughness, [1.0, 0.5, 0.0], 0.9);
+            let found = pyramid.reflect(&frame, roughness, 0.0, [1.0, 0.5, 0.0], 0.9);
             for (found, expected) in found.into_iter().zip(expected) {
                 assert!((found - expected).abs() < 2e-3, "r {roughness} n.v {nv}: {found}, not {expected}");
             }
@@ -142,7 +142,7 @@ fn look_ups_of_a_white_world_are_the_albedo_and_turn_nowhere() {
             .map(|k| {
                 let (sine, cosine) = (f64::from(k) * PI / 4.0).sin_cos();
                 let frame = Frame::new(normal, normal + 1e-4 * (x * cosine + y * sine), DVec3::ZERO);
-                pyramid.reflect(&frame.expect("a frame"), roughness, [1.0; 3], 1.0)[1]
+                pyramid.reflect(&frame.expect("a frame"), roughness, 0.0, [1.0; 3], 1.0)[1]
             })
             .collect();
         let off = around.iter().map(|light| (light / around[0] - 1.0).abs()).fold(0.0, f32::max);
@@ -155,19 +155,74 @@ fn look_ups_are_near_the_oracle() {
     let mut random = Random::new(3);
     let world = random_world(&mut random, Look::Smooth);
     let (oracle, pyramid) = (Oracle::new(&world), Pyramid::build(&world, 128).expect("a size"));
-    for (roughness, nv, most) in [(0.3, 0.8, 0.02), (0.5, 0.4, 0.02), (0.7, 0.2, 0.03), (0.2, 0.5, 0.04)] {
+    let cells = [
+        (0.3, 0.8, 0.0, 0.02),
+        (0.5, 0.4, 0.0, 0.02),
+        (0.7, 0.2, 0.0, 0.03),
+        (0.2, 0.5, 0.0, 0.04),
+        (0.3, 0.7, 0.5, 0.03),
+        (0.5, 0.3, 0.5, 0.03),
+        (0.2, 0.5, 0.3, 0.04),
+    ];
+    for (roughness, nv, anisotropy, most) in cells {
         let (mut error, mut mean) = (0.0, 0.0);
         for _ in 0..20 {
             let frame = frame(&mut random, nv);
-            let [all, grazing] = reflection(&oracle, &frame, f64::from(roughness as f32), 0.0);
-            let found = pyramid.reflect(&frame, roughness as f32, [0.2; 3], 1.0);
+            let [all, grazing] = reflection(&oracle, &frame, f64::from(roughness as f32), anisotropy);
+            let found = pyramid.reflect(&frame, roughness as f32, anisotropy as f32, [0.2; 3], 1.0);
             for c in 0..3 {
                 let expected = 0.2 * all[c] + 0.8 * grazing[c];
                 error += (f64::from(found[c]) - expected).powi(2) / 60.0;
                 mean += expected / 60.0;
             }
         }
-        assert!(error.sqrt() / mean < most, "r {roughness} n.v {nv}: {}", error.sqrt() / mean);
+        let off = error.sqrt() / mean;
+        assert!(off < most, "r {roughness} n.v {nv} anisotropy {anisotropy}: {off}");
+    }
+}
+
+#[test]
+fn anisotropic_albedos_are_those_of_the_lobes() {
+    let (pyramid, mut random) = (Pyramid::build(&white(), 64).expect("a size"), Random::new(12));
+    for _ in 0..20 {
+        let (roughness, anisotropy) = (random.between(0.1, 0.9), random.between(0.0, 0.9));
+        let (nv, azimuth) = (random.between(0.05, 1.0), random.between(0.0, 0.5 * PI));
+        let sine = (1.0 - nv * nv).sqrt();
+        let view = DVec3::new(sine * azimuth.cos(), sine * azimuth.sin(), nv);
+        let [all, grazing] = albedo(view, roughness, anisotropy);
+        let [a, b] = pyramid.albedo_along(nv as f32, view.x as f32, roughness as f32, anisotropy as f32);
+        let off = [f64::from(a) - (all - grazing), f64::from(b) - grazing];
+        assert!(
+            off.iter().all(|off| off.abs() < 6e-3),
+            "r {roughness} n.v {nv} anisotropy {anisotropy}: off by {off:?}"
+        );
+        let frame = Frame { axes: glam::DMat3::IDENTITY, view, has_tangent: true };
+        let found = pyramid.reflect(&frame, roughness as f32, anisotropy as f32, [1.0; 3], 1.0);
+        assert!((found[0] - a - b).abs() < 4e-3, "a white world: {found:?}, not {}", a + b);
+    }
+}
+
+#[test]
+fn tangents_have_no_sign_and_fade_out_with_anisotropy() {
+    let mut random = Random::new(13);
+    let world = random_world(&mut random, Look::Noise);
+    let pyramid = Pyramid::build(&world, 64).expect("a size");
+    for nv in [0.05, 0.3, 0.9, 1.0] {
+        let own = frame(&mut random, nv);
+        let [x, y, z] = [own.axes.x_axis, own.axes.y_axis, own.axes.z_axis];
+        let turned = Frame::new(z, own.axes * own.view, -x).expect("a frame");
+        let none = Frame::new(z, own.axes * own.view, z).expect("a frame");
+        assert!(own.has_tangent && !none.has_tangent && (turned.axes.y_axis + y).length() < 1e-12);
+        let of = |frame: &Frame, anisotropy| pyramid.reflect(frame, 0.4, anisotropy, [1.0; 3], 1.0)[1];
+        let (sharp, back) = (of(&own, 0.6), of(&turned, 0.6));
+        assert!((sharp / back - 1.0).abs() < 1e-3, "n.v {nv}: {sharp} and {back}");
+        let (plain, bare) = (of(&own, 0.0), of(&none, 0.6));
+        assert!((bare / plain - 1.0).abs() < 1e-5, "n.v {nv}: {bare} without a tangent, not {plain}");
+        let hardly = of(&own, 0.01);
+        assert!(
+            (hardly / plain - 1.0).abs() < 2e-3,
+            "n.v {nv}: {hardly} by next to no anisotropy, not {plain}"
+        );
     }
 }
 

@@ -1,0 +1,371 @@
+//! The reads of an anisotropic reflection, over roughness, n.v, the tangent's azimuth and anisotropy.
+//!
+//! A lobe's light is spread by twice S h, where h are slopes of the half vector along the plane of incidence
+//! and across it, and S = diag(1, n.v). With A the matrix of GGX's squared alphas in these axes, M = S A S
+//! is the lobe's shape in light: its greater eigenvalue the squared length, its lesser one the squared
+//! width. Reads stand in a row along the length, by a law as in [`super::reads`], which this one contains:
+//! without anisotropy length is alpha, width alpha n.v, and the row lies in the plane of incidence.
+
+use super::Octaves;
+use super::brdf::Brdf;
+use super::fit::smooth;
+use super::reads::{
+    ALBEDO_NODES, AROUND, HARMONICS, HARMONICS_FROM, NARROWEST, Point, RIDGE, Read, half_vectors, law_terms,
+    level_of, row, weights, wide_functions,
+};
+use crate::frame::LEAST_COSINE;
+use crate::lobe::{legendre, reflectance};
+use crate::sphere::quadrature::gauss_legendre;
+use glam::{DVec2, DVec3};
+use half::f16;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::{LazyLock, OnceLock};
+
+/// Reads at places of their own.
+pub const READS: usize = 15;
+
+/// The read in the middle of the row.
+pub const MIDDLE: usize = 7;
+
+/// The texel of a node with its albedo, after the weights of reads by their distance from the middle: the
+/// middle's and the cosine's, then those on either side.
+pub const ALBEDO: usize = 8;
+
+/// Texels of a node. The albedo's has what it exceeds [`round_albedo`] by, at this azimuth and in the mean;
+/// weights of harmonics follow, two in a texel, those symmetric about the plane of incidence first.
+pub const LAYERS: usize = 22;
+
+/// Harmonics that change sign in the plane of incidence: pairs of a direction of [`ASIDE`] and an order of at
+/// least its place, from 1.
+pub const SKEW: usize = 10;
+
+/// Directions whose zonal harmonics, less those around their mirror images, change sign in the plane of
+/// incidence: angles from the normal, and from the plane. Those of order l around the first l are as far from
+/// dependent as four directions allow.
+pub const ASIDE: [[f64; 2]; 4] = [[2.344, 0.869], [1.353, 0.407], [0.413, 1.272], [2.164, 1.401]];
+
+const _: () = {
+    assert!(2 * MIDDLE + 1 == READS && ALBEDO == MIDDLE + 1, "pairs of reads");
+    assert!(LAYERS == ALBEDO + 1 + (HARMONICS + SKEW).div_ceil(2), "pairs of harmonics");
+};
+
+/// A node of the table. First numbers are for f0, second for f90; weights are shares of the albedo.
+pub type Node = [[f32; 4]; LAYERS];
+
+/// Nodes over roughness, evenly in log(1 + 5 r); over n.v, evenly in its root; over the azimuth of the
+/// tangent from the plane of incidence, evenly in the power 2/3 of its distance from a right angle; and over
+/// anisotropy, evenly in the logarithm of alpha along the tangent, from alpha across it to 1.
+pub const NODES: [usize; 4] = [20, 10, 8, 9];
+
+/// How much denser nodes are at roughness 0 than at 1, less 1.
+const CROWDING: f64 = 5.0;
+
+/// Alpha across the tangent from which on log(alpha) counts.
+const SHARP: f64 = 1e-3;
+
+/// Sine of the view's angle from which on the row is as tilted as the law says, and the cosine of the row's
+/// angle to the plane of incidence from which on its sides differ as the table says.
+const TILTED: f64 = 0.5;
+const SKEWED: f64 = 0.2;
+
+/// Functions of the fit: reads, cosine, harmonics.
+const FUNCTIONS: usize = READS + 1 + HARMONICS + SKEW;
+
+/// Rings and spokes of half vectors.
+const FIT_GRID: [u32; 2] = [36, 28];
+
+/// Steps of the quadrature of the albedo along either axis.
+const ALBEDO_STEPS: u32 = 48;
+
+/// Azimuths of the mean albedo, midpoints of a quarter turn.
+const AZIMUTHS: u32 = 8;
+
+/// Places of reads are this far apart for the law.
+const STEP: f64 = 8.0 / 14.0;
+
+/// The law of the reads: shift, logarithms of step, bend, width and growth, and alternation, as in
+/// [`super::reads`]; as sums of these numbers times 1, x, x^2, y, x y, y^2 and e^2, x = ln (width over
+/// length), y = ln(1 + 6 length), e the cosine of the row's angle to the plane of incidence. Shift counts e
+/// times. Both fade out where the view is along the normal, and that plane means nothing.
+const LAW: [[f64; 7]; 6] = [
+    [-0.586, -0.455, 0.163, 0.472, -0.190, 0.082, -0.016],
+    [-0.689, -0.159, 0.240, -0.146, 0.180, -0.072, 0.035],
+    [-0.638, -0.280, -0.164, -0.867, -0.372, 0.097, 0.015],
+    [0.039, 0.823, -0.026, -0.128, -0.018, 0.078, 0.014],
+    [0.223, 0.187, 0.032, 0.194, -0.338, 0.001, -0.017],
+    [0.308, 0.224, 0.015, 0.005, -0.034, 0.077, 0.008],
+];
+
+/// A row of reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Slopes of the half vector along the plane of incidence and across it, of a read of slope 1.
+    pub axis: DVec2,
+    /// Slope along the axis, and width in light, of each read.
+    pub reads: [[f64; 2]; READS],
+    /// Width of the lobe over its length, and its length.
+    pub shape: [f64; 2],
+    /// How much of the difference between weights either side of the middle counts: none of it in a row
+    /// across the plane of incidence, whose sides are mirror images.
+    pub skew: f64,
+}
+
+impl Row {
+    /// The row of a lobe with `alpha` along `tangent` and across it. The tangent is a unit vector along the
+    /// plane of incidence and across it, `cosine` is n.v.
+    #[must_use]
+    pub fn new(alpha: DVec2, tangent: DVec2, cosine: f64) -> Self {
+        let squares = alpha * alpha;
+        let more = squares.x - squares.y;
+        let (along, across) = (squares.y + more * tangent.x.powi(2), squares.y + more * tangent.y.powi(2));
+        let mixed = more * tangent.x * tangent.y * cosine;
+        let across = across * cosine * cosine;
+        let (mean, apart) = (f64::midpoint(along, across), 0.5 * (along - across));
+        let root = apart.hypot(mixed);
+        let length = (mean + root).sqrt();
+        let ratio = alpha.x * alpha.y * cosine / (mean + root).max(f64::MIN_POSITIVE);
+        let axis = if apart >= 0.0 {
+            DVec2::new(apart + root, mixed)
+        } else {
+            DVec2::new(mixed.abs(), if mixed >= 0.0 { root - apart } else { apart - root })
+        };
+        let axis = axis.normalize_or(DVec2::X);
+        let (x, y) = law_terms(ratio, length);
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        let tilt = axis.x * smooth(sine / TILTED);
+        let e = axis.x * tilt;
+        let sum = |[a, b, c, d, f, g, h]: [f64; 7]| a + (b + c * x + f * y) * x + (d + g * y) * y + h * e;
+        let mut numbers = LAW.map(sum);
+        numbers[0] *= tilt;
+        let reads = row(numbers, STEP).map(|[slope, width]| [slope, width * length]);
+        Self {
+            axis: DVec2::new(axis.x, axis.y / cosine) * (2.0 * root).sqrt(),
+            reads,
+            shape: [ratio, length],
+            skew: smooth(axis.x / SKEWED),
+        }
+    }
+}
+
+/// Alpha along the tangent and across it of a node.
+fn alphas_of(roughness: usize, anisotropy: usize) -> DVec2 {
+    let r = (((1.0 + CROWDING).ln() * roughness as f64 / (NODES[0] - 1) as f64).exp() - 1.0) / CROWDING;
+    let share = anisotropy as f64 / (NODES[3] - 1) as f64;
+    DVec2::new((r * r).max(SHARP).powf(1.0 - share), r * r)
+}
+
+/// n.v of a node.
+fn cosine_of(node: usize) -> f64 {
+    (node as f64 / (NODES[1] - 1) as f64).powi(2).max(LEAST_COSINE)
+}
+
+/// Azimuth of a node.
+fn azimuth_of(node: usize) -> f64 {
+    FRAC_PI_2 * (1.0 - (1.0 - node as f64 / (NODES[2] - 1) as f64).powf(1.5))
+}
+
+/// One node, fitted at the first call.
+fn node(octaves: Octaves, index: usize) -> &'static Node {
+    static FITTED: [OnceLock<Vec<OnceLock<Node>>>; Octaves::MOST as usize] =
+        [const { OnceLock::new() }; Octaves::MOST as usize];
+    let [across, up, around, deep] = NODES;
+    let nodes = FITTED[octaves.count() as usize - 1]
+        .get_or_init(|| (0..across * up * around * deep).map(|_| OnceLock::new()).collect());
+    nodes[index].get_or_init(|| {
+        let (x, y) = (index % across, index / across % up);
+        let (z, w) = (index / across / up % around, index / across / up / around);
+        let (alpha, cosine) = (alphas_of(x, w), cosine_of(y));
+        let mut node = fitted(octaves, alpha, cosine, azimuth_of(z));
+        node[ALBEDO][2..].copy_from_slice(&mean_albedo(x + across * (y + up * w), alpha, cosine));
+        node
+    })
+}
+
+/// What a lobe reflects of a white world in the mean over azimuths, less [`round_albedo`], as halves hold it;
+/// `index` numbers its nodes.
+fn mean_albedo(index: usize, alpha: DVec2, cosine: f64) -> [f32; 2] {
+    static KNOWN: [OnceLock<[f32; 2]>; NODES[0] * NODES[1] * NODES[3]] =
+        [const { OnceLock::new() }; NODES[0] * NODES[1] * NODES[3]];
+    *KNOWN[index].get_or_init(|| mean_of_azimuths(alpha, cosine))
+}
+
+/// The same of any lobe.
+fn mean_of_azimuths(alpha: DVec2, cosine: f64) -> [f32; 2] {
+    let mut mean = [0.0; 2];
+    for k in 0..AZIMUTHS {
+        let (y, x) = (FRAC_PI_2 * (f64::from(k) + 0.5) / f64::from(AZIMUTHS)).sin_cos();
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        let own = albedo(DVec3::new(sine * x, sine * y, cosine), alpha);
+        mean.iter_mut().zip(own).for_each(|(mean, own)| *mean += own / f64::from(AZIMUTHS));
+    }
+    let round = round_albedo(alpha, cosine);
+    [0, 1].map(|k| f16::from_f64(mean[k] - round[k]).to_f32())
+}
+
+/// Roughness of the isotropic lobe whose albedo an anisotropic one's is near.
+#[must_use]
+pub fn round_roughness(alpha: DVec2) -> f64 {
+    (0.5 * alpha.length_squared()).sqrt().sqrt()
+}
+
+/// What the isotropic lobe of [`round_roughness`] reflects of a white world.
+fn round_albedo(alpha: DVec2, cosine: f64) -> [f64; 2] {
+    static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(ALBEDO_NODES));
+    reflectance::ggx(cosine, round_roughness(alpha), &RULE)
+}
+
+/// The node for `alpha` along the tangent and across it, n.v of `cosine`, and the tangent's `azimuth` from
+/// the plane of incidence, between nodes that are fitted as they are needed.
+#[must_use]
+pub fn node_at(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
+    let sharp = alpha.y.max(SHARP);
+    let places = [
+        (1.0 + CROWDING * alpha.y.sqrt()).ln() / (1.0 + CROWDING).ln(),
+        cosine.sqrt(),
+        1.0 - (1.0 - azimuth / FRAC_PI_2).max(0.0).powf(2.0 / 3.0),
+        (alpha.x.max(sharp) / sharp).ln() / -(sharp.min(1.0 - 1e-6).ln()),
+    ];
+    let mut corners = [(0, 1.0_f32); 16];
+    let mut stride = 1;
+    for (axis, nodes) in NODES.into_iter().enumerate() {
+        let place = places[axis].clamp(0.0, 1.0) * (nodes - 1) as f64;
+        let whole = (place as usize).min(nodes - 2);
+        let share = (place - whole as f64) as f32;
+        for (k, (index, weight)) in corners.iter_mut().enumerate() {
+            let upper = k >> axis & 1;
+            *index += (whole + upper) * stride;
+            *weight *= if upper == 1 { share } else { 1.0 - share };
+        }
+        stride *= nodes;
+    }
+    let mut sum = [[0.0; 4]; LAYERS];
+    for (index, weight) in corners.into_iter().filter(|(_, weight)| *weight != 0.0) {
+        for (texel, own) in sum.iter_mut().zip(node(octaves, index)) {
+            texel.iter_mut().zip(own).for_each(|(value, own)| *value += weight * own);
+        }
+    }
+    sum
+}
+
+/// What the lobe reflects of a white world, scale and bias of f0, by the normals that the viewer sees.
+///
+/// `view` is in axes of the tangent. The visible normals of an ellipsoid are those of a disc, half of it
+/// squeezed (Heitz 2018).
+#[must_use]
+pub fn albedo(view: DVec3, alpha: DVec2) -> [f64; 2] {
+    let stretched = (view * alpha.extend(1.0)).normalize();
+    let level = DVec2::new(stretched.x, stretched.y);
+    let first = DVec2::new(-level.y, level.x).normalize_or(DVec2::X).extend(0.0);
+    let second = stretched.cross(first);
+    let masking = |w: DVec3| (alpha * w.truncate()).length().hypot(w.z);
+    let seen = masking(view);
+    let mut sums = [0.0; 2];
+    for k in 0..ALBEDO_STEPS * ALBEDO_STEPS {
+        let [u, v] =
+            [k % ALBEDO_STEPS, k / ALBEDO_STEPS].map(|k| (f64::from(k) + 0.5) / f64::from(ALBEDO_STEPS));
+        let (sine, cosine) = (TAU * v).sin_cos();
+        // Denser at the rim, where normals are at right angles to the view.
+        let radius = (1.0 - (1.0 - u).powi(2)).sqrt();
+        let density = 2.0 * (1.0 - u);
+        let x = radius * cosine;
+        let squeeze = f64::midpoint(1.0, stretched.z);
+        let y = (1.0 - squeeze) * (1.0 - x * x).max(0.0).sqrt() + squeeze * radius * sine;
+        let normal = first * x + second * y + stretched * (1.0 - x * x - y * y).max(0.0).sqrt();
+        let half = (normal * alpha.extend(1.0)).normalize_or(DVec3::Z);
+        let towards = view.dot(half);
+        let light = half * (2.0 * towards) - view;
+        if light.z > 0.0 {
+            let share = density * (seen + view.z) * light.z / (seen * light.z + view.z * masking(light));
+            let fresnel = (1.0 - towards).max(0.0).powi(5);
+            sums[0] += share * (1.0 - fresnel);
+            sums[1] += share * fresnel;
+        }
+    }
+    sums.map(|sum| sum / f64::from(ALBEDO_STEPS * ALBEDO_STEPS))
+}
+
+/// The node that fits the reflection with `alpha` along the tangent and across it, at n.v of `cosine`, its
+/// tangent at `azimuth` from the plane of incidence.
+#[must_use]
+pub fn fitted(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
+    let (y, x) = azimuth.sin_cos();
+    let tangent = DVec2::new(x, y);
+    let view = DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
+    // The view in axes of the tangent, and the way back from there to those of the plane of incidence.
+    let seen = DVec3::new(view.x * x, -view.x * y, view.z);
+    let back = |d: DVec3| (tangent * d.x + tangent.perp() * d.y).extend(d.z);
+    // Sharper lobes than the mirror's are served by the mirror.
+    let least = (0.5 * octaves.mirror_width()).powi(4);
+    let served = DVec2::from_array(alpha.to_array().map(|alpha| (alpha.powi(4) + least).powf(0.25)));
+    let brdf = Brdf::of_alphas(seen, served);
+    let row = Row::new(alpha, tangent, cosine);
+    let reads = row.reads.map(|[slope, width]| {
+        let half = (DVec3::Z + (slope * row.axis).extend(0.0)).normalize();
+        Read::new(octaves, half * (2.0 * view.dot(half)) - view, f64::from(level_of(octaves, width) as f32))
+    });
+    let around = AROUND.map(|angle| DVec3::new(angle.sin(), 0.0, angle.cos()));
+    let aside = ASIDE.map(aside);
+    let [from, to] = HARMONICS_FROM;
+    let use_harmonics = smooth((alpha.x.sqrt() - from) / (to - from));
+    let used = if use_harmonics > 0.0 { FUNCTIONS } else { READS };
+    // Half vectors are dense as the lobe is, stretched along the tangent at the same area.
+    let stretch = (served.x / served.y).sqrt();
+    let stretch = DVec3::new(stretch, 1.0 / stretch, 1.0);
+    let points: Vec<Point> = half_vectors((served.x * served.y).sqrt(), FIT_GRID, TAU)
+        .filter_map(|(half, area)| {
+            let half = half * stretch;
+            let length = half.length();
+            Point::new(half / length, area / length.powi(3), seen, &brdf)
+        })
+        .map(|point| Point { light: back(point.light), ..point })
+        .collect();
+    let functions = |light: DVec3| {
+        let mut values = [0.0; FUNCTIONS];
+        for (value, read) in values.iter_mut().zip(&reads) {
+            *value = read.at(light);
+        }
+        let (wide, skew) = values[READS..].split_at_mut(1 + HARMONICS);
+        wide_functions(wide, &around, light);
+        let mirrored = light * DVec3::new(1.0, -1.0, 1.0);
+        let zonal = aside.iter().enumerate().flat_map(|(k, direction)| {
+            let [own, other] = [light, mirrored].map(|light| legendre(direction.dot(light)));
+            (1 + k..5)
+                .map(move |order| f64::from(2 * order as u32 + 1) / (4.0 * PI) * (own[order] - other[order]))
+        });
+        skew.iter_mut().zip(zonal).for_each(|(value, zonal)| *value = zonal);
+        values
+    };
+    // Lobes narrower than the mirror's texels are served by equal reads of it.
+    let [ratio, length] = row.shape;
+    let narrow = octaves.mirror_width() / (2.0 * ratio.max(NARROWEST) * length.max(1e-6));
+    let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
+    ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
+    let albedo = albedo(seen, alpha);
+    let weights = weights(&points, READS, used, &ridge, albedo, functions);
+    let mut node = [[0.0; 4]; LAYERS];
+    for (k, pair) in weights.into_iter().enumerate() {
+        let [texel, at] = place_of(k);
+        let share = |side: usize| pair[side] / (albedo[side] as f32).max(f32::MIN_POSITIVE);
+        node[texel][at..at + 2].copy_from_slice(&[share(0), share(1)]);
+    }
+    let round = round_albedo(alpha, cosine);
+    node[ALBEDO][..2].copy_from_slice(&[0, 1].map(|side| (albedo[side] - round[side]) as f32));
+    node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))
+}
+
+/// The texel of function `k`, and the place of its two weights there.
+fn place_of(k: usize) -> [usize; 2] {
+    match k {
+        _ if k < MIDDLE => [MIDDLE - k, 2],
+        _ if k < READS => [k - MIDDLE, 0],
+        READS => [0, 2],
+        _ => [ALBEDO + 1 + (k - READS - 1) / 2, 2 * ((k - READS - 1) % 2)],
+    }
+}
+
+/// The direction at angles from the normal and from the plane of incidence.
+#[must_use]
+pub fn aside([from_normal, from_plane]: [f64; 2]) -> DVec3 {
+    let ((sine, cosine), (y, x)) = (from_normal.sin_cos(), from_plane.sin_cos());
+    DVec3::new(sine * x, sine * y, cosine)
+}
