@@ -1,6 +1,6 @@
 // Draws the viewer's pictures: linear and exposed, or the samples themselves. The including file declares
 // radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>, with `direction` in the
-// source's space.
+// source's space, and glossy(found: Sample, pixel: vec2<f32>) -> vec3<f32>, what a surface reflects.
 #include "common/luminance.wgsl"
 #include "common/view_scene.wgsl"
 
@@ -55,9 +55,8 @@ fn mesh_sample(surface: Surface) -> Sample {
 }
 
 fn lit(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
-    let light = radiance(frame.source_from_world * found.direction, found.roughness, pixel);
     let diffuse = found.albedo * irradiance(frame.source_from_world * found.normal);
-    return vec4<f32>(min((light * found.factor + diffuse) * frame.exposure, vec3<f32>(GREATEST)), 1.0);
+    return vec4<f32>(min((glossy(found, pixel) + diffuse) * frame.exposure, vec3<f32>(GREATEST)), 1.0);
 }
 
 @fragment

@@ -90,6 +90,10 @@ struct Sample {
     // Unit normal in world space, and the diffuse albedo: reflected radiance over (irradiance / pi).
     normal: vec3<f32>,
     albedo: vec3<f32>,
+    // Towards the viewer; reflectance at normal incidence; 1 for a surface, 0 for the backdrop.
+    view: vec3<f32>,
+    f0: vec3<f32>,
+    surface: f32,
 }
 
 // Bilinear by hand, so that texels are at the same positions with every driver.
@@ -146,7 +150,7 @@ fn surface_sample(
     let reflected = (f0 * terms.x + terms.y) * again;
     // Light that is not reflected enters and leaves diffusely.
     let albedo = base * (1.0 - metallic) * max(1.0 - reflected, vec3<f32>(0.0));
-    return Sample(reflect(view, normal), roughness, reflected, normal, albedo);
+    return Sample(reflect(view, normal), roughness, reflected, normal, albedo, -view, f0, 1.0);
 }
 
 // Irradiance over pi for a unit normal `direction` in the source's space.
@@ -179,7 +183,8 @@ fn ground_light(view: vec3<f32>) -> f32 {
 fn ball_sample(pixel: vec2<f32>) -> Sample {
     let view = view_direction(pixel);
     var nearest = 1e30;
-    var found = Sample(view, frame.backdrop, vec3<f32>(ground_light(view)), view, vec3<f32>(0.0));
+    let none = vec3<f32>(0.0);
+    var found = Sample(view, frame.backdrop, vec3<f32>(ground_light(view)), view, none, -view, none, 0.0);
     for (var k = 0u; k < BALLS; k++) {
         let ball = frame.ball[k];
         let from_centre = frame.eye - ball.centre;

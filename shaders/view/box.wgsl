@@ -5,6 +5,7 @@
 @group(1) @binding(2) var octagloss_high: texture_2d<u32>;
 #include "common/sat.wgsl"
 #include "common/view_draw.wgsl"
+#include "common/view_split.wgsl"
 
 fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32> {
     return octagloss_ggx(direction, roughness);

@@ -3,6 +3,7 @@
 @group(1) @binding(0) var levels: texture_cube<f32>;
 @group(1) @binding(1) var trilinear: sampler;
 #include "common/view_draw.wgsl"
+#include "common/view_split.wgsl"
 
 fn ladder_at(level: u32) -> f32 {
     return frame.ladder[level / 4u][level % 4u];

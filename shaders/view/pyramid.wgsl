@@ -7,6 +7,7 @@
 @group(1) @binding(5) var octagloss_linear: sampler;
 #include "common/pyramid_maps.wgsl"
 #include "common/view_draw.wgsl"
+#include "common/view_split.wgsl"
 
 fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32> {
     return octagloss_radiance(direction, roughness);

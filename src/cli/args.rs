@@ -166,8 +166,7 @@ pub(super) struct QueryArgs {
     pub(super) frames: Option<PathBuf>,
     /// Anisotropy of --frames, in [0, 1] [default: 0]
     ///
-    /// As in KHR_materials_anisotropy: alpha along the tangent is r^2 + (1 - r^2) A^2, across it r^2. With
-    /// --filter adaptive:E or reference.
+    /// As in KHR_materials_anisotropy: alpha along the tangent is r^2 + (1 - r^2) A^2, across it r^2.
     #[arg(long, value_name = "A", value_parser = within([0.0, 1.0]), requires = "frames")]
     pub(super) anisotropy: Option<f64>,
     /// Reflectance of --frames at normal incidence, in [0, 1] [default: 1]

@@ -122,9 +122,10 @@ pub(super) struct LookArgs {
     /// neutral, aces, reinhard or linear
     #[arg(long, value_name = "TONE", default_value = "neutral", hide_possible_values = true)]
     pub(super) tone: Tone,
-    /// box, pyramid, levels, adaptive [default: pyramid]
+    /// box, pyramid, reflect, levels, adaptive [default: pyramid]
     ///
-    /// pyramid is the real-time tier. levels is a prefiltered cube as in engines; for a bake
+    /// pyramid is the real-time tier: lobes around the mirrored view, times the split sum. reflect is the true
+    /// reflection, by the same maps and without a split sum. levels is a prefiltered cube as in engines; for a bake
     /// with several levels it shows the bake's own and is the default. The other filters then use level 0.
     /// adaptive is the certified tier, computed on the CPU for visible pixels.
     #[arg(long, value_name = "F")]

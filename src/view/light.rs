@@ -9,6 +9,7 @@ use crate::filter::Filter;
 use crate::gpu::box_filter::{self, SatTextures};
 use crate::gpu::lamp::{self, Lamp};
 use crate::gpu::pyramid::PyramidMaps;
+use crate::gpu::reflection;
 use crate::gpu::reparameterise::{self, upload};
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, build_pyramid, fixed_point, table_scan};
 use crate::image::exposure;
@@ -40,6 +41,8 @@ pub struct Light {
     pub(super) own_levels: bool,
     pub(super) boxes: SatTextures,
     pub(super) pyramid: PyramidMaps,
+    /// Its group for true reflections, whose table is fitted at the first use.
+    reflections: OnceCell<wgpu::BindGroup>,
     /// Texels of the octahedral map.
     pub(super) oem: OemSize,
     /// Stages from texels to tables, in order.
@@ -120,9 +123,15 @@ impl Light {
             own_levels: false,
             boxes,
             pyramid,
+            reflections: OnceCell::new(),
             oem: size,
             stages,
         })
+    }
+
+    /// The resources of true reflections, as a group of `layout`.
+    pub(super) fn reflections(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        self.reflections.get_or_init(|| reflection::bind_group(context, &self.pyramid, layout)).clone()
     }
 
     /// The environment, in its own space. Light beyond the range of float32 arithmetic is scaled by a power

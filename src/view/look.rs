@@ -35,6 +35,8 @@ pub enum Technique {
     Box,
     /// The real-time tier.
     Pyramid,
+    /// The real-time tier's true reflection, without a split sum.
+    Reflect,
     /// A prefiltered cube chain, trilinear, as in engines.
     Levels,
     /// The certified tier, evaluated by the CPU for the visible pixels.
@@ -46,6 +48,7 @@ impl Display for Technique {
         match self {
             Self::Box => f.write_str("box"),
             Self::Pyramid => f.write_str("pyramid"),
+            Self::Reflect => f.write_str("reflect"),
             Self::Levels => f.write_str("levels"),
             Self::Adaptive => f.write_str("adaptive"),
         }
@@ -60,10 +63,11 @@ impl FromStr for Technique {
         match text {
             "box" => Ok(Self::Box),
             "pyramid" => Ok(Self::Pyramid),
+            "reflect" => Ok(Self::Reflect),
             "levels" => Ok(Self::Levels),
             "adaptive" => Ok(Self::Adaptive),
             _ if text.starts_with("fitted") => Err(FITTED.to_owned()),
-            _ => Err("must be box, pyramid, levels or adaptive".to_owned()),
+            _ => Err("must be box, pyramid, reflect, levels or adaptive".to_owned()),
         }
     }
 }
@@ -302,7 +306,7 @@ impl Look {
     /// Whether the picture follows a moving lamp, through tables rebuilt every frame.
     pub(super) const fn follows_lamp(&self) -> bool {
         match self.show {
-            Show::Scene => matches!(self.filter, Technique::Box | Technique::Pyramid),
+            Show::Scene => matches!(self.filter, Technique::Box | Technique::Pyramid | Technique::Reflect),
             Show::Oem | Show::Sat => true,
             Show::Error => false,
         }

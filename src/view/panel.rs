@@ -83,6 +83,7 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 &[
                     (Technique::Box, "box"),
                     (Technique::Pyramid, "pyramid"),
+                    (Technique::Reflect, "true reflection"),
                     (
                         Technique::Levels,
                         if status.has_levels {

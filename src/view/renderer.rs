@@ -20,6 +20,7 @@ use crate::gpu::device::resources::{
 };
 use crate::gpu::device::timer::Timer;
 use crate::gpu::pyramid::PyramidMaps;
+use crate::gpu::reflection;
 use crate::mesh::{Mesh, SubMesh, Vertex};
 use crate::reflector::ReflectorSettings;
 use bytemuck::Zeroable as _;
@@ -37,6 +38,7 @@ const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 enum RadianceSource {
     Box,
     Pyramid,
+    Reflect,
     Levels,
     Truth,
 }
@@ -46,6 +48,7 @@ impl RadianceSource {
         match self {
             Self::Box => "view/box.wgsl",
             Self::Pyramid => "view/pyramid.wgsl",
+            Self::Reflect => "view/reflect.wgsl",
             Self::Levels => "view/levels.wgsl",
             Self::Truth => "view/truth.wgsl",
         }
@@ -87,6 +90,7 @@ pub struct Renderer {
     levels_layout: wgpu::BindGroupLayout,
     boxes_layout: wgpu::BindGroupLayout,
     pyramid_layout: wgpu::BindGroupLayout,
+    reflect_layout: wgpu::BindGroupLayout,
     pipelines: HashMap<(RadianceSource, PassOutput, bool), wgpu::RenderPipeline>,
     split_sum: wgpu::TextureView,
     roughness: wgpu::TextureView,
@@ -132,6 +136,7 @@ impl Renderer {
             levels_layout: group_layout(&context, "prefiltered cube", stages, &[cube, SAMPLER]),
             boxes_layout: SatTextures::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
             pyramid_layout: PyramidMaps::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
+            reflect_layout: reflection::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
             pipelines: HashMap::new(),
             split_sum: texture_of(
                 &context,
@@ -340,6 +345,7 @@ impl Renderer {
             (RadianceSource::Pyramid, _) => {
                 Some(light.pyramid.bind_group(&self.context, &self.pyramid_layout))
             }
+            (RadianceSource::Reflect, _) => Some(light.reflections(&self.context, &self.reflect_layout)),
             (RadianceSource::Levels, Some(cube)) => {
                 let view = wgpu::BindingResource::TextureView(&cube.view);
                 let sampler = wgpu::BindingResource::Sampler(&self.trilinear);
@@ -390,6 +396,7 @@ impl Renderer {
         let own = match source {
             RadianceSource::Box => Some(&self.boxes_layout),
             RadianceSource::Pyramid => Some(&self.pyramid_layout),
+            RadianceSource::Reflect => Some(&self.reflect_layout),
             RadianceSource::Levels => Some(&self.levels_layout),
             RadianceSource::Truth => None,
         };
@@ -446,6 +453,7 @@ const fn source_of(filter: Technique) -> RadianceSource {
     match filter {
         Technique::Box => RadianceSource::Box,
         Technique::Pyramid => RadianceSource::Pyramid,
+        Technique::Reflect => RadianceSource::Reflect,
         Technique::Levels => RadianceSource::Levels,
         Technique::Adaptive => RadianceSource::Truth,
     }

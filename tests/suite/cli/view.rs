@@ -81,7 +81,7 @@ fn what_cannot_be_shown_is_a_usage_error_and_bad_files_are_named() {
         (&["--paint", "gold", "--mesh", "bad.obj"], "file or plain"),
         (&["--roughness", "1.5"], "between 0 and 1"),
         (&["--filter", "fitted:4"], "use pyramid"),
-        (&["--filter", "reference"], "box, pyramid, levels or adaptive"),
+        (&["--filter", "reference"], "box, pyramid, reflect, levels or adaptive"),
         (&["--metal", "1,2"], "three numbers"),
         (&["--size", "0x10"], "WxH"),
         (&["--distance", "0.5"], "--distance"),

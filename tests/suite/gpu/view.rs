@@ -4,11 +4,13 @@ use super::{PerAdapter, block_on, in_full, wait};
 use crate::support::common::{self, Random, texels};
 use glam::{DMat3, DVec2, DVec3};
 use octagloss::internals::bake::dfg;
+use octagloss::internals::frame::Frame;
 use octagloss::internals::gpu::Context;
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::lamp::Lamp;
 use octagloss::internals::image::exposure::Exposure;
 use octagloss::internals::lobe::Lobe;
+use octagloss::internals::pyramid::Pyramid;
 use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::internals::synth::synth;
 use octagloss::internals::view::{
@@ -56,6 +58,8 @@ struct Seen {
     direction: DVec3,
     roughness: f64,
     factor: DVec3,
+    /// Of a surface its normal, the direction to the viewer, and the factor of multiple scattering.
+    surface: Option<[DVec3; 3]>,
 }
 
 /// Returns the CPU's picture of `look`, computed without the viewer's code.
@@ -65,7 +69,7 @@ fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<
     let reflector = Reflector::new(&turned, &settings).expect("an OEM");
     let filter = match look.filter {
         Technique::Box => octagloss::internals::filter::Filter::Box,
-        Technique::Pyramid => octagloss::internals::filter::Filter::Pyramid,
+        Technique::Pyramid | Technique::Reflect => octagloss::internals::filter::Filter::Pyramid,
         Technique::Adaptive | Technique::Levels => octagloss::internals::filter::Filter::Adaptive(0.001),
     };
     // Angle of a texel at the horizon: of the environment or the map, the coarser.
@@ -75,11 +79,21 @@ fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<
         Layout::Octahedral { size } => size / 2,
     };
     let texel = FRAC_PI_2 / f64::from(quarter.min(OEM / 2));
+    let pyramid =
+        (look.filter == Technique::Reflect).then(|| Pyramid::build(environment, OEM).expect("a size"));
+    let source_from_world = DMat3::from_rotation_y(look.turn.to_radians()).transpose();
     (0..WIDTH * HEIGHT)
         .into_par_iter()
         .map(|index| {
             let at = DVec2::new(f64::from(index % WIDTH) + 0.5, f64::from(index / WIDTH) + 0.5);
             let seen = look_along(look, at, mesh, texel);
+            if let (Some(pyramid), Some([normal, view, again])) = (&pyramid, seen.surface) {
+                let frame = Frame::new(source_from_world * normal, source_from_world * view, DVec3::ZERO);
+                let frame = frame.expect("a frame");
+                let light = pyramid.reflect(&frame, seen.roughness as f32, 0.0, look.metal, 1.0);
+                let light = DVec3::from_array(light.map(f64::from));
+                return display(look.tone, light * again * look.exposure.ev(0.0).exp2());
+            }
             let answer = reflector.query(seen.direction, seen.roughness, Lobe::Ggx, filter).expect("a lobe");
             let light = DVec3::from_array(answer.radiance.map(f64::from));
             display(look.tone, light * seen.factor * look.exposure.ev(0.0).exp2())
@@ -138,14 +152,16 @@ fn look_along(look: &Look, at: DVec2, mesh: Option<&Mesh>, texel: f64) -> Seen {
     let nearest = ball_hits.chain(mesh_hits).min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, normal, roughness)) = nearest else {
         let factor = DVec3::splat(ground_light(look, eye, ray, &balls));
-        return Seen { direction: ray, roughness: look.backdrop_roughness(texel, half), factor };
+        let roughness = look.backdrop_roughness(texel, half);
+        return Seen { direction: ray, roughness, factor, surface: None };
     };
     let cosine = -ray.dot(normal);
     let [scale, bias] = split_sum(cosine, roughness);
     let metal = DVec3::from_array(look.metal.map(f64::from));
     let again = DVec3::ONE + metal * (1.0 / (scale + bias) - 1.0);
     let direction = ray + 2.0 * cosine * normal;
-    Seen { direction, roughness, factor: (metal * scale + bias) * again }
+    let surface = Some([normal, -ray, again]);
+    Seen { direction, roughness, factor: (metal * scale + bias) * again, surface }
 }
 
 /// The split sum, interpolated between 257 cosines: integrating it for every pixel takes seconds.
@@ -241,6 +257,17 @@ fn looks() -> Vec<(&'static str, Look)> {
                 camera: camera(2.1, -1.0),
                 turn: 77.0,
                 backdrop: Some(0.5),
+                tone: Tone::Linear,
+                metal: [1.0, 0.7, 0.3],
+                ..look.clone()
+            },
+        ),
+        (
+            "the true reflection",
+            Look {
+                filter: Technique::Reflect,
+                turn: 77.0,
+                roughness: 0.3,
                 tone: Tone::Linear,
                 metal: [1.0, 0.7, 0.3],
                 ..look.clone()
@@ -381,6 +408,7 @@ fn a_furnace_is_white() {
             (Object::Row, Technique::Levels),
             (Object::Row, Technique::Pyramid),
             (Object::Knot, Technique::Pyramid),
+            (Object::Row, Technique::Reflect),
             (Object::Row, Technique::Adaptive),
         ];
         let mut renderer = renderer(context);
