@@ -14,7 +14,7 @@
 //! ball of space, also off the sphere. The light of a cell has its centroid m, of each channel, in a ball
 //! that holds the cell: the first-order term of the mean of f vanishes there, and f(m) is off by at most half
 //! of the trace of the light's covariance times the greatest second derivative over the ball, which ranges
-//! bound ([`Range`]). Where the ball crosses the horizon, by the range of values.
+//! bound (`src/cpu/range.rs`). Where the ball crosses the horizon, by the range of values.
 //!
 //! Cells whose bound, relative to the channel's mean, exceeds the tolerance are split: into their four
 //! quarters, their texels, and the texels' own quarters. Texels are constant over their solid angles.

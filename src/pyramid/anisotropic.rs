@@ -31,7 +31,7 @@ pub const MIDDLE: usize = 7;
 /// middle's and the cosine's, then those on either side.
 pub const ALBEDO: usize = 8;
 
-/// Texels of a node. The albedo's has what it exceeds [`round_albedo`] by, at this azimuth and in the mean;
+/// Texels of a node. The albedo's has what it exceeds a round lobe's by, at this azimuth and in the mean;
 /// weights of harmonics follow, two in a texel, those symmetric about the plane of incidence first.
 pub const LAYERS: usize = 22;
 
