@@ -32,9 +32,11 @@ SIZE, RAYS, DRAWN, FACING = 96, 512, 0.99, 0.2
 FURNACE_RAYS, ALBEDO = 128, 0.002
 # What may be left of the relative RMS difference without the noise of Cycles.
 EXACT, PYRAMID = 0.006, {0: 0.02, 0.5: 0.1}
+# What an error of the material or the panorama must exceed.
+WRONG = 0.05
 # The split sum is wrong by more; no claim, but it shows that the comparison tells the two apart.
 SPLIT_SUM = 0.02
-PICTURED = "studio"
+PICTURED = "sky"
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
@@ -175,7 +177,11 @@ class Cycles:
 
 
 def furnace(views, panorama, checks):
-    """Directional albedo over rings of equal n.v."""
+    """Directional albedo over rings of equal n.v.
+
+    Found: Cycles 4.5 has the height-correlated Smith term, D G2 / (4 n.v) with
+    G2 = 1 / (1 + lambda(v) + lambda(l)), and adds nothing for multiple scattering: it differs by 0.0011 at
+    most, which is noise, where separable masking is off by 0.067."""
     cycles = Cycles(views, panorama)
     facing = views.facing
     rings = [np.abs(facing - middle) < 0.02 for middle in (0.22, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97)]
@@ -186,7 +192,11 @@ def furnace(views, panorama, checks):
             shown = cycles.sphere(made, rays=FURNACE_RAYS).mean(1)
             exact = views.albedo(roughness, anisotropy)
             worst = max(abs(shown[ring].mean() - exact[ring].mean()) for ring in rings)
-            checks.below(f"Cycles, furnace, r {roughness}, anisotropy {anisotropy}", worst, ALBEDO)
+            checks.below(
+                f"Cycles {bpy.app.version_string}, furnace, r {roughness}, anisotropy {anisotropy}",
+                worst,
+                ALBEDO,
+            )
             if anisotropy == 0:
                 gap = [abs(separable(roughness, facing[ring].mean()) - shown[ring].mean()) for ring in rings]
                 other = max(other, *gap)
@@ -229,7 +239,7 @@ def judge(cell, name, checks):
 def must_fail(cycles, cell, checks, made, what):
     compared = cycles.views.compared
     error = relative(cycles.sphere(made)[compared], cell.answers["sums"][compared])
-    checks.above(f"Cycles, {what} is seen", error, 3 * EXACT)
+    checks.above(f"Cycles, {what} is seen", error, WRONG)
 
 
 def main(program, drawn):
