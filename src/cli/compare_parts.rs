@@ -131,9 +131,10 @@ impl Parts {
     /// The parts of the bake in `path`, a file or a folder, with its chain.
     pub(super) fn read(path: &Path, bake: &LoadedChain) -> Outcome<Self> {
         let mut parts = Self::default();
+        let target = bake.provenance.target.as_deref().and_then(Target::named);
         if !path.is_dir() {
             parts.beside_file(path)?;
-        } else if let Some(target) = bake.provenance.target.as_deref().and_then(Target::named) {
+        } else if let Some(target) = target {
             parts.of_target(path, target)?;
         } else {
             for part in ["irradiance", "skybox"] {
@@ -142,7 +143,9 @@ impl Parts {
             parts.report(&path.join(REPORT), None)?;
             parts.lamp(&path.join("sun.json"));
         }
-        if let Some(level) = io::pyramid_irradiance(&bake.path)? {
+        if target.is_some_and(Target::has_pyramid)
+            && let Some(level) = io::pyramid_irradiance(&bake.path)?
+        {
             let content = FoundContent::Map(level);
             parts.found.push(Found { part: "irradiance", path: bake.path.clone(), content });
         }

@@ -19,6 +19,7 @@
 //! Cells whose bound, relative to the channel's mean, exceeds the tolerance are split: into their four
 //! quarters, their texels, and the texels' own quarters. Texels are constant over their solid angles.
 
+use super::cells::DIMMEST;
 use super::range::Range;
 use crate::environment::{Environment, Layout, Rgb, exact_luminance};
 use crate::filter::{Answer, Bound};
@@ -26,12 +27,11 @@ use crate::frame::Frame;
 use crate::geometry::exact::patch::{Patch, Sample, finest_rule};
 use crate::geometry::exact::{ExactTexels, cube_texel, for_each_octahedral_piece, panorama_texel};
 use crate::lobe::reflectance;
+use crate::pyramid::brdf::alphas;
 use crate::reflector::source_oem_size;
 use crate::sphere::octahedral::oct_from_direction;
-use crate::sphere::quadrature::gauss_legendre;
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
-use std::sync::LazyLock;
 
 /// Most cells along an edge of the finest level.
 const MAX_WIDTH: u32 = 512;
@@ -42,9 +42,6 @@ const SHARE: f64 = 0.03;
 
 /// Levels of splitting within a texel, at most.
 const DEPTH: u32 = 20;
-
-/// A channel whose mean is below the luminance's by more than this factor counts as if it were that share.
-const DIMMEST: f64 = 100.0;
 
 /// Rounding of sums in double precision, and of the answer to single precision.
 const ROUNDING: f64 = 2e-7;
@@ -197,8 +194,7 @@ impl<'a> ReflectedLight<'a> {
             anisotropy,
             f0,
         );
-        static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(32));
-        let [scale, bias] = reflectance::ggx(frame.view.z, roughness, &RULE);
+        let [scale, bias] = reflectance::ggx_albedo(frame.view.z, roughness);
         let tolerance = SHARE * error * (f0 * scale + bias).max(1e-3);
         let mut sum =
             Sum { limits: self.means.map(|mean| tolerance * mean), light: [0.0; 3], error: [0.0; 3] };
@@ -350,8 +346,7 @@ struct Lobe {
 
 impl Lobe {
     fn new(axes: DMat3, view: DVec3, roughness: f64, anisotropy: f64, f0: f64) -> Self {
-        let alpha = roughness * roughness;
-        let alpha = [alpha + (1.0 - alpha) * anisotropy * anisotropy, alpha];
+        let alpha = alphas(roughness, anisotropy).to_array();
         let DMat3 { x_axis: tangent, y_axis: bitangent, z_axis: normal } = axes;
         Self {
             tangent,

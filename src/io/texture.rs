@@ -59,9 +59,9 @@ impl Texture<'_> {
     pub(super) fn picture(&self) -> Result<Picture> {
         let Self { source, width, height, is_cube, .. } = self;
         if self.layers > 1 {
-            return Err(source.error(
-                "a pyramid is for look-ups and is no environment; compare, info and view --filter levels read it",
-            ));
+            return Err(
+                source.error("a pyramid is for look-ups and is no environment; compare and info read it")
+            );
         }
         Ok(Picture {
             width: *width,

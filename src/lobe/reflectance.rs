@@ -1,7 +1,18 @@
 //! What rough surfaces reflect of a white world: GGX with height-correlated Smith visibility (Heitz 2014) and
 //! Schlick's Fresnel, and Charlie with Neubelt's visibility, by quadrature over half vectors.
 
+use crate::sphere::quadrature::gauss_legendre;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::sync::LazyLock;
+
+/// Nodes of [`ggx_albedo`]: twice as many differ by less than 1e-4.
+pub(crate) const ALBEDO_NODES: u32 = 32;
+
+/// [`ggx`] by [`ALBEDO_NODES`].
+pub(crate) fn ggx_albedo(cosine: f64, roughness: f64) -> [f64; 2] {
+    static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(ALBEDO_NODES));
+    ggx(cosine, roughness, &RULE)
+}
 
 /// Scale and bias of f0 for GGX at the view's `cosine` in (0, 1] and the perceptual `roughness` in \[0, 1\]:
 /// what it reflects of a white world, without and with the factor (1 - v.h)^5, the second taken from the

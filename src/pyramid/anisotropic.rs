@@ -10,16 +10,15 @@ use super::Octaves;
 use super::brdf::Brdf;
 use super::fit::smooth;
 use super::reads::{
-    ALBEDO_NODES, AROUND, HARMONICS, HARMONICS_FROM, NARROWEST, Point, RIDGE, Read, half_vectors, law_terms,
-    level_of, row, weights, wide_functions,
+    AROUND, HARMONICS, HARMONICS_FROM, NARROWEST, Point, RIDGE, Read, half_vectors, law_terms, level_of, row,
+    weights, wide_functions,
 };
 use crate::frame::LEAST_COSINE;
 use crate::lobe::{legendre, reflectance};
-use crate::sphere::quadrature::gauss_legendre;
 use glam::{DVec2, DVec3};
 use half::f16;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::sync::{LazyLock, OnceLock};
+use std::sync::OnceLock;
 
 /// Reads at places of their own.
 pub const READS: usize = 15;
@@ -210,8 +209,7 @@ pub fn round_roughness(alpha: DVec2) -> f64 {
 
 /// What the isotropic lobe of [`round_roughness`] reflects of a white world.
 fn round_albedo(alpha: DVec2, cosine: f64) -> [f64; 2] {
-    static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(ALBEDO_NODES));
-    reflectance::ggx(cosine, round_roughness(alpha), &RULE)
+    reflectance::ggx_albedo(cosine, round_roughness(alpha))
 }
 
 /// The node for `alpha` along the tangent and across it, n.v of `cosine`, and the tangent's `azimuth` from

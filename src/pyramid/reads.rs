@@ -11,12 +11,11 @@ use super::fit::{gaussian, smooth, solved};
 use super::{Octaves, WIDEST};
 use crate::frame::LEAST_COSINE;
 use crate::lobe::{legendre, reflectance};
-use crate::sphere::quadrature::gauss_legendre;
 use glam::DVec3;
 use half::f16;
 use rayon::prelude::*;
 use std::f64::consts::PI;
-use std::sync::{LazyLock, OnceLock};
+use std::sync::OnceLock;
 
 /// Reads at places of their own.
 pub const READS: usize = 9;
@@ -55,9 +54,6 @@ const FIT_GRID: [u32; 2] = [40, 16];
 
 /// Width of a lobe over its length, from which on it grows no narrower for the law.
 pub(super) const NARROWEST: f64 = 0.05;
-
-/// Nodes of the quadrature of the albedo: twice as many differ by less than 1e-4.
-pub(super) const ALBEDO_NODES: u32 = 32;
 
 /// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
 /// least width over alpha, of how widths grow with the slope, and of how they alternate; as sums of these
@@ -260,9 +256,9 @@ pub(super) fn wide_functions(values: &mut [f64], around: &[DVec3; 5], light: DVe
     }
 }
 
-/// The weights for f0 and f90 of the first `used` functions that fit the lobe of `points`, under their `ridge`.
-/// Its integral is held at `albedo`, scale and bias of f0. `functions` are `reads` of integral 1, a cosine and
-/// harmonics.
+/// The weights for f0 and f90 of the first `used` functions that fit the lobe of `points`, under their
+/// `ridge`. Its integral is held at `albedo`, scale and bias of f0. `functions` are `reads` of integral 1, a
+/// cosine and harmonics.
 pub(super) fn weights<const N: usize>(
     points: &[Point],
     reads: usize,
@@ -322,8 +318,7 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
     // Sharper lobes than the mirror's are served by the mirror.
     let served = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.125);
     let (alpha, brdf) = (served * served, Brdf::new(view, served, 0.0));
-    static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(ALBEDO_NODES));
-    let [scale, bias] = reflectance::ggx(cosine, roughness, &RULE);
+    let [scale, bias] = reflectance::ggx_albedo(cosine, roughness);
     let mut node = [[0.0; 4]; LAYERS];
     let reads = law(roughness, cosine).map(|[slope, width]| {
         let slope = slope * roughness * roughness;
@@ -361,6 +356,8 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lobe::reflectance::ALBEDO_NODES;
+    use crate::sphere::quadrature::gauss_legendre;
 
     #[test]
     fn more_nodes_do_not_change_the_albedo() {
