@@ -1,8 +1,8 @@
 //! Measures reflections of a pyramid against the oracle: `cargo run --release --features internals --example
 //! measure_reflection -- PANORAMA...`; the environment's FRAMES is the number of frames of a cell, 40 if
-//! unset, and ANISOTROPIC leaves out the isotropic cells. For each roughness, anisotropy and n.v, the relRMSE of the worst channel over random frames (F = 1), of the
-//! median and the worst panorama; and epsilon, rms error over rms truth, of frames whose reflection meets the
-//! brightest texel within 6 alpha.
+//! unset, and ANISOTROPIC leaves out the isotropic cells. For each roughness, anisotropy and n.v, the relRMSE
+//! of the worst channel over random frames (F = 1), of the median and the worst panorama; and epsilon, rms
+//! error over rms truth, of frames whose reflection meets the brightest texel within 6 alpha.
 
 #[path = "common/measure.rs"]
 mod measure;
@@ -127,7 +127,8 @@ fn main() {
         let (middle, worst) = (median(errors.clone()), most(&errors));
         let missed = goal[0] > 0.0 && (middle > goal[0] || worst > goal[1]);
         println!(
-            "r {roughness:.2} a {anisotropy:.1} n.v {nv:.2}: {middle:.4} / {worst:.3} of {:.3} / {:.2}{}; sun: {:.3} / {:.3}",
+            "r {roughness:.2} a {anisotropy:.1} n.v {nv:.2}: {middle:.4} / {worst:.3} of {:.3} / {:.2}{}; \
+             sun: {:.3} / {:.3}",
             goal[0],
             goal[1],
             if missed { " missed" } else { "" },

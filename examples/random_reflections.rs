@@ -1,7 +1,7 @@
-//! Compares certified bounds of reflections with exhaustive integration for random cases: `cargo run --release
-//! --example random_reflections [CASES] [SEED]`, 10,000 cases and seed 1 by default. Each case is a small
-//! environment, a frame, a roughness, an anisotropy, a reflectance and a tolerance. Fails if a bound does not
-//! hold.
+//! Compares certified bounds of reflections with exhaustive integration for random cases: `cargo run
+//! --release --example random_reflections [CASES] [SEED]`, 10,000 cases and seed 1 by default. Each case is a
+//! small environment, a frame, a roughness, an anisotropy, a reflectance and a tolerance. Fails if a bound
+//! does not hold.
 
 #[path = "../tests/suite/cpu/reflections.rs"]
 #[allow(dead_code, reason = "tests use the rest")]

@@ -1,5 +1,6 @@
-//! Sheen levels whose texels are much finer than their lobe: lobes at nodes several texels apart, interpolated
-//! in between. Where the nodes' differences are too large for that, tiles of texels are evaluated one by one.
+//! Sheen levels whose texels are much finer than their lobe: lobes at nodes several texels apart,
+//! interpolated in between. Where the nodes' differences are too large for that, tiles of texels are
+//! evaluated one by one.
 
 use super::level::{Advance, BakedLevel, LeafCounts, LevelJob, Processor, answer_tile};
 use crate::chain::LevelSpec;
@@ -24,8 +25,9 @@ const FEWEST_CELLS: u32 = 64;
 const SEEN: f64 = 2.0;
 
 /// Greatest third difference of the nodes around a cell, over the mean radiance and the lobes' tolerance.
-/// Measured on three photographs with nodes at every fourth texel: at a tolerance of 0.01 interpolation of the
-/// rest is off by 0.0005 to 0.0014 of the mean (RMS), less than the lobes themselves; by a tenth near a sun.
+/// Measured on three photographs with nodes at every fourth texel: at a tolerance of 0.01 interpolation of
+/// the rest is off by 0.0005 to 0.0014 of the mean (RMS), less than the lobes themselves; by a tenth near a
+/// sun.
 const ROUGHEST: f64 = 4.0;
 
 /// The nodes of a cube: (cells + 1)^2 a face, its edges included, which neighbours share.
@@ -167,7 +169,8 @@ impl Nodes {
         cell.saturating_sub(1).min(self.cells - 3)
     }
 
-    /// For each cell, face by face, whether the nodes around it vary too much for interpolation to `tolerance`.
+    /// For each cell, face by face, whether the nodes around it vary too much for interpolation to
+    /// `tolerance`.
     fn rough_cells(&self, tolerance: f64) -> Vec<bool> {
         let mut mean = [0.0; 3];
         for radiance in &self.radiance {

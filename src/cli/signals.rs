@@ -31,8 +31,8 @@ pub(super) fn watch() {
     drop(std::thread::Builder::new().name("signals".to_owned()).stack_size(1 << 18).spawn(wait));
 }
 
-/// Installs the handler of Ctrl-C, Ctrl-Break and a closed console, which removes temporary files and ends the
-/// process with the status that Windows gives interrupted ones.
+/// Installs the handler of Ctrl-C, Ctrl-Break and a closed console, which removes temporary files and ends
+/// the process with the status that Windows gives interrupted ones.
 #[cfg(windows)]
 pub(super) fn watch() {
     // STATUS_CONTROL_C_EXIT.

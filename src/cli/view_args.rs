@@ -124,10 +124,10 @@ pub(super) struct LookArgs {
     pub(super) tone: Tone,
     /// box, pyramid, reflect, levels, adaptive [default: pyramid]
     ///
-    /// pyramid is the real-time tier: lobes around the mirrored view, times the split sum. reflect is the true
-    /// reflection, by the same maps and without a split sum. levels is a prefiltered cube as in engines; for a bake
-    /// with several levels it shows the bake's own and is the default. The other filters then use level 0.
-    /// adaptive is the certified tier, computed on the CPU for visible pixels.
+    /// pyramid is the real-time tier: lobes around the mirrored view, times the split sum. reflect is the
+    /// true reflection, by the same maps and without a split sum. levels is a prefiltered cube as in engines;
+    /// for a bake with several levels it shows the bake's own and is the default. The other filters then use
+    /// level 0. adaptive is the certified tier, computed on the CPU for visible pixels.
     #[arg(long, value_name = "F")]
     pub(super) filter: Option<Technique>,
     /// scene, oem, sat or error

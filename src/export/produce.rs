@@ -201,7 +201,8 @@ pub fn products(
     for (plan, mut bake) in plans.iter().zip(bakes) {
         let BakePlan { recipe, plan: files_plan, .. } = plan;
         bake.warnings.dedup();
-        // Those of a pyramid's map serve the report and the preview; its own texels are scaled to their range.
+        // Those of a pyramid's map serve the report and the preview; its own texels are scaled to their
+        // range.
         let unwritten = if plan.settings.pyramid { bake.chain.levels.len() } else { 0 };
         let levels = bake.levels_mut().enumerate().skip(unwritten);
         let applied = levels.map(|(index, level)| recipe.overflow.apply(index, level, files_plan.pixel));

@@ -85,8 +85,9 @@ impl Kernel {
             _ => alpha,
         };
         let leaf_share = match lobe {
-            // The narrower the band, the more leaves it takes, and all their errors have the same sign. Measured:
-            // roughness 0 is as far off as requested, in the worst channel of a photograph with a sun.
+            // The narrower the band, the more leaves it takes, and all their errors have the same sign.
+            // Measured: roughness 0 is as far off as requested, in the worst channel of a photograph with a
+            // sun.
             Lobe::Charlie => (4.0 / (1.0 + lobe::charlie_power(alpha))).sqrt().min(1.0),
             _ => 1.0,
         };

@@ -39,8 +39,8 @@ fn mean_roughness(alpha: DVec2) -> f32 {
 }
 
 impl Pyramid {
-    /// Radiance that a surface of `roughness` and `anisotropy` in [0, 1] reflects to the viewer of `frame` (in
-    /// the map's space).
+    /// Radiance that a surface of `roughness` and `anisotropy` in [0, 1] reflects to the viewer of `frame`
+    /// (in the map's space).
     ///
     /// GGX with the height-correlated masking of Smith and Fresnel's term of Schlick, f0 + (f90 - f0) (1 -
     /// v.h)^5. It is not normalised: a white world gives [`Self::albedo`]. Alphas are those of
@@ -134,8 +134,8 @@ impl Pyramid {
         sum + share * self.suns_reflected(frame, alpha, sunlit.0, sunlit.1)
     }
 
-    /// Scale and bias of f0 for `alpha` along the tangent and across it, which exceed those of a round lobe by
-    /// `more`.
+    /// Scale and bias of f0 for `alpha` along the tangent and across it, which exceed those of a round lobe
+    /// by `more`.
     fn albedo_at(&self, alpha: DVec2, cosine: f64, more: [f32; 2]) -> [f32; 2] {
         let [.., a, b] =
             node_at(self.octaves, anisotropic::round_roughness(alpha) as f32, cosine as f32)[READS];

@@ -1,4 +1,5 @@
-//! Measures the times of stages: by timestamp queries where they are true, else from submission to completion.
+//! Measures the times of stages: by timestamp queries where they are true, else from submission to
+//! completion.
 
 use super::context::Context;
 use super::readback;
@@ -8,10 +9,10 @@ use web_time::Instant;
 
 /// A clock for stages and frames of one device.
 ///
-/// Timestamps of some drivers leave out work. lavapipe (Mesa 22.3) queues them for its rasteriser, which it next
-/// flushes at a barrier or a timestamp, and runs dispatches at once: the timestamp at the beginning of a pass
-/// without barriers is written after its dispatch. So [`Clock::of`] compares timestamps with the time from
-/// submission to completion.
+/// Timestamps of some drivers leave out work. lavapipe (Mesa 22.3) queues them for its rasteriser, which it
+/// next flushes at a barrier or a timestamp, and runs dispatches at once: the timestamp at the beginning of a
+/// pass without barriers is written after its dispatch. So [`Clock::of`] compares timestamps with the time
+/// from submission to completion.
 #[derive(Debug)]
 pub struct Clock {
     /// None if timestamps are missing or untrue.

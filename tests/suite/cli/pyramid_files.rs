@@ -74,7 +74,8 @@ fn pyramids_have_their_options() {
     assert_eq!((&light["size"], &light["border"], &light["levels"]), (&64.into(), &2.into(), &2.into()));
     assert!(light["suns"].as_array().is_some_and(|suns| !suns.is_empty()), "{light}");
     for (language, file) in [("wgsl", "wgsl"), ("glsl", "glsl"), ("hlsl", "hlsl"), ("msl", "metal")] {
-        let (_, code) = READERS.iter().find(|(name, _)| *name == format!("pyramid.{file}")).expect("a reader");
+        let name = format!("pyramid.{file}");
+        let (_, code) = READERS.iter().find(|(own, _)| *own == name).expect("a reader");
         assert_eq!(done(at, &["reader", "--language", language]).out, **code);
         let written = fs::read_to_string(at.join(format!("both/pyramid/pyramid.{file}"))).expect("text");
         assert_eq!(written, **code);

@@ -430,8 +430,8 @@ fn constants_have_the_values_of_their_twins() {
             seen.insert((path, name));
         }
     }
-    // The compiler drops constants without a concrete type, which would go unchecked. Readers of files are in no
-    // shader of ours; their test changes each constant.
+    // The compiler drops constants without a concrete type, which would go unchecked. Readers of files are in
+    // no shader of ours; their test changes each constant.
     let is_ours = |path: &str| is_built(path) && path != "common/pyramid_file.wgsl";
     for (path, text) in shader::FILES.iter().filter(|(path, _)| is_ours(path)) {
         for name in text.lines().filter_map(|line| line.strip_prefix("const ")?.split([' ', ':']).next()) {
