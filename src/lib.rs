@@ -239,9 +239,10 @@ pub mod recipes {
     pub use crate::recipe::{InputOptions, Recipe, TableOptions, from_json};
 }
 
-/// The reflectance of surfaces by angle and roughness: the table of the split sum.
+/// The reflectance of surfaces: the table of the split sum, and that of reflections along a tangent.
 pub mod reflectance {
     pub use crate::bake::dfg::{DfgBlue, DfgForm, DfgTable, dfg_table};
+    pub use crate::io::pyramid_write::anisotropic_table;
 }
 
 /// Suns of environments, which can be taken out of them.

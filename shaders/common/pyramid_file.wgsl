@@ -1,5 +1,5 @@
 // Reads of a pyramid in its files: src/io/pyramid_write.rs has their layout.
-#include "common/reflect.wgsl"
+#include "common/anisotropic.wgsl"
 
 // Squares of the array. The finest mip of the others has the mirror and the sharp level, the coarsest of the
 // second the cosine.
@@ -48,4 +48,9 @@ fn read_cosine(probe: u32, at: vec2<f32>) -> vec3<f32> {
 fn read_reflections(layer: u32, at: vec2<f32>) -> vec4<f32> {
     let corner = vec2<f32>(1.0 + f32(layer) * (NODES.x + 2.0), 0.0);
     return textureSampleLevel(octagloss_tables, octagloss_linear, (at * NODES + corner) / TABLES, 0.0);
+}
+
+// The table of src/pyramid/anisotropic.rs, between texels.
+fn read_rows(at: vec3<f32>) -> vec4<f32> {
+    return textureSampleLevel(octagloss_rows, octagloss_linear, at, 0.0);
 }

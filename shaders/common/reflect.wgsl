@@ -1,5 +1,5 @@
-// Reflections of the true BRDF out of a pyramid: `Pyramid::reflect` of src/pyramid/reflect.rs. Nine trilinear
-// reads, one bilinear.
+// Isotropic reflections of the true BRDF out of a pyramid: `Pyramid::isotropic` of src/pyramid/reflect.rs.
+// Nine trilinear reads, one bilinear.
 #include "common/pyramid.wgsl"
 
 const READS = 9u;
@@ -12,6 +12,16 @@ fn reflection_node(layer: u32, roughness: f32, cosine: f32) -> vec4<f32> {
     let place = vec2<f32>(log2(1.0 + 10.0 * roughness) * 0.289064826, sqrt(cosine));
     let at = (place * (NODES - 1.0) + 0.5) / NODES;
     return read_reflections(layer, at);
+}
+
+// A surface that is looked at, in the map's space.
+struct SurfaceFrame {
+    normal: vec3<f32>,
+    // Unit vector in the surface under the view.
+    towards: vec3<f32>,
+    // n.v, and its sine.
+    cosine: f32,
+    sine: f32,
 }
 
 // Light around the unit vector `direction` between two levels: 0 the mirror, 1 the sharp one.
@@ -59,41 +69,79 @@ fn harmonic_orders(probe: u32, d: vec3<f32>) -> array<vec3<f32>, 5> {
     return sums;
 }
 
-// Radiance that a surface reflects to a viewer: GGX with Smith's height-correlated masking and Schlick's
-// Fresnel term f0 + (f90 - f0) (1 - v.h)^5. `normal` and `view`, towards the viewer, are in world space, of
-// any length but zero; `roughness` is in [0, 1]. A view with n.v below 0.01, or from below the surface, is
-// turned up to that.
-fn octagloss_reflect(
-    normal: vec3<f32>,
-    view: vec3<f32>,
-    roughness: f32,
-    f0: vec3<f32>,
-    f90: f32,
-) -> vec3<f32> {
-    return octagloss_reflect_of(0u, normal, view, roughness, f0, f90);
+// The cosine level around the unit vector `n`.
+fn cosine_light(probe: u32, n: vec3<f32>) -> vec3<f32> {
+    return read_cosine(probe, place_in_cosine(place_of(n)));
 }
 
-// The same in the environment `probe`.
-fn octagloss_reflect_of(
+// Harmonics around five directions in the plane of incidence, of orders from their place up: `pairs` are
+// weights for f0 and f90, two in a texel.
+fn harmonics_reflected(
     probe: u32,
-    normal: vec3<f32>,
-    view: vec3<f32>,
-    roughness: f32,
+    surface: SurfaceFrame,
+    pairs: array<vec4<f32>, 8>,
     f0: vec3<f32>,
     f90: f32,
 ) -> vec3<f32> {
-    let n = source_from_world(probe, normal);
-    let seen = source_from_world(probe, view);
-    let cosine = clamp(dot(n, seen), LEAST_COSINE, 1.0);
-    // The view without its part along the normal, or any direction in the surface where that vanishes.
-    var level_view = seen - n * dot(n, seen);
-    if dot(level_view, level_view) < 1e-10 {
-        level_view = select(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), abs(n.x) > 0.5);
+    var angles = array<vec2<f32>, 5>(
+        vec2<f32>(1.0, 0.0),
+        vec2<f32>(0.309016994, 0.951056516),
+        vec2<f32>(-0.809016994, 0.587785252),
+        vec2<f32>(0.809016994, 0.587785252),
+        vec2<f32>(-0.309016994, 0.951056516));
+    var texels = pairs;
+    var sum = vec3<f32>();
+    var pair = 0u;
+    for (var k = 0u; k < 5u; k++) {
+        var orders = harmonic_orders(probe, surface.normal * angles[k].x + surface.towards * angles[k].y);
+        for (var order = k; order < 5u; order++) {
+            let texel = texels[pair / 2u];
+            let weights = select(texel.zw, texel.xy, pair % 2u == 0u);
+            sum += (f0 * weights.x + f90 * weights.y) * orders[order];
+            pair++;
+        }
     }
-    let towards = normalize(level_view - n * dot(n, level_view));
-    // Offsets of reads have its length, so that nothing turns there.
-    let sine = sqrt(1.0 - cosine * cosine);
-    let along = towards * sine;
+    return sum;
+}
+
+// The suns, with `alpha` along `tangent` and across it: the tangent along the plane of incidence and across
+// it.
+fn suns_reflected(
+    probe: u32,
+    surface: SurfaceFrame,
+    tangent: vec2<f32>,
+    alpha: vec2<f32>,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
+    let across = cross(surface.normal, surface.towards);
+    let x = surface.towards * tangent.x + across * tangent.y;
+    let y = across * tangent.x - surface.towards * tangent.y;
+    let view = vec3<f32>(surface.sine * tangent.x, -surface.sine * tangent.y, surface.cosine);
+    let wide = max(alpha, vec2<f32>(0.9 / map_inner()));
+    var sum = vec3<f32>();
+    for (var k = 0u; k < SUNS; k++) {
+        let sun = octagloss_lights[probe].suns[k];
+        var channels = array<vec4<f32>, 3>(sun.red, sun.green, sun.blue);
+        var values = array<vec2<f32>, 3>();
+        for (var c = 0u; c < 3u; c++) {
+            let to = channels[c].xyz;
+            let light = vec3<f32>(dot(to, x), dot(to, y), dot(to, surface.normal));
+            values[c] = brdf_around(view, light, wide, channels[c].w);
+        }
+        let value = vec3<f32>(values[0].x, values[1].x, values[2].x);
+        let fresnel = vec3<f32>(values[0].y, values[1].y, values[2].y);
+        sum += sun.energy * value * (f0 + (f90 - f0) * fresnel);
+    }
+    return sum;
+}
+
+// Radiance reflected without a tangent.
+fn reflected_isotropic(probe: u32, surface: SurfaceFrame, roughness: f32, f0: vec3<f32>, f90: f32) -> vec3<f32> {
+    let n = surface.normal;
+    let cosine = surface.cosine;
+    // Offsets of reads have the length of its sine, so that nothing turns there.
+    let along = surface.towards * surface.sine;
     let v = along + n * cosine;
     var sum = vec3<f32>();
     var in_mirror = 0.0;
@@ -106,50 +154,47 @@ fn octagloss_reflect_of(
         in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
     }
     let rest = reflection_node(READS, roughness, cosine);
-    sum += (f0 * rest.x + f90 * rest.y) * read_cosine(probe, place_in_cosine(place_of(n)));
-    // Harmonics around five directions in the plane, of orders from their place up.
-    var angles = array<vec2<f32>, 5>(
-        vec2<f32>(1.0, 0.0),
-        vec2<f32>(0.309016994, 0.951056516),
-        vec2<f32>(-0.809016994, 0.587785252),
-        vec2<f32>(0.809016994, 0.587785252),
-        vec2<f32>(-0.309016994, 0.951056516));
-    var pair = 0u;
-    var texel = vec4<f32>();
-    for (var k = 0u; k < 5u; k++) {
-        var orders = harmonic_orders(probe, n * angles[k].x + towards * angles[k].y);
-        for (var order = k; order < 5u; order++) {
-            if pair % 2u == 0u {
-                texel = reflection_node(READS + 1u + pair / 2u, roughness, cosine);
-            }
-            let weights = select(texel.zw, texel.xy, pair % 2u == 0u);
-            sum += (f0 * weights.x + f90 * weights.y) * orders[order];
-            pair++;
-        }
+    sum += (f0 * rest.x + f90 * rest.y) * cosine_light(probe, n);
+    var pairs = array<vec4<f32>, 8>();
+    for (var k = 0u; k < 8u; k++) {
+        pairs[k] = reflection_node(READS + 1u + k, roughness, cosine);
     }
+    sum += harmonics_reflected(probe, surface, pairs, f0, f90);
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
-    // Suns, in axes of the surface with the view in the plane of x and z.
     let share = max(1.0 - in_mirror / (rest.z + rest.w), 0.0);
-    let alpha = max(roughness * roughness, 0.9 / map_inner());
-    let across = cross(n, towards);
-    for (var k = 0u; k < SUNS; k++) {
-        let sun = octagloss_lights[probe].suns[k];
-        var channels = array<vec4<f32>, 3>(sun.red, sun.green, sun.blue);
-        var values = array<vec2<f32>, 3>();
-        for (var c = 0u; c < 3u; c++) {
-            let to = channels[c].xyz;
-            let light = vec3<f32>(dot(to, towards), dot(to, across), dot(to, n));
-            values[c] = brdf_around(vec3<f32>(sine, 0.0, cosine), light, vec2<f32>(alpha), channels[c].w);
-        }
-        let value = vec3<f32>(values[0].x, values[1].x, values[2].x);
-        let fresnel = vec3<f32>(values[0].y, values[1].y, values[2].y);
-        sum += sun.energy * (share * value) * (f0 + (f90 - f0) * fresnel);
-    }
-    return sum;
+    let alpha = vec2<f32>(roughness * roughness);
+    return sum + share * suns_reflected(probe, surface, vec2<f32>(1.0, 0.0), alpha, f0, f90);
 }
 
-// What a surface reflects of a white world, f0 times the first plus f90 times the second: for multiple
-// scattering, and for what lies under a clear coat. `cosine` is n.v.
-fn octagloss_albedo(cosine: f32, roughness: f32) -> vec2<f32> {
+// The surface with `normal` under a viewer in the direction `view`, both in world space.
+fn surface_of(probe: u32, normal: vec3<f32>, view: vec3<f32>) -> SurfaceFrame {
+    let n = source_from_world(probe, normal);
+    let seen = source_from_world(probe, view);
+    let cosine = clamp(dot(n, seen), LEAST_COSINE, 1.0);
+    // The view without its part along the normal, or any direction in the surface where that vanishes.
+    var level_view = seen - n * dot(n, seen);
+    if dot(level_view, level_view) < 1e-10 {
+        level_view = select(vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), abs(n.x) > 0.5);
+    }
+    let towards = normalize(level_view - n * dot(n, level_view));
+    return SurfaceFrame(n, towards, cosine, sqrt(1.0 - cosine * cosine));
+}
+
+// Radiance that a surface reflects to a viewer: GGX with Smith's height-correlated masking and Schlick's
+// Fresnel term f0 + (f90 - f0) (1 - v.h)^5. `normal` and `view`, towards the viewer, are in world space, of
+// any length but zero; `roughness` is in [0, 1]. A view with n.v below 0.01, or from below the surface, is
+// turned up to that.
+fn octagloss_reflect_isotropic(
+    normal: vec3<f32>,
+    view: vec3<f32>,
+    roughness: f32,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
+    return reflected_isotropic(0u, surface_of(0u, normal, view), roughness, f0, f90);
+}
+
+// What an isotropic surface reflects of a white world, scale and bias of f0; `cosine` is n.v.
+fn round_albedo(cosine: f32, roughness: f32) -> vec2<f32> {
     return reflection_node(READS, roughness, clamp(cosine, LEAST_COSINE, 1.0)).zw;
 }

@@ -1,7 +1,12 @@
-// Reads of the table of reflections in a texture of its own, and the look-ups of both files.
+// Reads of the tables of reflections in textures of their own, and all look-ups.
 #include "common/pyramid_maps.wgsl"
-#include "common/reflect.wgsl"
+#include "common/anisotropic.wgsl"
 
 fn read_reflections(layer: u32, at: vec2<f32>) -> vec4<f32> {
     return textureSampleLevel(octagloss_reflections, octagloss_linear, at, layer, 0.0);
+}
+
+// The table of src/pyramid/anisotropic.rs, between texels.
+fn read_rows(at: vec3<f32>) -> vec4<f32> {
+    return textureSampleLevel(octagloss_rows, octagloss_linear, at, 0.0);
 }

@@ -1,13 +1,15 @@
 // Looks reflections up for lists of frames in the map's space. A query is the normal with perceptual
-// roughness in w, the view with f90 in w, and f0; answers are radiance, and the albedo for f0 in w.
+// roughness in w, the view with f90 in w, f0 with anisotropy in w, and the tangent; answers are radiance, and
+// the albedo for f0 in w, along the tangent, or the mean if that is zero.
 @group(0) @binding(6) var octagloss_reflections: texture_2d_array<f32>;
+@group(0) @binding(7) var octagloss_rows: texture_3d<f32>;
 #include "common/pyramid_group.wgsl"
 #include "common/rows.wgsl"
 #include "common/reflect_maps.wgsl"
 
 const GROUP_SIZE = 64u;
 
-@group(1) @binding(0) var<storage, read> queries: array<array<vec4<f32>, 3>>;
+@group(1) @binding(0) var<storage, read> queries: array<array<vec4<f32>, 4>>;
 @group(1) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
 
 @compute @workgroup_size(GROUP_SIZE)
@@ -15,8 +17,18 @@ fn query(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     let k = index_in_rows(group) * GROUP_SIZE + lane;
     if k < arrayLength(&queries) {
         let asked = queries[k];
-        let light = octagloss_reflect(asked[0].xyz, asked[1].xyz, asked[0].w, asked[2].xyz, asked[1].w);
-        let cosine = dot(normalize(asked[0].xyz), normalize(asked[1].xyz));
-        answers[k] = vec4<f32>(light, octagloss_albedo(cosine, asked[0].w).x);
+        let normal = asked[0].xyz;
+        let tangent = asked[3].xyz;
+        let roughness = asked[0].w;
+        let anisotropy = asked[2].w;
+        let light =
+            octagloss_reflect(normal, asked[1].xyz, tangent, roughness, anisotropy, asked[2].xyz, asked[1].w);
+        // The axes of the map's space, which queries are in, are the world's.
+        let surface = surface_of(0u, normal, asked[1].xyz);
+        let level = tangent - surface.normal * dot(tangent, surface.normal);
+        let along = surface.sine * dot(surface.towards, level) / max(length(level), 1e-9);
+        let mean = octagloss_albedo(surface.cosine, roughness, anisotropy).x;
+        let own = octagloss_albedo_along(surface.cosine, along, roughness, anisotropy).x;
+        answers[k] = vec4<f32>(light, select(own, mean, dot(tangent, tangent) == 0.0));
     }
 }

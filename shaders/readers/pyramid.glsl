@@ -1,9 +1,10 @@
 // Reads files of `octagloss bake --target pyramid`: reflections of any roughness and view, and irradiance.
 // octagloss_lights holds the 256 floats `uniform` of NAME_pyramid.json, octagloss_maps NAME_pyramid.ktx2,
-// octagloss_tables pyramid_tables.ktx2; octagloss_linear is a sampler, linear in texels and in mip levels and
-// clamped to the edge. Directions are in the world, right-handed, y up. To use: octagloss_radiance,
-// octagloss_irradiance, octagloss_reflect and octagloss_albedo; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 2da02ca0c45fb865.
+// octagloss_tables pyramid_tables.ktx2, octagloss_rows pyramid_rows.ktx2, of which isotropic reflections read
+// nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
+// Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
+// octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
+// Translated from pyramid.wgsl, FNV-1a 4c190949f1a5211d.
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
     vec4 red;
@@ -21,6 +22,24 @@ struct OctaglossLight {
     vec4 harmonics[25];
     OctaglossSun suns[8];
 };
+struct octagloss_SurfaceFrame {
+    vec3 normal;
+    vec3 towards;
+    float cosine;
+    float sine;
+};
+struct octagloss_RowPlace {
+    vec3 at;
+    float share;
+};
+struct octagloss_Row {
+    vec2 axis;
+    float extent;
+    float shift;
+    vec4 steps;
+    float alternation;
+    float skew;
+};
 const uint octagloss_SUNS = 8u;
 const uint octagloss_INTERVALS = 640u;
 const int octagloss_MIRROR = 1;
@@ -30,12 +49,23 @@ const uint octagloss_READS = 9u;
 const vec2 octagloss_NODES = vec2(46.0, 26.0);
 const float octagloss_LEAST_COSINE = 0.01;
 const vec2 octagloss_TABLES = vec2(864.0, 31.0);
+const vec4 octagloss_ROW_NODES = vec4(16.0, 10.0, 8.0, 7.0);
+const uint octagloss_ROW_MIDDLE = 7u;
+const uint octagloss_ROW_ALBEDO = 8u;
+const uint octagloss_ROW_LAYERS = 22u;
+const float octagloss_ROW_SHARP = 0.001;
+const float octagloss_NARROWEST = 0.05;
+const float octagloss_BLEND = 0.1;
+const float octagloss_TILTED = 0.5;
+const float octagloss_SKEWED = 0.2;
 
 layout(std140) uniform OctaglossLights { OctaglossLight octagloss_lights[1]; };
 
 uniform highp sampler2DArray octagloss_maps;
 
 uniform highp sampler2D octagloss_tables;
+
+uniform highp sampler3D octagloss_rows;
 
 float[25] octagloss_harmonic_basis(vec3 d) {
     float x = d.x;
@@ -198,11 +228,11 @@ vec3 octagloss_radiance_of(uint probe_6, vec3 direction_2, float roughness) {
     vec3 _e3 = octagloss_source_from_world(probe_6, direction_2);
     vec2 _e4 = octagloss_place_of(_e3);
     float node_1 = (log2((1.0 + (50.0 * roughness))) * 112.826515);
-    uint k_7 = min(uint(node_1), 639u);
-    float share = (node_1 - float(k_7));
-    vec4 _e17[4] = octagloss_node_weights(k_7);
+    uint k_10 = min(uint(node_1), 639u);
+    float share = (node_1 - float(k_10));
+    vec4 _e17[4] = octagloss_node_weights(k_10);
     low = _e17;
-    vec4 _e21[4] = octagloss_node_weights((k_7 + 1u));
+    vec4 _e21[4] = octagloss_node_weights((k_10 + 1u));
     high = _e21;
     vec4 _e24 = low[0];
     vec4 _e26 = high[0];
@@ -264,7 +294,7 @@ vec3 octagloss_radiance_of(uint probe_6, vec3 direction_2, float roughness) {
     vec3 _e110 = sum_1;
     float _e116 = octagloss_lights[probe_6].unscale;
     sum_1 = (max(_e110, vec3(0.0)) * _e116);
-    float alpha_1 = (roughness * roughness);
+    float alpha_8 = (roughness * roughness);
     bool loop_init_4 = true;
     while(true) {
         if (!loop_init_4) {
@@ -286,7 +316,7 @@ vec3 octagloss_radiance_of(uint probe_6, vec3 direction_2, float roughness) {
             vec3 apart = vec3(_e133, _e137, _e141);
             vec3 s = min((0.25 * apart), vec3(0.5));
             vec3 spread_1 = vec3(sun.red.w, sun.green.w, sun.blue.w);
-            vec3 a2_ = min((vec3((alpha_1 * alpha_1)) + (0.5 * spread_1)), vec3(1.0));
+            vec3 a2_ = min((vec3((alpha_8 * alpha_8)) + (0.5 * spread_1)), vec3(1.0));
             vec3 bend = (s + (a2_ * (vec3(1.0) - s)));
             vec3 lobe = (((0.31830987 * a2_) / (bend * bend)) * (vec3(1.0) - (2.0 * s)));
             vec3 _e178 = sum_1;
@@ -347,9 +377,9 @@ vec4 octagloss_read_reflections(uint layer, vec2 at_6) {
 }
 
 vec4 octagloss_reflection_node(uint layer_1, float roughness_2, float cosine) {
-    vec2 place = vec2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt(cosine));
-    vec2 at_7 = (((place * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
-    vec4 _e21 = octagloss_read_reflections(layer_1, at_7);
+    vec2 place_1 = vec2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt(cosine));
+    vec2 at_8 = (((place_1 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
+    vec4 _e21 = octagloss_read_reflections(layer_1, at_8);
     return _e21;
 }
 
@@ -374,8 +404,8 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha, float spread) {
         return vec2(0.0);
     }
     vec3 half_vector = normalize((view + light));
-    float cosine_2 = dot(view, half_vector);
-    vec2 across = (vec2(-(view.y), view.x) / vec2(cosine_2));
+    float cosine_8 = dot(view, half_vector);
+    vec2 across = (vec2(-(view.y), view.x) / vec2(cosine_8));
     vec2 squares = ((alpha * alpha) + ((0.5 * spread) * (vec2(1.0) + (across * across))));
     float mixed = (((0.5 * spread) * across.x) * across.y);
     float determinant_ = ((squares.x * squares.y) - (mixed * mixed));
@@ -384,7 +414,7 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha, float spread) {
     float bend_1 = ((slopes / determinant_) + (half_vector.z * half_vector.z));
     float masking = ((light.z * length(vec3((alpha * view.xy), view.z))) + (view.z * length(vec3((alpha * light.xy), light.z))));
     float value = ((0.5 * light.z) / ((((masking * 3.1415927) * sqrt(determinant_)) * bend_1) * bend_1));
-    return vec2(value, pow(max((1.0 - cosine_2), 0.0), 5.0));
+    return vec2(value, pow(max((1.0 - cosine_8), 0.0), 5.0));
 }
 
 vec3[5] octagloss_harmonic_orders(uint probe_9, vec3 d_2) {
@@ -440,192 +470,596 @@ vec3[5] octagloss_harmonic_orders(uint probe_9, vec3 d_2) {
     return _e45;
 }
 
-vec3 octagloss_reflect_of(uint probe_10, vec3 normal_2, vec3 view_1, float roughness_3, vec3 f0_, float f90_) {
-    vec3 level_view = vec3(0.0);
-    vec3 sum_3 = vec3(0.0);
-    float in_mirror = 0.0;
-    uint k_4 = 0u;
+vec3 octagloss_cosine_light(uint probe_10, vec3 n) {
+    vec2 _e2 = octagloss_place_of(n);
+    vec2 _e3 = octagloss_place_in_cosine(_e2);
+    vec3 _e4 = octagloss_read_cosine(probe_10, _e3);
+    return _e4;
+}
+
+vec3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surface, vec4 pairs[8], vec3 f0_, float f90_) {
     vec2 angles[5] = vec2[5](vec2(1.0, 0.0), vec2(0.309017, 0.95105654), vec2(-0.809017, 0.58778524), vec2(0.809017, 0.58778524), vec2(-0.309017, 0.95105654));
+    vec4 texels[8] = vec4[8](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    vec3 sum_3 = vec3(0.0);
     uint pair = 0u;
-    vec4 texel = vec4(0.0);
-    uint k_5 = 0u;
+    uint k_4 = 0u;
     vec3 orders[5] = vec3[5](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     uint order_2 = 0u;
-    uint k_6 = 0u;
-    vec4 channels[3] = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));
-    vec2 values[3] = vec2[3](vec2(0.0), vec2(0.0), vec2(0.0));
-    uint c = 0u;
-    vec3 _e6 = octagloss_source_from_world(probe_10, normal_2);
-    vec3 _e7 = octagloss_source_from_world(probe_10, view_1);
-    float cosine_3 = clamp(dot(_e6, _e7), octagloss_LEAST_COSINE, 1.0);
-    level_view = (_e7 - (_e6 * dot(_e6, _e7)));
-    vec3 _e16 = level_view;
-    vec3 _e17 = level_view;
-    if ((dot(_e16, _e17) < 1e-10)) {
-        level_view = ((abs(_e6.x) > 0.5) ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0));
-    }
-    vec3 _e34 = level_view;
-    vec3 _e35 = level_view;
-    vec3 towards = normalize((_e34 - (_e6 * dot(_e6, _e35))));
-    float sine = sqrt((1.0 - (cosine_3 * cosine_3)));
-    vec3 along = (towards * sine);
-    vec3 v_1 = (along + (_e6 * cosine_3));
+    texels = pairs;
     bool loop_init_8 = true;
     while(true) {
         if (!loop_init_8) {
-            uint _e90 = k_4;
-            k_4 = (_e90 + 1u);
+            uint _e84 = k_4;
+            k_4 = (_e84 + 1u);
         }
         loop_init_8 = false;
-        uint _e53 = k_4;
-        if ((_e53 < octagloss_READS)) {
+        uint _e29 = k_4;
+        if ((_e29 < 5u)) {
         } else {
             break;
         }
         {
-            uint _e56 = k_4;
-            vec4 _e57 = octagloss_reflection_node(_e56, roughness_3, cosine_3);
-            vec3 half_vector_1 = normalize((_e6 + (_e57.x * along)));
-            vec3 direction_5 = ((half_vector_1 * (2.0 * dot(v_1, half_vector_1))) - v_1);
-            vec3 _e67 = sum_3;
-            vec3 _e75 = octagloss_between_levels(probe_10, direction_5, _e57.y);
-            sum_3 = (_e67 + (((f0_ * _e57.z) + vec3((f90_ * _e57.w))) * _e75));
-            float _e78 = in_mirror;
-            in_mirror = (_e78 + ((_e57.z + _e57.w) * max((1.0 - _e57.y), 0.0)));
-        }
-    }
-    vec4 _e93 = octagloss_reflection_node(octagloss_READS, roughness_3, cosine_3);
-    vec3 _e94 = sum_3;
-    vec2 _e101 = octagloss_place_of(_e6);
-    vec2 _e102 = octagloss_place_in_cosine(_e101);
-    vec3 _e103 = octagloss_read_cosine(probe_10, _e102);
-    sum_3 = (_e94 + (((f0_ * _e93.x) + vec3((f90_ * _e93.y))) * _e103));
-    bool loop_init_9 = true;
-    while(true) {
-        if (!loop_init_9) {
-            uint _e190 = k_5;
-            k_5 = (_e190 + 1u);
-        }
-        loop_init_9 = false;
-        uint _e129 = k_5;
-        if ((_e129 < 5u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e132 = k_5;
-            float _e135 = angles[_e132].x;
-            uint _e137 = k_5;
-            float _e140 = angles[_e137].y;
-            vec3 _e143[5] = octagloss_harmonic_orders(probe_10, ((_e6 * _e135) + (towards * _e140)));
-            orders = _e143;
-            uint _e145 = k_5;
-            order_2 = _e145;
-            bool loop_init_10 = true;
+            uint _e33 = k_4;
+            float _e36 = angles[_e33].x;
+            uint _e39 = k_4;
+            float _e42 = angles[_e39].y;
+            vec3 _e45[5] = octagloss_harmonic_orders(probe_11, ((surface.normal * _e36) + (surface.towards * _e42)));
+            orders = _e45;
+            uint _e47 = k_4;
+            order_2 = _e47;
+            bool loop_init_9 = true;
             while(true) {
-                if (!loop_init_10) {
-                    uint _e187 = order_2;
-                    order_2 = (_e187 + 1u);
+                if (!loop_init_9) {
+                    uint _e81 = order_2;
+                    order_2 = (_e81 + 1u);
                 }
-                loop_init_10 = false;
-                uint _e147 = order_2;
-                if ((_e147 < 5u)) {
+                loop_init_9 = false;
+                uint _e49 = order_2;
+                if ((_e49 < 5u)) {
                 } else {
                     break;
                 }
                 {
-                    uint _e150 = pair;
-                    if (((_e150 % 2u) == 0u)) {
-                        uint _e156 = pair;
-                        vec4 _e160 = octagloss_reflection_node((10u + (_e156 / 2u)), roughness_3, cosine_3);
-                        texel = _e160;
-                    }
-                    vec4 _e161 = texel;
-                    vec4 _e163 = texel;
-                    uint _e165 = pair;
-                    vec2 weights_2 = (((_e165 % 2u) == 0u) ? _e163.xy : _e161.zw);
-                    vec3 _e171 = sum_3;
-                    uint _e178 = order_2;
-                    vec3 _e180 = orders[_e178];
-                    sum_3 = (_e171 + (((f0_ * weights_2.x) + vec3((f90_ * weights_2.y))) * _e180));
-                    uint _e184 = pair;
-                    pair = (_e184 + 1u);
+                    uint _e52 = pair;
+                    vec4 texel_1 = texels[(_e52 / 2u)];
+                    uint _e59 = pair;
+                    vec2 weights_2 = (((_e59 % 2u) == 0u) ? texel_1.xy : texel_1.zw);
+                    vec3 _e65 = sum_3;
+                    uint _e72 = order_2;
+                    vec3 _e74 = orders[_e72];
+                    sum_3 = (_e65 + (((f0_ * weights_2.x) + vec3((f90_ * weights_2.y))) * _e74));
+                    uint _e78 = pair;
+                    pair = (_e78 + 1u);
                 }
             }
         }
     }
-    vec3 _e192 = sum_3;
-    float _e198 = octagloss_lights[probe_10].unscale;
-    sum_3 = (max(_e192, vec3(0.0)) * _e198);
-    float _e200 = in_mirror;
-    float share_1 = max((1.0 - (_e200 / (_e93.z + _e93.w))), 0.0);
-    float _e210 = octagloss_map_inner();
-    float alpha_2 = max((roughness_3 * roughness_3), (0.9 / _e210));
-    vec3 across_1 = cross(_e6, towards);
-    bool loop_init_11 = true;
+    vec3 _e86 = sum_3;
+    return _e86;
+}
+
+vec3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1, vec2 tangent, vec2 alpha_1, vec3 f0_1, float f90_1) {
+    vec3 sum_4 = vec3(0.0);
+    uint k_5 = 0u;
+    vec4 channels[3] = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));
+    vec2 values[3] = vec2[3](vec2(0.0), vec2(0.0), vec2(0.0));
+    uint c = 0u;
+    vec3 across_1 = cross(surface_1.normal, surface_1.towards);
+    vec3 x_1 = ((surface_1.towards * tangent.x) + (across_1 * tangent.y));
+    vec3 y_1 = ((across_1 * tangent.x) - (surface_1.towards * tangent.y));
+    vec3 view_5 = vec3((surface_1.sine * tangent.x), (-(surface_1.sine) * tangent.y), surface_1.cosine);
+    float _e30 = octagloss_map_inner();
+    vec2 wide = max(alpha_1, vec2((0.9 / _e30)));
+    bool loop_init_10 = true;
     while(true) {
-        if (!loop_init_11) {
-            uint _e290 = k_6;
-            k_6 = (_e290 + 1u);
+        if (!loop_init_10) {
+            uint _e109 = k_5;
+            k_5 = (_e109 + 1u);
         }
-        loop_init_11 = false;
-        uint _e217 = k_6;
-        if ((_e217 < octagloss_SUNS)) {
+        loop_init_10 = false;
+        uint _e39 = k_5;
+        if ((_e39 < octagloss_SUNS)) {
         } else {
             break;
         }
         {
-            uint _e223 = k_6;
-            OctaglossSun sun_2 = octagloss_lights[probe_10].suns[_e223];
+            uint _e45 = k_5;
+            OctaglossSun sun_2 = octagloss_lights[probe_12].suns[_e45];
             channels = vec4[3](sun_2.red, sun_2.green, sun_2.blue);
             values = vec2[3](vec2(0.0), vec2(0.0), vec2(0.0));
             c = 0u;
-            bool loop_init_12 = true;
+            bool loop_init_11 = true;
             while(true) {
-                if (!loop_init_12) {
-                    uint _e257 = c;
-                    c = (_e257 + 1u);
+                if (!loop_init_11) {
+                    uint _e77 = c;
+                    c = (_e77 + 1u);
                 }
-                loop_init_12 = false;
-                uint _e235 = c;
-                if ((_e235 < 3u)) {
+                loop_init_11 = false;
+                uint _e57 = c;
+                if ((_e57 < 3u)) {
                 } else {
                     break;
                 }
                 {
-                    uint _e238 = c;
-                    vec4 _e240 = channels[_e238];
-                    vec3 to = _e240.xyz;
-                    vec3 light_1 = vec3(dot(to, towards), dot(to, across_1), dot(to, _e6));
-                    uint _e246 = c;
-                    uint _e251 = c;
-                    float _e254 = channels[_e251].w;
-                    vec2 _e255 = octagloss_brdf_around(vec3(sine, 0.0, cosine_3), light_1, vec2(alpha_2), _e254);
-                    values[_e246] = _e255;
+                    uint _e60 = c;
+                    vec4 _e62 = channels[_e60];
+                    vec3 to = _e62.xyz;
+                    vec3 light_1 = vec3(dot(to, x_1), dot(to, y_1), dot(to, surface_1.normal));
+                    uint _e69 = c;
+                    uint _e71 = c;
+                    float _e74 = channels[_e71].w;
+                    vec2 _e75 = octagloss_brdf_around(view_5, light_1, wide, _e74);
+                    values[_e69] = _e75;
                 }
             }
-            float _e261 = values[0].x;
-            float _e264 = values[1].x;
-            float _e267 = values[2].x;
-            vec3 value_1 = vec3(_e261, _e264, _e267);
-            float _e271 = values[0].y;
-            float _e274 = values[1].y;
-            float _e277 = values[2].y;
-            vec3 fresnel = vec3(_e271, _e274, _e277);
-            vec3 _e279 = sum_3;
-            sum_3 = (_e279 + ((sun_2.energy * (share_1 * value_1)) * (f0_ + ((vec3(f90_) - f0_) * fresnel))));
+            float _e81 = values[0].x;
+            float _e84 = values[1].x;
+            float _e87 = values[2].x;
+            vec3 value_1 = vec3(_e81, _e84, _e87);
+            float _e91 = values[0].y;
+            float _e94 = values[1].y;
+            float _e97 = values[2].y;
+            vec3 fresnel = vec3(_e91, _e94, _e97);
+            vec3 _e99 = sum_4;
+            sum_4 = (_e99 + ((sun_2.energy * value_1) * (f0_1 + ((vec3(f90_1) - f0_1) * fresnel))));
         }
     }
-    vec3 _e292 = sum_3;
-    return _e292;
+    vec3 _e111 = sum_4;
+    return _e111;
 }
 
-vec3 octagloss_reflect(vec3 normal_3, vec3 view_2, float roughness_4, vec3 f0_1, float f90_1) {
-    vec3 _e6 = octagloss_reflect_of(0u, normal_3, view_2, roughness_4, f0_1, f90_1);
-    return _e6;
+vec3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface_2, float roughness_3, vec3 f0_2, float f90_2) {
+    vec3 sum_5 = vec3(0.0);
+    float in_mirror = 0.0;
+    uint k_6 = 0u;
+    vec4 pairs_1[8] = vec4[8](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    uint k_7 = 0u;
+    vec3 n_1 = surface_2.normal;
+    float cosine_9 = surface_2.cosine;
+    vec3 along_2 = (surface_2.towards * surface_2.sine);
+    vec3 v_1 = (along_2 + (n_1 * cosine_9));
+    bool loop_init_12 = true;
+    while(true) {
+        if (!loop_init_12) {
+            uint _e55 = k_6;
+            k_6 = (_e55 + 1u);
+        }
+        loop_init_12 = false;
+        uint _e18 = k_6;
+        if ((_e18 < octagloss_READS)) {
+        } else {
+            break;
+        }
+        {
+            uint _e21 = k_6;
+            vec4 _e22 = octagloss_reflection_node(_e21, roughness_3, cosine_9);
+            vec3 half_vector_1 = normalize((n_1 + (_e22.x * along_2)));
+            vec3 direction_5 = ((half_vector_1 * (2.0 * dot(v_1, half_vector_1))) - v_1);
+            vec3 _e32 = sum_5;
+            vec3 _e40 = octagloss_between_levels(probe_13, direction_5, _e22.y);
+            sum_5 = (_e32 + (((f0_2 * _e22.z) + vec3((f90_2 * _e22.w))) * _e40));
+            float _e43 = in_mirror;
+            in_mirror = (_e43 + ((_e22.z + _e22.w) * max((1.0 - _e22.y), 0.0)));
+        }
+    }
+    vec4 _e58 = octagloss_reflection_node(octagloss_READS, roughness_3, cosine_9);
+    vec3 _e59 = sum_5;
+    vec3 _e66 = octagloss_cosine_light(probe_13, n_1);
+    sum_5 = (_e59 + (((f0_2 * _e58.x) + vec3((f90_2 * _e58.y))) * _e66));
+    bool loop_init_13 = true;
+    while(true) {
+        if (!loop_init_13) {
+            uint _e83 = k_7;
+            k_7 = (_e83 + 1u);
+        }
+        loop_init_13 = false;
+        uint _e73 = k_7;
+        if ((_e73 < 8u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e76 = k_7;
+            uint _e79 = k_7;
+            vec4 _e81 = octagloss_reflection_node((10u + _e79), roughness_3, cosine_9);
+            pairs_1[_e76] = _e81;
+        }
+    }
+    vec3 _e85 = sum_5;
+    vec4 _e86[8] = pairs_1;
+    vec3 _e87 = octagloss_harmonics_reflected(probe_13, surface_2, _e86, f0_2, f90_2);
+    sum_5 = (_e85 + _e87);
+    vec3 _e89 = sum_5;
+    float _e95 = octagloss_lights[probe_13].unscale;
+    sum_5 = (max(_e89, vec3(0.0)) * _e95);
+    float _e97 = in_mirror;
+    float share_1 = max((1.0 - (_e97 / (_e58.z + _e58.w))), 0.0);
+    vec2 alpha_9 = vec2((roughness_3 * roughness_3));
+    vec3 _e108 = sum_5;
+    vec3 _e112 = octagloss_suns_reflected(probe_13, surface_2, vec2(1.0, 0.0), alpha_9, f0_2, f90_2);
+    return (_e108 + (share_1 * _e112));
 }
 
-vec2 octagloss_albedo(float cosine_1, float roughness_5) {
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_14, vec3 normal_2, vec3 view_1) {
+    vec3 level_view = vec3(0.0);
+    vec3 _e3 = octagloss_source_from_world(probe_14, normal_2);
+    vec3 _e4 = octagloss_source_from_world(probe_14, view_1);
+    float cosine_10 = clamp(dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
+    level_view = (_e4 - (_e3 * dot(_e3, _e4)));
+    vec3 _e13 = level_view;
+    vec3 _e14 = level_view;
+    if ((dot(_e13, _e14) < 1e-10)) {
+        level_view = ((abs(_e3.x) > 0.5) ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0));
+    }
+    vec3 _e31 = level_view;
+    vec3 _e32 = level_view;
+    vec3 towards = normalize((_e31 - (_e3 * dot(_e3, _e32))));
+    return octagloss_SurfaceFrame(_e3, towards, cosine_10, sqrt((1.0 - (cosine_10 * cosine_10))));
+}
+
+vec3 octagloss_reflect_isotropic(vec3 normal_3, vec3 view_2, float roughness_4, vec3 f0_3, float f90_3) {
+    octagloss_SurfaceFrame _e7 = octagloss_surface_of(0u, normal_3, view_2);
+    vec3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_4, f0_3, f90_3);
+    return _e8;
+}
+
+vec2 octagloss_round_albedo(float cosine_1, float roughness_5) {
     vec4 _e6 = octagloss_reflection_node(octagloss_READS, roughness_5, clamp(cosine_1, octagloss_LEAST_COSINE, 1.0));
     return _e6.zw;
+}
+
+vec2 octagloss_row_alphas(float roughness_6, float anisotropy) {
+    float alpha_10 = (roughness_6 * roughness_6);
+    return vec2((alpha_10 + (((1.0 - alpha_10) * anisotropy) * anisotropy)), alpha_10);
+}
+
+float octagloss_row_share(vec2 alpha_2) {
+    return smoothstep(0.0, 1.0, ((alpha_2.x - alpha_2.y) / (octagloss_BLEND * max(alpha_2.y, 1e-6))));
+}
+
+octagloss_RowPlace octagloss_row_place(vec2 alpha_3, float cosine_2, vec2 tangent_1) {
+    float sharp = max(alpha_3.y, octagloss_ROW_SHARP);
+    float azimuth = (atan(abs(tangent_1.y), abs(tangent_1.x)) * 0.63661975);
+    vec4 places = vec4((log2((1.0 + (5.0 * sqrt(alpha_3.y)))) * 0.3868528), sqrt(cosine_2), (1.0 - pow(max((1.0 - azimuth), 0.0), 0.6666667)), (log2((max(alpha_3.x, sharp) / sharp)) / -(log2(min(sharp, 0.999999)))));
+    vec4 place_2 = (clamp(places, vec4(0.0), vec4(1.0)) * vec4(15.0, 9.0, 7.0, 6.0));
+    float lower = min(floor(place_2.w), 5.0);
+    vec2 inside = clamp(place_2.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625)));
+    vec3 texel_2 = (vec3(inside.x, (inside.y + (10.0 * lower)), place_2.z) + vec3(0.5));
+    vec3 size_1 = vec3(352.0, 70.0, 8.0);
+    return octagloss_RowPlace((texel_2 / size_1), (place_2.w - lower));
+}
+
+vec4 octagloss_read_rows(vec3 at_7) {
+    vec4 _e4 = textureLod(octagloss_rows, vec3(at_7), 0.0);
+    return _e4;
+}
+
+vec4 octagloss_row_node(uint layer_2, octagloss_RowPlace place) {
+    vec3 at_9 = vec3((place.at.x + (float(layer_2) / 22.0)), place.at.yz);
+    vec4 _e11 = octagloss_read_rows(at_9);
+    vec4 _e18 = octagloss_read_rows(vec3(at_9.x, (at_9.y + 0.14285715), at_9.z));
+    return mix(_e11, _e18, place.share);
+}
+
+vec2 octagloss_row_albedo(vec2 alpha_4, float cosine_3, float along, vec2 more) {
+    vec2 squares_1 = (alpha_4 * alpha_4);
+    float mean_1 = sqrt((0.5 * (squares_1.x + squares_1.y)));
+    float seen = sqrt(mix(squares_1.y, squares_1.x, along));
+    vec4 _e18 = octagloss_reflection_node(octagloss_READS, sqrt(mix(seen, mean_1, cosine_3)), cosine_3);
+    vec2 round_ = _e18.zw;
+    return max((round_ + more), vec2(0.0));
+}
+
+float octagloss_row_number(vec4 terms, vec3 more_1, vec4 own_1, vec3 own_more) {
+    return (dot(terms, own_1) + dot(more_1, own_more));
+}
+
+octagloss_Row octagloss_row_of(vec2 alpha_5, vec2 tangent_2, float cosine_4) {
+    vec2 axis = vec2(1.0, 0.0);
+    vec2 squares_2 = (alpha_5 * alpha_5);
+    float difference = (squares_2.x - squares_2.y);
+    float along_3 = (squares_2.y + ((difference * tangent_2.x) * tangent_2.x));
+    float across_2 = (((squares_2.y + ((difference * tangent_2.y) * tangent_2.y)) * cosine_4) * cosine_4);
+    float mixed_1 = (((difference * tangent_2.x) * tangent_2.y) * cosine_4);
+    float apart_1 = (0.5 * (along_3 - across_2));
+    float root = length(vec2(apart_1, mixed_1));
+    float greatest = max(((0.5 * (along_3 + across_2)) + root), 1e-30);
+    if ((root > 0.0)) {
+        vec2 steep = vec2(abs(mixed_1), ((root - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0)));
+        axis = normalize((((apart_1 >= 0.0) ? vec2((apart_1 + root), mixed_1) : steep) / vec2(root)));
+    }
+    float x_2 = log(max((((alpha_5.x * alpha_5.y) * cosine_4) / greatest), octagloss_NARROWEST));
+    float extent = sqrt(greatest);
+    float y_2 = log((1.0 + (6.0 * extent)));
+    vec4 a_1 = vec4(1.0, x_2, (x_2 * x_2), y_2);
+    float _e78 = axis.x;
+    float tilt = (_e78 * smoothstep(0.0, octagloss_TILTED, sqrt((1.0 - (cosine_4 * cosine_4)))));
+    float _e90 = axis.x;
+    vec3 b_1 = vec3((x_2 * y_2), (y_2 * y_2), (_e90 * tilt));
+    float _e102 = octagloss_row_number(a_1, b_1, vec4(-0.586, -0.455, 0.163, 0.472), vec3(-0.19, 0.082, -0.016));
+    float _e112 = octagloss_row_number(a_1, b_1, vec4(-0.689, -0.159, 0.24, -0.146), vec3(0.18, -0.072, 0.035));
+    float _e122 = octagloss_row_number(a_1, b_1, vec4(-0.638, -0.28, -0.164, -0.867), vec3(-0.372, 0.097, 0.015));
+    float _e132 = octagloss_row_number(a_1, b_1, vec4(0.039, 0.823, -0.026, -0.128), vec3(-0.018, 0.078, 0.014));
+    float _e142 = octagloss_row_number(a_1, b_1, vec4(0.223, 0.187, 0.032, 0.194), vec3(-0.338, 0.001, -0.017));
+    float _e152 = octagloss_row_number(a_1, b_1, vec4(0.308, 0.224, 0.015, 0.005), vec3(-0.034, 0.077, 0.008));
+    float _e154 = axis.x;
+    float _e156 = axis.y;
+    float _e169 = axis.x;
+    return octagloss_Row((vec2(_e154, (_e156 / cosine_4)) * sqrt((2.0 * root))), extent, (_e102 * tilt), exp(vec4(_e112, _e122, _e132, _e142)), exp(_e152), smoothstep(0.0, octagloss_SKEWED, _e169));
+}
+
+vec2 octagloss_row_read(octagloss_Row row_1, uint read) {
+    float place_3 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
+    float slope = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_3))) / row_1.steps.y);
+    float wider = (((read % 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation));
+    float growth = (row_1.steps.w * slope);
+    float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
+    float _e44 = octagloss_map_inner();
+    float last_1 = (log2(_e44) - 3.0);
+    float sharp_1 = (last_1 + log2((max(width, 1e-9) / 0.35)));
+    float below = max((log2(((max(width, 1e-9) * _e44) / 1.8)) * 0.610706), 0.0);
+    return vec2(slope, ((sharp_1 >= 1.0) ? min(sharp_1, last_1) : below));
+}
+
+vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, vec2 tangent_3, vec2 alpha_6, vec3 f0_4, float f90_4) {
+    vec3 sum_6 = vec3(0.0);
+    float in_mirror_1 = 0.0;
+    uint distance_ = 0u;
+    vec2 mean = vec2(0.0);
+    vec2 skew = vec2(0.0);
+    uint side = 0u;
+    vec4 pairs_2[8] = vec4[8](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    uint k_8 = 0u;
+    vec3 aside[4] = vec3[4](vec3(0.4620342, 0.54655075, -0.6984316), vec3(0.8966183, 0.38650447, 0.21607853), vec3(0.11814805, 0.3835753, 0.91592085), vec3(0.14011177, 0.8172301, -0.5590202));
+    vec4 texel = vec4(0.0);
+    uint pair_1 = 15u;
+    uint k_9 = 0u;
+    vec3 own_2[5] = vec3[5](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    vec3 other[5] = vec3[5](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    uint order_3 = 0u;
+    vec3 n_2 = surface_3.normal;
+    vec3 across_3 = cross(n_2, surface_3.towards);
+    vec3 v_2 = ((surface_3.towards * surface_3.sine) + (n_2 * surface_3.cosine));
+    octagloss_RowPlace _e16 = octagloss_row_place(alpha_6, surface_3.cosine, tangent_3);
+    octagloss_Row _e18 = octagloss_row_of(alpha_6, tangent_3, surface_3.cosine);
+    vec3 axis_1 = ((surface_3.towards * _e18.axis.x) + (across_3 * _e18.axis.y));
+    vec4 _e32 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
+    vec2 _e34 = octagloss_row_albedo(alpha_6, surface_3.cosine, (tangent_3.x * tangent_3.x), _e32.xy);
+    vec3 scaled = (f0_4 * _e34.x);
+    float grazing = (f90_4 * _e34.y);
+    bool loop_init_14 = true;
+    while(true) {
+        if (!loop_init_14) {
+            uint _e142 = distance_;
+            distance_ = (_e142 + 1u);
+        }
+        loop_init_14 = false;
+        uint _e45 = distance_;
+        if ((_e45 <= octagloss_ROW_MIDDLE)) {
+        } else {
+            break;
+        }
+        {
+            uint _e48 = distance_;
+            vec4 _e49 = octagloss_row_node(_e48, _e16);
+            mean = _e49.xy;
+            skew = vec2(0.0);
+            uint _e54 = distance_;
+            if ((_e54 == 0u)) {
+                vec3 _e57 = sum_6;
+                vec3 _e64 = octagloss_cosine_light(probe_15, n_2);
+                sum_6 = (_e57 + (((scaled * _e49.z) + vec3((grazing * _e49.w))) * _e64));
+            } else {
+                mean = (0.5 * (_e49.xy + _e49.zw));
+                skew = ((0.5 * _e18.skew) * (_e49.xy - _e49.zw));
+            }
+            side = 0u;
+            bool loop_init_15 = true;
+            while(true) {
+                if (!loop_init_15) {
+                    uint _e139 = side;
+                    side = (_e139 + 1u);
+                }
+                loop_init_15 = false;
+                uint _e81 = side;
+                uint _e82 = distance_;
+                if ((_e81 < min((_e82 + 1u), 2u))) {
+                } else {
+                    break;
+                }
+                {
+                    vec2 _e88 = mean;
+                    vec2 _e89 = skew;
+                    vec2 _e91 = mean;
+                    vec2 _e92 = skew;
+                    uint _e94 = side;
+                    vec2 weights_3 = ((_e94 == 0u) ? (_e91 + _e92) : (_e88 - _e89));
+                    uint _e99 = distance_;
+                    uint _e102 = distance_;
+                    uint _e104 = side;
+                    vec2 _e108 = octagloss_row_read(_e18, ((_e104 == 0u) ? (octagloss_ROW_MIDDLE + _e102) : (octagloss_ROW_MIDDLE - _e99)));
+                    vec3 half_vector_2 = normalize((n_2 + (_e108.x * axis_1)));
+                    vec3 direction_6 = ((half_vector_2 * (2.0 * dot(v_2, half_vector_2))) - v_2);
+                    vec3 _e118 = sum_6;
+                    vec3 _e126 = octagloss_between_levels(probe_15, direction_6, _e108.y);
+                    sum_6 = (_e118 + (((scaled * weights_3.x) + vec3((grazing * weights_3.y))) * _e126));
+                    float _e129 = in_mirror_1;
+                    in_mirror_1 = (_e129 + (dot(_e34, weights_3) * max((1.0 - _e108.y), 0.0)));
+                }
+            }
+        }
+    }
+    bool loop_init_16 = true;
+    while(true) {
+        if (!loop_init_16) {
+            uint _e158 = k_8;
+            k_8 = (_e158 + 1u);
+        }
+        loop_init_16 = false;
+        uint _e148 = k_8;
+        if ((_e148 < 8u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e151 = k_8;
+            uint _e154 = k_8;
+            vec4 _e156 = octagloss_row_node((9u + _e154), _e16);
+            pairs_2[_e151] = _e156;
+        }
+    }
+    vec3 _e160 = sum_6;
+    vec4 _e161[8] = pairs_2;
+    vec3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled, grazing);
+    sum_6 = (_e160 + _e162);
+    vec3 mirrored = (across_3 * (((tangent_3.x * tangent_3.y) < 0.0) ? -1.0 : 1.0));
+    vec4 _e192 = pairs_2[7];
+    texel = _e192;
+    bool loop_init_17 = true;
+    while(true) {
+        if (!loop_init_17) {
+            uint _e280 = k_9;
+            k_9 = (_e280 + 1u);
+        }
+        loop_init_17 = false;
+        uint _e198 = k_9;
+        if ((_e198 < 4u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e202 = k_9;
+            float _e205 = aside[_e202].x;
+            uint _e207 = k_9;
+            float _e210 = aside[_e207].z;
+            vec3 level_4 = ((surface_3.towards * _e205) + (n_2 * _e210));
+            uint _e213 = k_9;
+            float _e216 = aside[_e213].y;
+            vec3 _e219[5] = octagloss_harmonic_orders(probe_15, (level_4 + (mirrored * _e216)));
+            own_2 = _e219;
+            uint _e221 = k_9;
+            float _e224 = aside[_e221].y;
+            vec3 _e227[5] = octagloss_harmonic_orders(probe_15, (level_4 - (mirrored * _e224)));
+            other = _e227;
+            uint _e229 = k_9;
+            order_3 = (_e229 + 1u);
+            bool loop_init_18 = true;
+            while(true) {
+                if (!loop_init_18) {
+                    uint _e277 = order_3;
+                    order_3 = (_e277 + 1u);
+                }
+                loop_init_18 = false;
+                uint _e233 = order_3;
+                if ((_e233 < 5u)) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e236 = pair_1;
+                    if (((_e236 % 2u) == 0u)) {
+                        uint _e242 = pair_1;
+                        vec4 _e246 = octagloss_row_node((9u + (_e242 / 2u)), _e16);
+                        texel = _e246;
+                    }
+                    vec4 _e247 = texel;
+                    vec4 _e249 = texel;
+                    uint _e251 = pair_1;
+                    vec2 weights_4 = (((_e251 % 2u) == 0u) ? _e249.xy : _e247.zw);
+                    vec3 _e257 = sum_6;
+                    uint _e264 = order_3;
+                    vec3 _e266 = own_2[_e264];
+                    uint _e267 = order_3;
+                    vec3 _e269 = other[_e267];
+                    sum_6 = (_e257 + (((scaled * weights_4.x) + vec3((grazing * weights_4.y))) * (_e266 - _e269)));
+                    uint _e274 = pair_1;
+                    pair_1 = (_e274 + 1u);
+                }
+            }
+        }
+    }
+    vec3 _e282 = sum_6;
+    float _e288 = octagloss_lights[probe_15].unscale;
+    sum_6 = (max(_e282, vec3(0.0)) * _e288);
+    float _e290 = in_mirror_1;
+    float share_2 = max((1.0 - (_e290 / (_e34.x + _e34.y))), 0.0);
+    vec3 _e299 = sum_6;
+    vec3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_3, alpha_6, f0_4, f90_4);
+    return (_e299 + (share_2 * _e300));
+}
+
+vec3 octagloss_reflect_of(uint probe_16, vec3 normal_4, vec3 view_3, vec3 tangent_4, float roughness_7, float anisotropy_1, vec3 f0_5, float f90_5) {
+    vec2 level_3 = vec2(0.0);
+    bool local = false;
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_16, normal_4, view_3);
+    if ((anisotropy_1 > 0.0)) {
+        local = (dot(tangent_4, tangent_4) > 0.0);
+    } else {
+        local = false;
+    }
+    bool _e19 = local;
+    if (_e19) {
+        vec3 _e20 = octagloss_source_from_world(probe_16, tangent_4);
+        vec3 across_4 = cross(_e8.normal, _e8.towards);
+        level_3 = vec2(dot(_e20, _e8.towards), dot(_e20, across_4));
+    }
+    vec2 _e28 = level_3;
+    vec2 _e29 = level_3;
+    if ((dot(_e28, _e29) < 1e-10)) {
+        vec3 _e33 = octagloss_reflected_isotropic(probe_16, _e8, roughness_7, f0_5, f90_5);
+        return _e33;
+    }
+    vec2 _e36 = octagloss_row_alphas(roughness_7, min(anisotropy_1, 1.0));
+    float _e37 = octagloss_row_share(_e36);
+    vec2 _e38 = level_3;
+    vec3 _e40 = octagloss_reflect_in_row(probe_16, _e8, normalize(_e38), _e36, f0_5, f90_5);
+    vec3 sum_7 = (_e37 * _e40);
+    if ((_e37 == 1.0)) {
+        return sum_7;
+    }
+    float round_1 = sqrt(sqrt((_e36.x * _e36.y)));
+    vec3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round_1, f0_5, f90_5);
+    return (sum_7 + ((1.0 - _e37) * _e51));
+}
+
+vec3 octagloss_reflect(vec3 normal_5, vec3 view_4, vec3 tangent_5, float roughness_8, float anisotropy_2, vec3 f0_6, float f90_6) {
+    vec3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_5, roughness_8, anisotropy_2, f0_6, f90_6);
+    return _e8;
+}
+
+vec2 octagloss_faded_albedo(vec2 alpha_7, float cosine_5, vec2 own_3) {
+    vec2 _e8 = octagloss_round_albedo(cosine_5, sqrt(sqrt((alpha_7.x * alpha_7.y))));
+    float _e9 = octagloss_row_share(alpha_7);
+    return mix(_e8, own_3, _e9);
+}
+
+vec2 octagloss_albedo(float cosine_6, float roughness_9, float anisotropy_3) {
+    if ((anisotropy_3 <= 0.0)) {
+        vec2 _e5 = octagloss_round_albedo(cosine_6, roughness_9);
+        return _e5;
+    }
+    vec2 _e8 = octagloss_row_alphas(roughness_9, min(anisotropy_3, 1.0));
+    float seen_1 = clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
+    octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_1, vec2(1.0, 0.0));
+    vec4 _e17 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
+    vec2 more_2 = _e17.zw;
+    vec2 _e20 = octagloss_row_albedo(_e8, seen_1, 0.5, more_2);
+    vec2 _e21 = octagloss_faded_albedo(_e8, seen_1, _e20);
+    return _e21;
+}
+
+vec2 octagloss_albedo_along(float cosine_7, float along_1, float roughness_10, float anisotropy_4) {
+    if ((anisotropy_4 <= 0.0)) {
+        vec2 _e6 = octagloss_round_albedo(cosine_7, roughness_10);
+        return _e6;
+    }
+    vec2 _e9 = octagloss_row_alphas(roughness_10, min(anisotropy_4, 1.0));
+    float seen_2 = clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
+    float x_3 = min((abs(along_1) / max(sqrt((1.0 - (seen_2 * seen_2))), 0.0001)), 1.0);
+    octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_2, vec2(x_3, sqrt((1.0 - (x_3 * x_3)))));
+    vec4 _e30 = octagloss_row_node(octagloss_ROW_ALBEDO, _e29);
+    vec2 more_3 = _e30.xy;
+    vec2 _e33 = octagloss_row_albedo(_e9, seen_2, (x_3 * x_3), more_3);
+    vec2 _e34 = octagloss_faded_albedo(_e9, seen_2, _e33);
+    return _e34;
 }

@@ -1,9 +1,10 @@
 // Reads files of `octagloss bake --target pyramid`: reflections of any roughness and view, and irradiance.
 // octagloss_lights holds the 256 floats `uniform` of NAME_pyramid.json, octagloss_maps NAME_pyramid.ktx2,
-// octagloss_tables pyramid_tables.ktx2; octagloss_linear is a sampler, linear in texels and in mip levels and
-// clamped to the edge. Directions are in the world, right-handed, y up. To use: octagloss_radiance,
-// octagloss_irradiance, octagloss_reflect and octagloss_albedo; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 2da02ca0c45fb865.
+// octagloss_tables pyramid_tables.ktx2, octagloss_rows pyramid_rows.ktx2, of which isotropic reflections read
+// nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
+// Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
+// octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
+// Translated from pyramid.wgsl, FNV-1a 4c190949f1a5211d.
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
     float4 red;
@@ -36,6 +37,33 @@ struct OctaglossLight {
     int _end_pad_11;
 };
 
+struct octagloss_SurfaceFrame {
+    float3 normal;
+    int _pad1_0;
+    float3 towards;
+    float cosine;
+    float sine;
+    int _end_pad_0;
+    int _end_pad_1;
+    int _end_pad_2;
+};
+
+struct octagloss_RowPlace {
+    float3 at;
+    float share;
+};
+
+struct octagloss_Row {
+    float2 axis;
+    float extent;
+    float shift;
+    float4 steps;
+    float alternation;
+    float skew;
+    int _end_pad_0;
+    int _end_pad_1;
+};
+
 static const uint octagloss_SUNS = 8u;
 static const uint octagloss_INTERVALS = 640u;
 static const int octagloss_MIRROR = int(1);
@@ -45,11 +73,21 @@ static const uint octagloss_READS = 9u;
 static const float2 octagloss_NODES = float2(46.0, 26.0);
 static const float octagloss_LEAST_COSINE = 0.01;
 static const float2 octagloss_TABLES = float2(864.0, 31.0);
+static const float4 octagloss_ROW_NODES = float4(16.0, 10.0, 8.0, 7.0);
+static const uint octagloss_ROW_MIDDLE = 7u;
+static const uint octagloss_ROW_ALBEDO = 8u;
+static const uint octagloss_ROW_LAYERS = 22u;
+static const float octagloss_ROW_SHARP = 0.001;
+static const float octagloss_NARROWEST = 0.05;
+static const float octagloss_BLEND = 0.1;
+static const float octagloss_TILTED = 0.5;
+static const float octagloss_SKEWED = 0.2;
 
 cbuffer octagloss_lights : register(b0) { OctaglossLight octagloss_lights[1]; }
 Texture2DArray<float4> octagloss_maps : register(t1);
 Texture2D<float4> octagloss_tables : register(t2);
 SamplerState octagloss_linear : register(s0);
+Texture3D<float4> octagloss_rows : register(t4);
 
 typedef float ret_Constructarray25_float_[25];
 ret_Constructarray25_float_ Constructarray25_float_(float arg0, float arg1, float arg2, float arg3, float arg4, float arg5, float arg6, float arg7, float arg8, float arg9, float arg10, float arg11, float arg12, float arg13, float arg14, float arg15, float arg16, float arg17, float arg18, float arg19, float arg20, float arg21, float arg22, float arg23, float arg24) {
@@ -279,11 +317,11 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
     const float3 _e3 = octagloss_source_from_world(probe_6, direction_2);
     const float2 _e4 = octagloss_place_of(_e3);
     float node_1 = (log2((1.0 + (50.0 * roughness))) * 112.826515);
-    uint k_7 = min(naga_f2u32(node_1), 639u);
-    float share = (node_1 - float(k_7));
-    const float4 _e17[4] = octagloss_node_weights(k_7);
+    uint k_10 = min(naga_f2u32(node_1), 639u);
+    float share = (node_1 - float(k_10));
+    const float4 _e17[4] = octagloss_node_weights(k_10);
     low = _e17;
-    const float4 _e21[4] = octagloss_node_weights((k_7 + 1u));
+    const float4 _e21[4] = octagloss_node_weights((k_10 + 1u));
     high = _e21;
     float4 _e24 = low[0];
     float4 _e26 = high[0];
@@ -348,7 +386,7 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
     float3 _e110 = sum_1;
     float _e116 = octagloss_lights[probe_6].unscale;
     sum_1 = (max(_e110, ZeroValuefloat3()) * _e116);
-    float alpha_1 = (roughness * roughness);
+    float alpha_8 = (roughness * roughness);
     uint2 loop_bound_4 = uint2(4294967295u, 4294967295u);
     bool loop_init_4 = true;
     while(true) {
@@ -373,7 +411,7 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
             float3 apart = float3(_e133, _e137, _e141);
             float3 s = min((0.25 * apart), (0.5).xxx);
             float3 spread_1 = float3(sun.red.w, sun.green.w, sun.blue.w);
-            float3 a2_ = min((((alpha_1 * alpha_1)).xxx + (0.5 * spread_1)), (1.0).xxx);
+            float3 a2_ = min((((alpha_8 * alpha_8)).xxx + (0.5 * spread_1)), (1.0).xxx);
             float3 bend = (s + (a2_ * ((1.0).xxx - s)));
             float3 lobe = (((0.31830987 * a2_) / (bend * bend)) * ((1.0).xxx - (2.0 * s)));
             float3 _e178 = sum_1;
@@ -443,9 +481,9 @@ float4 octagloss_read_reflections(uint layer, float2 at_5)
 
 float4 octagloss_reflection_node(uint layer_1, float roughness_2, float cosine)
 {
-    float2 place = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt(cosine));
-    float2 at_6 = (((place * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
-    const float4 _e21 = octagloss_read_reflections(layer_1, at_6);
+    float2 place_1 = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt(cosine));
+    float2 at_7 = (((place_1 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
+    const float4 _e21 = octagloss_read_reflections(layer_1, at_7);
     return _e21;
 }
 
@@ -476,8 +514,8 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha, float spre
         return ZeroValuefloat2();
     }
     float3 half_vector = normalize((view + light));
-    float cosine_2 = dot(view, half_vector);
-    float2 across = (float2(-(view.y), view.x) / (cosine_2).xx);
+    float cosine_8 = dot(view, half_vector);
+    float2 across = (float2(-(view.y), view.x) / (cosine_8).xx);
     float2 squares = ((alpha * alpha) + ((0.5 * spread) * ((1.0).xx + (across * across))));
     float mixed = (((0.5 * spread) * across.x) * across.y);
     float determinant_ = ((squares.x * squares.y) - (mixed * mixed));
@@ -486,7 +524,7 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha, float spre
     float bend_1 = ((slopes / determinant_) + (half_vector.z * half_vector.z));
     float masking = ((light.z * length(float3((alpha * view.xy), view.z))) + (view.z * length(float3((alpha * light.xy), light.z))));
     float value = ((0.5 * light.z) / ((((masking * 3.1415927) * sqrt(determinant_)) * bend_1) * bend_1));
-    return float2(value, pow(max((1.0 - cosine_2), 0.0), 5.0));
+    return float2(value, pow(max((1.0 - cosine_8), 0.0), 5.0));
 }
 
 typedef float3 ret_ZeroValuearray5_float3_[5];
@@ -557,12 +595,20 @@ ret_octagloss_harmonic_orders octagloss_harmonic_orders(uint probe_9, float3 d_2
     return _e45;
 }
 
-uint naga_mod(uint lhs, uint rhs) {
-    return lhs % (rhs == 0u ? 1u : rhs);
+float3 octagloss_cosine_light(uint probe_10, float3 n)
+{
+    const float2 _e2 = octagloss_place_of(n);
+    const float2 _e3 = octagloss_place_in_cosine(_e2);
+    const float3 _e4 = octagloss_read_cosine(probe_10, _e3);
+    return _e4;
 }
 
 uint naga_div(uint lhs, uint rhs) {
     return lhs / (rhs == 0u ? 1u : rhs);
+}
+
+uint naga_mod(uint lhs, uint rhs) {
+    return lhs % (rhs == 0u ? 1u : rhs);
 }
 
 typedef float2 ret_Constructarray5_float2_[5];
@@ -571,14 +617,79 @@ ret_Constructarray5_float2_ Constructarray5_float2_(float2 arg0, float2 arg1, fl
     return ret;
 }
 
+float3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surface, float4 pairs[8], float3 f0_, float f90_)
+{
+    float2 angles[5] = Constructarray5_float2_(float2(1.0, 0.0), float2(0.309017, 0.95105654), float2(-0.809017, 0.58778524), float2(0.809017, 0.58778524), float2(-0.309017, 0.95105654));
+    float4 texels[8] = { (float4)0, (float4)0, (float4)0, (float4)0, (float4)0, (float4)0, (float4)0, (float4)0 };
+    float3 sum_3 = ZeroValuefloat3();
+    uint pair = 0u;
+    uint k_4 = 0u;
+    float3 orders[5] = { (float3)0, (float3)0, (float3)0, (float3)0, (float3)0 };
+    uint order_2 = (uint)0;
+
+    texels = pairs;
+    uint2 loop_bound_8 = uint2(4294967295u, 4294967295u);
+    bool loop_init_8 = true;
+    while(true) {
+        if (all(loop_bound_8 == uint2(0u, 0u))) { break; }
+        loop_bound_8 -= uint2(loop_bound_8.y == 0u, 1u);
+        if (!loop_init_8) {
+            uint _e84 = k_4;
+            k_4 = (_e84 + 1u);
+        }
+        loop_init_8 = false;
+        uint _e29 = k_4;
+        if ((_e29 < 5u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e33 = k_4;
+            float _e36 = angles[min(uint(_e33), 4u)].x;
+            uint _e39 = k_4;
+            float _e42 = angles[min(uint(_e39), 4u)].y;
+            const float3 _e45[5] = octagloss_harmonic_orders(probe_11, ((surface.normal * _e36) + (surface.towards * _e42)));
+            orders = _e45;
+            uint _e47 = k_4;
+            order_2 = _e47;
+            uint2 loop_bound_9 = uint2(4294967295u, 4294967295u);
+            bool loop_init_9 = true;
+            while(true) {
+                if (all(loop_bound_9 == uint2(0u, 0u))) { break; }
+                loop_bound_9 -= uint2(loop_bound_9.y == 0u, 1u);
+                if (!loop_init_9) {
+                    uint _e81 = order_2;
+                    order_2 = (_e81 + 1u);
+                }
+                loop_init_9 = false;
+                uint _e49 = order_2;
+                if ((_e49 < 5u)) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e52 = pair;
+                    float4 texel_1 = texels[min(uint(naga_div(_e52, 2u)), 7u)];
+                    uint _e59 = pair;
+                    float2 weights_2 = ((naga_mod(_e59, 2u) == 0u) ? texel_1.xy : texel_1.zw);
+                    float3 _e65 = sum_3;
+                    uint _e72 = order_2;
+                    float3 _e74 = orders[min(uint(_e72), 4u)];
+                    sum_3 = (_e65 + (((f0_ * weights_2.x) + ((f90_ * weights_2.y)).xxx) * _e74));
+                    uint _e78 = pair;
+                    pair = (_e78 + 1u);
+                }
+            }
+        }
+    }
+    float3 _e86 = sum_3;
+    return _e86;
+}
+
 typedef float4 ret_Constructarray3_float4_[3];
 ret_Constructarray3_float4_ Constructarray3_float4_(float4 arg0, float4 arg1, float4 arg2) {
     float4 ret[3] = { arg0, arg1, arg2 };
     return ret;
-}
-
-float4 ZeroValuefloat4() {
-    return (float4)0;
 }
 
 typedef float2 ret_ZeroValuearray3_float2_[3];
@@ -587,211 +698,627 @@ ret_ZeroValuearray3_float2_ ZeroValuearray3_float2_() {
     return zeros;
 }
 
-float3 octagloss_reflect_of(uint probe_10, float3 normal_2, float3 view_1, float roughness_3, float3 f0_, float f90_)
+float3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1, float2 tangent, float2 alpha_1, float3 f0_1, float f90_1)
 {
-    float3 level_view = (float3)0;
-    float3 sum_3 = ZeroValuefloat3();
-    float in_mirror = 0.0;
-    uint k_4 = 0u;
-    float2 angles[5] = Constructarray5_float2_(float2(1.0, 0.0), float2(0.309017, 0.95105654), float2(-0.809017, 0.58778524), float2(0.809017, 0.58778524), float2(-0.309017, 0.95105654));
-    uint pair = 0u;
-    float4 texel = ZeroValuefloat4();
+    float3 sum_4 = ZeroValuefloat3();
     uint k_5 = 0u;
-    float3 orders[5] = { (float3)0, (float3)0, (float3)0, (float3)0, (float3)0 };
-    uint order_2 = (uint)0;
-    uint k_6 = 0u;
     float4 channels[3] = { (float4)0, (float4)0, (float4)0 };
     float2 values[3] = { (float2)0, (float2)0, (float2)0 };
     uint c = (uint)0;
 
-    const float3 _e6 = octagloss_source_from_world(probe_10, normal_2);
-    const float3 _e7 = octagloss_source_from_world(probe_10, view_1);
-    float cosine_3 = clamp(dot(_e6, _e7), octagloss_LEAST_COSINE, 1.0);
-    level_view = (_e7 - (_e6 * dot(_e6, _e7)));
-    float3 _e16 = level_view;
-    float3 _e17 = level_view;
-    if ((dot(_e16, _e17) < 1e-10)) {
-        level_view = ((abs(_e6.x) > 0.5) ? float3(0.0, 1.0, 0.0) : float3(1.0, 0.0, 0.0));
-    }
-    float3 _e34 = level_view;
-    float3 _e35 = level_view;
-    float3 towards = normalize((_e34 - (_e6 * dot(_e6, _e35))));
-    float sine = sqrt((1.0 - (cosine_3 * cosine_3)));
-    float3 along = (towards * sine);
-    float3 v_1 = (along + (_e6 * cosine_3));
-    uint2 loop_bound_8 = uint2(4294967295u, 4294967295u);
-    bool loop_init_8 = true;
+    float3 across_1 = cross(surface_1.normal, surface_1.towards);
+    float3 x_1 = ((surface_1.towards * tangent.x) + (across_1 * tangent.y));
+    float3 y_1 = ((across_1 * tangent.x) - (surface_1.towards * tangent.y));
+    float3 view_5 = float3((surface_1.sine * tangent.x), (-(surface_1.sine) * tangent.y), surface_1.cosine);
+    const float _e30 = octagloss_map_inner();
+    float2 wide = max(alpha_1, ((0.9 / _e30)).xx);
+    uint2 loop_bound_10 = uint2(4294967295u, 4294967295u);
+    bool loop_init_10 = true;
     while(true) {
-        if (all(loop_bound_8 == uint2(0u, 0u))) { break; }
-        loop_bound_8 -= uint2(loop_bound_8.y == 0u, 1u);
-        if (!loop_init_8) {
-            uint _e90 = k_4;
-            k_4 = (_e90 + 1u);
+        if (all(loop_bound_10 == uint2(0u, 0u))) { break; }
+        loop_bound_10 -= uint2(loop_bound_10.y == 0u, 1u);
+        if (!loop_init_10) {
+            uint _e109 = k_5;
+            k_5 = (_e109 + 1u);
         }
-        loop_init_8 = false;
-        uint _e53 = k_4;
-        if ((_e53 < octagloss_READS)) {
+        loop_init_10 = false;
+        uint _e39 = k_5;
+        if ((_e39 < octagloss_SUNS)) {
         } else {
             break;
         }
         {
-            uint _e56 = k_4;
-            const float4 _e57 = octagloss_reflection_node(_e56, roughness_3, cosine_3);
-            float3 half_vector_1 = normalize((_e6 + (_e57.x * along)));
-            float3 direction_5 = ((half_vector_1 * (2.0 * dot(v_1, half_vector_1))) - v_1);
-            float3 _e67 = sum_3;
-            const float3 _e75 = octagloss_between_levels(probe_10, direction_5, _e57.y);
-            sum_3 = (_e67 + (((f0_ * _e57.z) + ((f90_ * _e57.w)).xxx) * _e75));
-            float _e78 = in_mirror;
-            in_mirror = (_e78 + ((_e57.z + _e57.w) * max((1.0 - _e57.y), 0.0)));
-        }
-    }
-    const float4 _e93 = octagloss_reflection_node(octagloss_READS, roughness_3, cosine_3);
-    float3 _e94 = sum_3;
-    const float2 _e101 = octagloss_place_of(_e6);
-    const float2 _e102 = octagloss_place_in_cosine(_e101);
-    const float3 _e103 = octagloss_read_cosine(probe_10, _e102);
-    sum_3 = (_e94 + (((f0_ * _e93.x) + ((f90_ * _e93.y)).xxx) * _e103));
-    uint2 loop_bound_9 = uint2(4294967295u, 4294967295u);
-    bool loop_init_9 = true;
-    while(true) {
-        if (all(loop_bound_9 == uint2(0u, 0u))) { break; }
-        loop_bound_9 -= uint2(loop_bound_9.y == 0u, 1u);
-        if (!loop_init_9) {
-            uint _e190 = k_5;
-            k_5 = (_e190 + 1u);
-        }
-        loop_init_9 = false;
-        uint _e129 = k_5;
-        if ((_e129 < 5u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e132 = k_5;
-            float _e135 = angles[min(uint(_e132), 4u)].x;
-            uint _e137 = k_5;
-            float _e140 = angles[min(uint(_e137), 4u)].y;
-            const float3 _e143[5] = octagloss_harmonic_orders(probe_10, ((_e6 * _e135) + (towards * _e140)));
-            orders = _e143;
-            uint _e145 = k_5;
-            order_2 = _e145;
-            uint2 loop_bound_10 = uint2(4294967295u, 4294967295u);
-            bool loop_init_10 = true;
-            while(true) {
-                if (all(loop_bound_10 == uint2(0u, 0u))) { break; }
-                loop_bound_10 -= uint2(loop_bound_10.y == 0u, 1u);
-                if (!loop_init_10) {
-                    uint _e187 = order_2;
-                    order_2 = (_e187 + 1u);
-                }
-                loop_init_10 = false;
-                uint _e147 = order_2;
-                if ((_e147 < 5u)) {
-                } else {
-                    break;
-                }
-                {
-                    uint _e150 = pair;
-                    if ((naga_mod(_e150, 2u) == 0u)) {
-                        uint _e156 = pair;
-                        const float4 _e160 = octagloss_reflection_node((10u + naga_div(_e156, 2u)), roughness_3, cosine_3);
-                        texel = _e160;
-                    }
-                    float4 _e161 = texel;
-                    float4 _e163 = texel;
-                    uint _e165 = pair;
-                    float2 weights_2 = ((naga_mod(_e165, 2u) == 0u) ? _e163.xy : _e161.zw);
-                    float3 _e171 = sum_3;
-                    uint _e178 = order_2;
-                    float3 _e180 = orders[min(uint(_e178), 4u)];
-                    sum_3 = (_e171 + (((f0_ * weights_2.x) + ((f90_ * weights_2.y)).xxx) * _e180));
-                    uint _e184 = pair;
-                    pair = (_e184 + 1u);
-                }
-            }
-        }
-    }
-    float3 _e192 = sum_3;
-    float _e198 = octagloss_lights[probe_10].unscale;
-    sum_3 = (max(_e192, ZeroValuefloat3()) * _e198);
-    float _e200 = in_mirror;
-    float share_1 = max((1.0 - (_e200 / (_e93.z + _e93.w))), 0.0);
-    const float _e210 = octagloss_map_inner();
-    float alpha_2 = max((roughness_3 * roughness_3), (0.9 / _e210));
-    float3 across_1 = cross(_e6, towards);
-    uint2 loop_bound_11 = uint2(4294967295u, 4294967295u);
-    bool loop_init_11 = true;
-    while(true) {
-        if (all(loop_bound_11 == uint2(0u, 0u))) { break; }
-        loop_bound_11 -= uint2(loop_bound_11.y == 0u, 1u);
-        if (!loop_init_11) {
-            uint _e290 = k_6;
-            k_6 = (_e290 + 1u);
-        }
-        loop_init_11 = false;
-        uint _e217 = k_6;
-        if ((_e217 < octagloss_SUNS)) {
-        } else {
-            break;
-        }
-        {
-            uint _e223 = k_6;
-            OctaglossSun sun_2 = octagloss_lights[probe_10].suns[_e223];
+            uint _e45 = k_5;
+            OctaglossSun sun_2 = octagloss_lights[probe_12].suns[_e45];
             channels = Constructarray3_float4_(sun_2.red, sun_2.green, sun_2.blue);
             values = ZeroValuearray3_float2_();
             c = 0u;
-            uint2 loop_bound_12 = uint2(4294967295u, 4294967295u);
-            bool loop_init_12 = true;
+            uint2 loop_bound_11 = uint2(4294967295u, 4294967295u);
+            bool loop_init_11 = true;
             while(true) {
-                if (all(loop_bound_12 == uint2(0u, 0u))) { break; }
-                loop_bound_12 -= uint2(loop_bound_12.y == 0u, 1u);
-                if (!loop_init_12) {
-                    uint _e257 = c;
-                    c = (_e257 + 1u);
+                if (all(loop_bound_11 == uint2(0u, 0u))) { break; }
+                loop_bound_11 -= uint2(loop_bound_11.y == 0u, 1u);
+                if (!loop_init_11) {
+                    uint _e77 = c;
+                    c = (_e77 + 1u);
                 }
-                loop_init_12 = false;
-                uint _e235 = c;
-                if ((_e235 < 3u)) {
+                loop_init_11 = false;
+                uint _e57 = c;
+                if ((_e57 < 3u)) {
                 } else {
                     break;
                 }
                 {
-                    uint _e238 = c;
-                    float4 _e240 = channels[min(uint(_e238), 2u)];
-                    float3 to = _e240.xyz;
-                    float3 light_1 = float3(dot(to, towards), dot(to, across_1), dot(to, _e6));
-                    uint _e246 = c;
-                    uint _e251 = c;
-                    float _e254 = channels[min(uint(_e251), 2u)].w;
-                    const float2 _e255 = octagloss_brdf_around(float3(sine, 0.0, cosine_3), light_1, (alpha_2).xx, _e254);
-                    values[min(uint(_e246), 2u)] = _e255;
+                    uint _e60 = c;
+                    float4 _e62 = channels[min(uint(_e60), 2u)];
+                    float3 to = _e62.xyz;
+                    float3 light_1 = float3(dot(to, x_1), dot(to, y_1), dot(to, surface_1.normal));
+                    uint _e69 = c;
+                    uint _e71 = c;
+                    float _e74 = channels[min(uint(_e71), 2u)].w;
+                    const float2 _e75 = octagloss_brdf_around(view_5, light_1, wide, _e74);
+                    values[min(uint(_e69), 2u)] = _e75;
                 }
             }
-            float _e261 = values[0].x;
-            float _e264 = values[1].x;
-            float _e267 = values[2].x;
-            float3 value_1 = float3(_e261, _e264, _e267);
-            float _e271 = values[0].y;
-            float _e274 = values[1].y;
-            float _e277 = values[2].y;
-            float3 fresnel = float3(_e271, _e274, _e277);
-            float3 _e279 = sum_3;
-            sum_3 = (_e279 + ((sun_2.energy * (share_1 * value_1)) * (f0_ + (((f90_).xxx - f0_) * fresnel))));
+            float _e81 = values[0].x;
+            float _e84 = values[1].x;
+            float _e87 = values[2].x;
+            float3 value_1 = float3(_e81, _e84, _e87);
+            float _e91 = values[0].y;
+            float _e94 = values[1].y;
+            float _e97 = values[2].y;
+            float3 fresnel = float3(_e91, _e94, _e97);
+            float3 _e99 = sum_4;
+            sum_4 = (_e99 + ((sun_2.energy * value_1) * (f0_1 + (((f90_1).xxx - f0_1) * fresnel))));
         }
     }
-    float3 _e292 = sum_3;
-    return _e292;
+    float3 _e111 = sum_4;
+    return _e111;
 }
 
-float3 octagloss_reflect(float3 normal_3, float3 view_2, float roughness_4, float3 f0_1, float f90_1)
+typedef float4 ret_ZeroValuearray8_float4_[8];
+ret_ZeroValuearray8_float4_ ZeroValuearray8_float4_() {
+    float4 zeros[8] = { (float4)0, (float4)0, (float4)0, (float4)0, (float4)0, (float4)0, (float4)0, (float4)0 };
+    return zeros;
+}
+
+float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface_2, float roughness_3, float3 f0_2, float f90_2)
 {
-    const float3 _e6 = octagloss_reflect_of(0u, normal_3, view_2, roughness_4, f0_1, f90_1);
-    return _e6;
+    float3 sum_5 = ZeroValuefloat3();
+    float in_mirror = 0.0;
+    uint k_6 = 0u;
+    float4 pairs_1[8] = ZeroValuearray8_float4_();
+    uint k_7 = 0u;
+
+    float3 n_1 = surface_2.normal;
+    float cosine_9 = surface_2.cosine;
+    float3 along_2 = (surface_2.towards * surface_2.sine);
+    float3 v_1 = (along_2 + (n_1 * cosine_9));
+    uint2 loop_bound_12 = uint2(4294967295u, 4294967295u);
+    bool loop_init_12 = true;
+    while(true) {
+        if (all(loop_bound_12 == uint2(0u, 0u))) { break; }
+        loop_bound_12 -= uint2(loop_bound_12.y == 0u, 1u);
+        if (!loop_init_12) {
+            uint _e55 = k_6;
+            k_6 = (_e55 + 1u);
+        }
+        loop_init_12 = false;
+        uint _e18 = k_6;
+        if ((_e18 < octagloss_READS)) {
+        } else {
+            break;
+        }
+        {
+            uint _e21 = k_6;
+            const float4 _e22 = octagloss_reflection_node(_e21, roughness_3, cosine_9);
+            float3 half_vector_1 = normalize((n_1 + (_e22.x * along_2)));
+            float3 direction_5 = ((half_vector_1 * (2.0 * dot(v_1, half_vector_1))) - v_1);
+            float3 _e32 = sum_5;
+            const float3 _e40 = octagloss_between_levels(probe_13, direction_5, _e22.y);
+            sum_5 = (_e32 + (((f0_2 * _e22.z) + ((f90_2 * _e22.w)).xxx) * _e40));
+            float _e43 = in_mirror;
+            in_mirror = (_e43 + ((_e22.z + _e22.w) * max((1.0 - _e22.y), 0.0)));
+        }
+    }
+    const float4 _e58 = octagloss_reflection_node(octagloss_READS, roughness_3, cosine_9);
+    float3 _e59 = sum_5;
+    const float3 _e66 = octagloss_cosine_light(probe_13, n_1);
+    sum_5 = (_e59 + (((f0_2 * _e58.x) + ((f90_2 * _e58.y)).xxx) * _e66));
+    uint2 loop_bound_13 = uint2(4294967295u, 4294967295u);
+    bool loop_init_13 = true;
+    while(true) {
+        if (all(loop_bound_13 == uint2(0u, 0u))) { break; }
+        loop_bound_13 -= uint2(loop_bound_13.y == 0u, 1u);
+        if (!loop_init_13) {
+            uint _e83 = k_7;
+            k_7 = (_e83 + 1u);
+        }
+        loop_init_13 = false;
+        uint _e73 = k_7;
+        if ((_e73 < 8u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e76 = k_7;
+            uint _e79 = k_7;
+            const float4 _e81 = octagloss_reflection_node((10u + _e79), roughness_3, cosine_9);
+            pairs_1[min(uint(_e76), 7u)] = _e81;
+        }
+    }
+    float3 _e85 = sum_5;
+    float4 _e86[8] = pairs_1;
+    const float3 _e87 = octagloss_harmonics_reflected(probe_13, surface_2, _e86, f0_2, f90_2);
+    sum_5 = (_e85 + _e87);
+    float3 _e89 = sum_5;
+    float _e95 = octagloss_lights[probe_13].unscale;
+    sum_5 = (max(_e89, ZeroValuefloat3()) * _e95);
+    float _e97 = in_mirror;
+    float share_1 = max((1.0 - (_e97 / (_e58.z + _e58.w))), 0.0);
+    float2 alpha_9 = ((roughness_3 * roughness_3)).xx;
+    float3 _e108 = sum_5;
+    const float3 _e112 = octagloss_suns_reflected(probe_13, surface_2, float2(1.0, 0.0), alpha_9, f0_2, f90_2);
+    return (_e108 + (share_1 * _e112));
 }
 
-float2 octagloss_albedo(float cosine_1, float roughness_5)
+octagloss_SurfaceFrame Constructoctagloss_SurfaceFrame(float3 arg0, float3 arg1, float arg2, float arg3) {
+    octagloss_SurfaceFrame ret = (octagloss_SurfaceFrame)0;
+    ret.normal = arg0;
+    ret.towards = arg1;
+    ret.cosine = arg2;
+    ret.sine = arg3;
+    return ret;
+}
+
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_14, float3 normal_2, float3 view_1)
+{
+    float3 level_view = (float3)0;
+
+    const float3 _e3 = octagloss_source_from_world(probe_14, normal_2);
+    const float3 _e4 = octagloss_source_from_world(probe_14, view_1);
+    float cosine_10 = clamp(dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
+    level_view = (_e4 - (_e3 * dot(_e3, _e4)));
+    float3 _e13 = level_view;
+    float3 _e14 = level_view;
+    if ((dot(_e13, _e14) < 1e-10)) {
+        level_view = ((abs(_e3.x) > 0.5) ? float3(0.0, 1.0, 0.0) : float3(1.0, 0.0, 0.0));
+    }
+    float3 _e31 = level_view;
+    float3 _e32 = level_view;
+    float3 towards = normalize((_e31 - (_e3 * dot(_e3, _e32))));
+    const octagloss_SurfaceFrame octagloss_surfaceframe = Constructoctagloss_SurfaceFrame(_e3, towards, cosine_10, sqrt((1.0 - (cosine_10 * cosine_10))));
+    return octagloss_surfaceframe;
+}
+
+float3 octagloss_reflect_isotropic(float3 normal_3, float3 view_2, float roughness_4, float3 f0_3, float f90_3)
+{
+    const octagloss_SurfaceFrame _e7 = octagloss_surface_of(0u, normal_3, view_2);
+    const float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_4, f0_3, f90_3);
+    return _e8;
+}
+
+float2 octagloss_round_albedo(float cosine_1, float roughness_5)
 {
     const float4 _e6 = octagloss_reflection_node(octagloss_READS, roughness_5, clamp(cosine_1, octagloss_LEAST_COSINE, 1.0));
     return _e6.zw;
+}
+
+float2 octagloss_row_alphas(float roughness_6, float anisotropy)
+{
+    float alpha_10 = (roughness_6 * roughness_6);
+    return float2((alpha_10 + (((1.0 - alpha_10) * anisotropy) * anisotropy)), alpha_10);
+}
+
+float octagloss_row_share(float2 alpha_2)
+{
+    return smoothstep(0.0, 1.0, ((alpha_2.x - alpha_2.y) / (octagloss_BLEND * max(alpha_2.y, 1e-6))));
+}
+
+octagloss_RowPlace Constructoctagloss_RowPlace(float3 arg0, float arg1) {
+    octagloss_RowPlace ret = (octagloss_RowPlace)0;
+    ret.at = arg0;
+    ret.share = arg1;
+    return ret;
+}
+
+float4 ZeroValuefloat4() {
+    return (float4)0;
+}
+
+octagloss_RowPlace octagloss_row_place(float2 alpha_3, float cosine_2, float2 tangent_1)
+{
+    float sharp = max(alpha_3.y, octagloss_ROW_SHARP);
+    float azimuth = (atan2(abs(tangent_1.y), abs(tangent_1.x)) * 0.63661975);
+    float4 places = float4((log2((1.0 + (5.0 * sqrt(alpha_3.y)))) * 0.3868528), sqrt(cosine_2), (1.0 - pow(max((1.0 - azimuth), 0.0), 0.6666667)), (log2((max(alpha_3.x, sharp) / sharp)) / -(log2(min(sharp, 0.999999)))));
+    float4 place_2 = (clamp(places, ZeroValuefloat4(), (1.0).xxxx) * float4(15.0, 9.0, 7.0, 6.0));
+    float lower = min(floor(place_2.w), 5.0);
+    float2 inside = clamp(place_2.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx));
+    float3 texel_2 = (float3(inside.x, (inside.y + (10.0 * lower)), place_2.z) + (0.5).xxx);
+    float3 size_1 = float3(352.0, 70.0, 8.0);
+    const octagloss_RowPlace octagloss_rowplace = Constructoctagloss_RowPlace((texel_2 / size_1), (place_2.w - lower));
+    return octagloss_rowplace;
+}
+
+float4 octagloss_read_rows(float3 at_6)
+{
+    float4 _e4 = octagloss_rows.SampleLevel(octagloss_linear, at_6, 0.0);
+    return _e4;
+}
+
+float4 octagloss_row_node(uint layer_2, octagloss_RowPlace place)
+{
+    float3 at_8 = float3((place.at.x + (float(layer_2) / 22.0)), place.at.yz);
+    const float4 _e11 = octagloss_read_rows(at_8);
+    const float4 _e18 = octagloss_read_rows(float3(at_8.x, (at_8.y + 0.14285715), at_8.z));
+    return lerp(_e11, _e18, place.share);
+}
+
+float2 octagloss_row_albedo(float2 alpha_4, float cosine_3, float along, float2 more)
+{
+    float2 squares_1 = (alpha_4 * alpha_4);
+    float mean_1 = sqrt((0.5 * (squares_1.x + squares_1.y)));
+    float seen = sqrt(lerp(squares_1.y, squares_1.x, along));
+    const float4 _e18 = octagloss_reflection_node(octagloss_READS, sqrt(lerp(seen, mean_1, cosine_3)), cosine_3);
+    float2 round_ = _e18.zw;
+    return max((round_ + more), ZeroValuefloat2());
+}
+
+float octagloss_row_number(float4 terms, float3 more_1, float4 own_1, float3 own_more)
+{
+    return (dot(terms, own_1) + dot(more_1, own_more));
+}
+
+octagloss_Row Constructoctagloss_Row(float2 arg0, float arg1, float arg2, float4 arg3, float arg4, float arg5) {
+    octagloss_Row ret = (octagloss_Row)0;
+    ret.axis = arg0;
+    ret.extent = arg1;
+    ret.shift = arg2;
+    ret.steps = arg3;
+    ret.alternation = arg4;
+    ret.skew = arg5;
+    return ret;
+}
+
+octagloss_Row octagloss_row_of(float2 alpha_5, float2 tangent_2, float cosine_4)
+{
+    float2 axis = float2(1.0, 0.0);
+
+    float2 squares_2 = (alpha_5 * alpha_5);
+    float difference = (squares_2.x - squares_2.y);
+    float along_3 = (squares_2.y + ((difference * tangent_2.x) * tangent_2.x));
+    float across_2 = (((squares_2.y + ((difference * tangent_2.y) * tangent_2.y)) * cosine_4) * cosine_4);
+    float mixed_1 = (((difference * tangent_2.x) * tangent_2.y) * cosine_4);
+    float apart_1 = (0.5 * (along_3 - across_2));
+    float root = length(float2(apart_1, mixed_1));
+    float greatest = max(((0.5 * (along_3 + across_2)) + root), 1e-30);
+    if ((root > 0.0)) {
+        float2 steep = float2(abs(mixed_1), ((root - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0)));
+        axis = normalize((((apart_1 >= 0.0) ? float2((apart_1 + root), mixed_1) : steep) / (root).xx));
+    }
+    float x_2 = log(max((((alpha_5.x * alpha_5.y) * cosine_4) / greatest), octagloss_NARROWEST));
+    float extent = sqrt(greatest);
+    float y_2 = log((1.0 + (6.0 * extent)));
+    float4 a_1 = float4(1.0, x_2, (x_2 * x_2), y_2);
+    float _e78 = axis.x;
+    float tilt = (_e78 * smoothstep(0.0, octagloss_TILTED, sqrt((1.0 - (cosine_4 * cosine_4)))));
+    float _e90 = axis.x;
+    float3 b_1 = float3((x_2 * y_2), (y_2 * y_2), (_e90 * tilt));
+    const float _e102 = octagloss_row_number(a_1, b_1, float4(-0.586, -0.455, 0.163, 0.472), float3(-0.19, 0.082, -0.016));
+    const float _e112 = octagloss_row_number(a_1, b_1, float4(-0.689, -0.159, 0.24, -0.146), float3(0.18, -0.072, 0.035));
+    const float _e122 = octagloss_row_number(a_1, b_1, float4(-0.638, -0.28, -0.164, -0.867), float3(-0.372, 0.097, 0.015));
+    const float _e132 = octagloss_row_number(a_1, b_1, float4(0.039, 0.823, -0.026, -0.128), float3(-0.018, 0.078, 0.014));
+    const float _e142 = octagloss_row_number(a_1, b_1, float4(0.223, 0.187, 0.032, 0.194), float3(-0.338, 0.001, -0.017));
+    const float _e152 = octagloss_row_number(a_1, b_1, float4(0.308, 0.224, 0.015, 0.005), float3(-0.034, 0.077, 0.008));
+    float _e154 = axis.x;
+    float _e156 = axis.y;
+    float _e169 = axis.x;
+    const octagloss_Row octagloss_row = Constructoctagloss_Row((float2(_e154, (_e156 / cosine_4)) * sqrt((2.0 * root))), extent, (_e102 * tilt), exp(float4(_e112, _e122, _e132, _e142)), exp(_e152), smoothstep(0.0, octagloss_SKEWED, _e169));
+    return octagloss_row;
+}
+
+float2 octagloss_row_read(octagloss_Row row_1, uint read)
+{
+    float place_3 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
+    float slope = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_3))) / row_1.steps.y);
+    float wider = ((naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation));
+    float growth = (row_1.steps.w * slope);
+    float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
+    const float _e44 = octagloss_map_inner();
+    float last_1 = (log2(_e44) - 3.0);
+    float sharp_1 = (last_1 + log2((max(width, 1e-9) / 0.35)));
+    float below = max((log2(((max(width, 1e-9) * _e44) / 1.8)) * 0.610706), 0.0);
+    return float2(slope, ((sharp_1 >= 1.0) ? min(sharp_1, last_1) : below));
+}
+
+typedef float3 ret_Constructarray4_float3_[4];
+ret_Constructarray4_float3_ Constructarray4_float3_(float3 arg0, float3 arg1, float3 arg2, float3 arg3) {
+    float3 ret[4] = { arg0, arg1, arg2, arg3 };
+    return ret;
+}
+
+float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, float2 tangent_3, float2 alpha_6, float3 f0_4, float f90_4)
+{
+    float3 sum_6 = ZeroValuefloat3();
+    float in_mirror_1 = 0.0;
+    uint distance_ = 0u;
+    float2 mean = (float2)0;
+    float2 skew = (float2)0;
+    uint side = (uint)0;
+    float4 pairs_2[8] = ZeroValuearray8_float4_();
+    uint k_8 = 0u;
+    float3 aside[4] = Constructarray4_float3_(float3(0.4620342, 0.54655075, -0.6984316), float3(0.8966183, 0.38650447, 0.21607853), float3(0.11814805, 0.3835753, 0.91592085), float3(0.14011177, 0.8172301, -0.5590202));
+    float4 texel = (float4)0;
+    uint pair_1 = 15u;
+    uint k_9 = 0u;
+    float3 own_2[5] = { (float3)0, (float3)0, (float3)0, (float3)0, (float3)0 };
+    float3 other[5] = { (float3)0, (float3)0, (float3)0, (float3)0, (float3)0 };
+    uint order_3 = (uint)0;
+
+    float3 n_2 = surface_3.normal;
+    float3 across_3 = cross(n_2, surface_3.towards);
+    float3 v_2 = ((surface_3.towards * surface_3.sine) + (n_2 * surface_3.cosine));
+    const octagloss_RowPlace _e16 = octagloss_row_place(alpha_6, surface_3.cosine, tangent_3);
+    const octagloss_Row _e18 = octagloss_row_of(alpha_6, tangent_3, surface_3.cosine);
+    float3 axis_1 = ((surface_3.towards * _e18.axis.x) + (across_3 * _e18.axis.y));
+    const float4 _e32 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
+    const float2 _e34 = octagloss_row_albedo(alpha_6, surface_3.cosine, (tangent_3.x * tangent_3.x), _e32.xy);
+    float3 scaled = (f0_4 * _e34.x);
+    float grazing = (f90_4 * _e34.y);
+    uint2 loop_bound_14 = uint2(4294967295u, 4294967295u);
+    bool loop_init_14 = true;
+    while(true) {
+        if (all(loop_bound_14 == uint2(0u, 0u))) { break; }
+        loop_bound_14 -= uint2(loop_bound_14.y == 0u, 1u);
+        if (!loop_init_14) {
+            uint _e142 = distance_;
+            distance_ = (_e142 + 1u);
+        }
+        loop_init_14 = false;
+        uint _e45 = distance_;
+        if ((_e45 <= octagloss_ROW_MIDDLE)) {
+        } else {
+            break;
+        }
+        {
+            uint _e48 = distance_;
+            const float4 _e49 = octagloss_row_node(_e48, _e16);
+            mean = _e49.xy;
+            skew = ZeroValuefloat2();
+            uint _e54 = distance_;
+            if ((_e54 == 0u)) {
+                float3 _e57 = sum_6;
+                const float3 _e64 = octagloss_cosine_light(probe_15, n_2);
+                sum_6 = (_e57 + (((scaled * _e49.z) + ((grazing * _e49.w)).xxx) * _e64));
+            } else {
+                mean = (0.5 * (_e49.xy + _e49.zw));
+                skew = ((0.5 * _e18.skew) * (_e49.xy - _e49.zw));
+            }
+            side = 0u;
+            uint2 loop_bound_15 = uint2(4294967295u, 4294967295u);
+            bool loop_init_15 = true;
+            while(true) {
+                if (all(loop_bound_15 == uint2(0u, 0u))) { break; }
+                loop_bound_15 -= uint2(loop_bound_15.y == 0u, 1u);
+                if (!loop_init_15) {
+                    uint _e139 = side;
+                    side = (_e139 + 1u);
+                }
+                loop_init_15 = false;
+                uint _e81 = side;
+                uint _e82 = distance_;
+                if ((_e81 < min((_e82 + 1u), 2u))) {
+                } else {
+                    break;
+                }
+                {
+                    float2 _e88 = mean;
+                    float2 _e89 = skew;
+                    float2 _e91 = mean;
+                    float2 _e92 = skew;
+                    uint _e94 = side;
+                    float2 weights_3 = ((_e94 == 0u) ? (_e91 + _e92) : (_e88 - _e89));
+                    uint _e99 = distance_;
+                    uint _e102 = distance_;
+                    uint _e104 = side;
+                    const float2 _e108 = octagloss_row_read(_e18, ((_e104 == 0u) ? (octagloss_ROW_MIDDLE + _e102) : (octagloss_ROW_MIDDLE - _e99)));
+                    float3 half_vector_2 = normalize((n_2 + (_e108.x * axis_1)));
+                    float3 direction_6 = ((half_vector_2 * (2.0 * dot(v_2, half_vector_2))) - v_2);
+                    float3 _e118 = sum_6;
+                    const float3 _e126 = octagloss_between_levels(probe_15, direction_6, _e108.y);
+                    sum_6 = (_e118 + (((scaled * weights_3.x) + ((grazing * weights_3.y)).xxx) * _e126));
+                    float _e129 = in_mirror_1;
+                    in_mirror_1 = (_e129 + (dot(_e34, weights_3) * max((1.0 - _e108.y), 0.0)));
+                }
+            }
+        }
+    }
+    uint2 loop_bound_16 = uint2(4294967295u, 4294967295u);
+    bool loop_init_16 = true;
+    while(true) {
+        if (all(loop_bound_16 == uint2(0u, 0u))) { break; }
+        loop_bound_16 -= uint2(loop_bound_16.y == 0u, 1u);
+        if (!loop_init_16) {
+            uint _e158 = k_8;
+            k_8 = (_e158 + 1u);
+        }
+        loop_init_16 = false;
+        uint _e148 = k_8;
+        if ((_e148 < 8u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e151 = k_8;
+            uint _e154 = k_8;
+            const float4 _e156 = octagloss_row_node((9u + _e154), _e16);
+            pairs_2[min(uint(_e151), 7u)] = _e156;
+        }
+    }
+    float3 _e160 = sum_6;
+    float4 _e161[8] = pairs_2;
+    const float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled, grazing);
+    sum_6 = (_e160 + _e162);
+    float3 mirrored = (across_3 * (((tangent_3.x * tangent_3.y) < 0.0) ? -1.0 : 1.0));
+    float4 _e192 = pairs_2[7];
+    texel = _e192;
+    uint2 loop_bound_17 = uint2(4294967295u, 4294967295u);
+    bool loop_init_17 = true;
+    while(true) {
+        if (all(loop_bound_17 == uint2(0u, 0u))) { break; }
+        loop_bound_17 -= uint2(loop_bound_17.y == 0u, 1u);
+        if (!loop_init_17) {
+            uint _e280 = k_9;
+            k_9 = (_e280 + 1u);
+        }
+        loop_init_17 = false;
+        uint _e198 = k_9;
+        if ((_e198 < 4u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e202 = k_9;
+            float _e205 = aside[min(uint(_e202), 3u)].x;
+            uint _e207 = k_9;
+            float _e210 = aside[min(uint(_e207), 3u)].z;
+            float3 level_4 = ((surface_3.towards * _e205) + (n_2 * _e210));
+            uint _e213 = k_9;
+            float _e216 = aside[min(uint(_e213), 3u)].y;
+            const float3 _e219[5] = octagloss_harmonic_orders(probe_15, (level_4 + (mirrored * _e216)));
+            own_2 = _e219;
+            uint _e221 = k_9;
+            float _e224 = aside[min(uint(_e221), 3u)].y;
+            const float3 _e227[5] = octagloss_harmonic_orders(probe_15, (level_4 - (mirrored * _e224)));
+            other = _e227;
+            uint _e229 = k_9;
+            order_3 = (_e229 + 1u);
+            uint2 loop_bound_18 = uint2(4294967295u, 4294967295u);
+            bool loop_init_18 = true;
+            while(true) {
+                if (all(loop_bound_18 == uint2(0u, 0u))) { break; }
+                loop_bound_18 -= uint2(loop_bound_18.y == 0u, 1u);
+                if (!loop_init_18) {
+                    uint _e277 = order_3;
+                    order_3 = (_e277 + 1u);
+                }
+                loop_init_18 = false;
+                uint _e233 = order_3;
+                if ((_e233 < 5u)) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e236 = pair_1;
+                    if ((naga_mod(_e236, 2u) == 0u)) {
+                        uint _e242 = pair_1;
+                        const float4 _e246 = octagloss_row_node((9u + naga_div(_e242, 2u)), _e16);
+                        texel = _e246;
+                    }
+                    float4 _e247 = texel;
+                    float4 _e249 = texel;
+                    uint _e251 = pair_1;
+                    float2 weights_4 = ((naga_mod(_e251, 2u) == 0u) ? _e249.xy : _e247.zw);
+                    float3 _e257 = sum_6;
+                    uint _e264 = order_3;
+                    float3 _e266 = own_2[min(uint(_e264), 4u)];
+                    uint _e267 = order_3;
+                    float3 _e269 = other[min(uint(_e267), 4u)];
+                    sum_6 = (_e257 + (((scaled * weights_4.x) + ((grazing * weights_4.y)).xxx) * (_e266 - _e269)));
+                    uint _e274 = pair_1;
+                    pair_1 = (_e274 + 1u);
+                }
+            }
+        }
+    }
+    float3 _e282 = sum_6;
+    float _e288 = octagloss_lights[probe_15].unscale;
+    sum_6 = (max(_e282, ZeroValuefloat3()) * _e288);
+    float _e290 = in_mirror_1;
+    float share_2 = max((1.0 - (_e290 / (_e34.x + _e34.y))), 0.0);
+    float3 _e299 = sum_6;
+    const float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_3, alpha_6, f0_4, f90_4);
+    return (_e299 + (share_2 * _e300));
+}
+
+float3 octagloss_reflect_of(uint probe_16, float3 normal_4, float3 view_3, float3 tangent_4, float roughness_7, float anisotropy_1, float3 f0_5, float f90_5)
+{
+    float2 level_3 = ZeroValuefloat2();
+    bool local = (bool)0;
+
+    const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_16, normal_4, view_3);
+    if ((anisotropy_1 > 0.0)) {
+        local = (dot(tangent_4, tangent_4) > 0.0);
+    } else {
+        local = false;
+    }
+    bool _e19 = local;
+    if (_e19) {
+        const float3 _e20 = octagloss_source_from_world(probe_16, tangent_4);
+        float3 across_4 = cross(_e8.normal, _e8.towards);
+        level_3 = float2(dot(_e20, _e8.towards), dot(_e20, across_4));
+    }
+    float2 _e28 = level_3;
+    float2 _e29 = level_3;
+    if ((dot(_e28, _e29) < 1e-10)) {
+        const float3 _e33 = octagloss_reflected_isotropic(probe_16, _e8, roughness_7, f0_5, f90_5);
+        return _e33;
+    }
+    const float2 _e36 = octagloss_row_alphas(roughness_7, min(anisotropy_1, 1.0));
+    const float _e37 = octagloss_row_share(_e36);
+    float2 _e38 = level_3;
+    const float3 _e40 = octagloss_reflect_in_row(probe_16, _e8, normalize(_e38), _e36, f0_5, f90_5);
+    float3 sum_7 = (_e37 * _e40);
+    if ((_e37 == 1.0)) {
+        return sum_7;
+    }
+    float round_1 = sqrt(sqrt((_e36.x * _e36.y)));
+    const float3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round_1, f0_5, f90_5);
+    return (sum_7 + ((1.0 - _e37) * _e51));
+}
+
+float3 octagloss_reflect(float3 normal_5, float3 view_4, float3 tangent_5, float roughness_8, float anisotropy_2, float3 f0_6, float f90_6)
+{
+    const float3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_5, roughness_8, anisotropy_2, f0_6, f90_6);
+    return _e8;
+}
+
+float2 octagloss_faded_albedo(float2 alpha_7, float cosine_5, float2 own_3)
+{
+    const float2 _e8 = octagloss_round_albedo(cosine_5, sqrt(sqrt((alpha_7.x * alpha_7.y))));
+    const float _e9 = octagloss_row_share(alpha_7);
+    return lerp(_e8, own_3, _e9);
+}
+
+float2 octagloss_albedo(float cosine_6, float roughness_9, float anisotropy_3)
+{
+    if ((anisotropy_3 <= 0.0)) {
+        const float2 _e5 = octagloss_round_albedo(cosine_6, roughness_9);
+        return _e5;
+    }
+    const float2 _e8 = octagloss_row_alphas(roughness_9, min(anisotropy_3, 1.0));
+    float seen_1 = clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
+    const octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_1, float2(1.0, 0.0));
+    const float4 _e17 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
+    float2 more_2 = _e17.zw;
+    const float2 _e20 = octagloss_row_albedo(_e8, seen_1, 0.5, more_2);
+    const float2 _e21 = octagloss_faded_albedo(_e8, seen_1, _e20);
+    return _e21;
+}
+
+float2 octagloss_albedo_along(float cosine_7, float along_1, float roughness_10, float anisotropy_4)
+{
+    if ((anisotropy_4 <= 0.0)) {
+        const float2 _e6 = octagloss_round_albedo(cosine_7, roughness_10);
+        return _e6;
+    }
+    const float2 _e9 = octagloss_row_alphas(roughness_10, min(anisotropy_4, 1.0));
+    float seen_2 = clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
+    float x_3 = min((abs(along_1) / max(sqrt((1.0 - (seen_2 * seen_2))), 0.0001)), 1.0);
+    const octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_2, float2(x_3, sqrt((1.0 - (x_3 * x_3)))));
+    const float4 _e30 = octagloss_row_node(octagloss_ROW_ALBEDO, _e29);
+    float2 more_3 = _e30.xy;
+    const float2 _e33 = octagloss_row_albedo(_e9, seen_2, (x_3 * x_3), more_3);
+    const float2 _e34 = octagloss_faded_albedo(_e9, seen_2, _e33);
+    return _e34;
 }

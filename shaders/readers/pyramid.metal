@@ -1,9 +1,10 @@
 // Reads files of `octagloss bake --target pyramid`: reflections of any roughness and view, and irradiance.
 // octagloss_lights holds the 256 floats `uniform` of NAME_pyramid.json, octagloss_maps NAME_pyramid.ktx2,
-// octagloss_tables pyramid_tables.ktx2; octagloss_linear is a sampler, linear in texels and in mip levels and
-// clamped to the edge. Directions are in the world, right-handed, y up. To use: octagloss_radiance,
-// octagloss_irradiance, octagloss_reflect and octagloss_albedo; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 2da02ca0c45fb865.
+// octagloss_tables pyramid_tables.ktx2, octagloss_rows pyramid_rows.ktx2, of which isotropic reflections read
+// nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
+// Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
+// octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
+// Translated from pyramid.wgsl, FNV-1a 4c190949f1a5211d.
 // Metal; the resources are arguments of each function.
 // language: metal1.0
 #include <metal_stdlib>
@@ -37,29 +38,55 @@ struct OctaglossLight {
 struct type_7 {
     OctaglossLight inner[1];
 };
-struct type_11 {
+struct type_12 {
     float inner[25];
 };
-struct type_13 {
+struct type_14 {
     float inner[5];
 };
-struct type_14 {
+struct type_15 {
     metal::float4 inner[4];
 };
-struct type_17 {
+struct type_18 {
     float inner[7];
 };
-struct type_18 {
-    metal::float3 inner[5];
+struct octagloss_SurfaceFrame {
+    metal::float3 normal;
+    metal::packed_float3 towards;
+    float cosine;
+    float sine;
+    char _pad4[12];
 };
 struct type_19 {
-    metal::float2 inner[5];
+    metal::float3 inner[5];
 };
 struct type_20 {
-    metal::float4 inner[3];
+    metal::float4 inner[8];
 };
 struct type_21 {
+    metal::float2 inner[5];
+};
+struct type_22 {
+    metal::float4 inner[3];
+};
+struct type_23 {
     metal::float2 inner[3];
+};
+struct octagloss_RowPlace {
+    metal::packed_float3 at;
+    float share;
+};
+struct octagloss_Row {
+    metal::float2 axis;
+    float extent;
+    float shift;
+    metal::float4 steps;
+    float alternation;
+    float skew;
+    char _pad6[8];
+};
+struct type_24 {
+    metal::float3 inner[4];
 };
 constant uint octagloss_SUNS = 8u;
 constant uint octagloss_INTERVALS = 640u;
@@ -70,8 +97,17 @@ constant uint octagloss_READS = 9u;
 constant metal::float2 octagloss_NODES = metal::float2(46.0, 26.0);
 constant float octagloss_LEAST_COSINE = 0.01;
 constant metal::float2 octagloss_TABLES = metal::float2(864.0, 31.0);
+constant metal::float4 octagloss_ROW_NODES = metal::float4(16.0, 10.0, 8.0, 7.0);
+constant uint octagloss_ROW_MIDDLE = 7u;
+constant uint octagloss_ROW_ALBEDO = 8u;
+constant uint octagloss_ROW_LAYERS = 22u;
+constant float octagloss_ROW_SHARP = 0.001;
+constant float octagloss_NARROWEST = 0.05;
+constant float octagloss_BLEND = 0.1;
+constant float octagloss_TILTED = 0.5;
+constant float octagloss_SKEWED = 0.2;
 
-type_11 octagloss_harmonic_basis(
+type_12 octagloss_harmonic_basis(
     metal::float3 d
 ) {
     float x = d.x;
@@ -80,7 +116,7 @@ type_11 octagloss_harmonic_basis(
     float xx = x * x;
     float yy = y * y;
     float zz = z * z;
-    return type_11 {{0.28209478, 0.48860252 * y, 0.48860252 * z, 0.48860252 * x, (1.0925485 * x) * y, (1.0925485 * y) * z, 0.31539157 * ((3.0 * zz) - 1.0), (1.0925485 * x) * z, 0.54627424 * (xx - yy), (0.5900436 * y) * ((3.0 * xx) - yy), ((2.8906114 * x) * y) * z, (0.4570458 * y) * ((5.0 * zz) - 1.0), (0.37317634 * z) * ((5.0 * zz) - 3.0), (0.4570458 * x) * ((5.0 * zz) - 1.0), (1.4453057 * z) * (xx - yy), (0.5900436 * x) * (xx - (3.0 * yy)), ((2.5033429 * x) * y) * (xx - yy), ((1.7701308 * y) * z) * ((3.0 * xx) - yy), ((0.9461747 * x) * y) * ((7.0 * zz) - 1.0), ((0.6690465 * y) * z) * ((7.0 * zz) - 3.0), 0.10578555 * ((((35.0 * zz) * zz) - (30.0 * zz)) + 3.0), ((0.6690465 * x) * z) * ((7.0 * zz) - 3.0), (0.47308734 * (xx - yy)) * ((7.0 * zz) - 1.0), ((1.7701308 * x) * z) * (xx - (3.0 * yy)), 0.6258357 * (((xx * xx) - ((6.0 * xx) * yy)) + (yy * yy))}};
+    return type_12 {{0.28209478, 0.48860252 * y, 0.48860252 * z, 0.48860252 * x, (1.0925485 * x) * y, (1.0925485 * y) * z, 0.31539157 * ((3.0 * zz) - 1.0), (1.0925485 * x) * z, 0.54627424 * (xx - yy), (0.5900436 * y) * ((3.0 * xx) - yy), ((2.8906114 * x) * y) * z, (0.4570458 * y) * ((5.0 * zz) - 1.0), (0.37317634 * z) * ((5.0 * zz) - 3.0), (0.4570458 * x) * ((5.0 * zz) - 1.0), (1.4453057 * z) * (xx - yy), (0.5900436 * x) * (xx - (3.0 * yy)), ((2.5033429 * x) * y) * (xx - yy), ((1.7701308 * y) * z) * ((3.0 * xx) - yy), ((0.9461747 * x) * y) * ((7.0 * zz) - 1.0), ((0.6690465 * y) * z) * ((7.0 * zz) - 3.0), 0.10578555 * ((((35.0 * zz) * zz) - (30.0 * zz)) + 3.0), ((0.6690465 * x) * z) * ((7.0 * zz) - 3.0), (0.47308734 * (xx - yy)) * ((7.0 * zz) - 1.0), ((1.7701308 * x) * z) * (xx - (3.0 * yy)), 0.6258357 * (((xx * xx) - ((6.0 * xx) * yy)) + (yy * yy))}};
 }
 
 metal::float3 octagloss_source_from_world(
@@ -120,15 +156,15 @@ metal::float2 octagloss_place_of(
 metal::float3 octagloss_harmonics_around(
     uint probe_1,
     metal::float3 d_1,
-    type_13 weights,
+    type_14 weights,
     constant type_7& octagloss_lights
 ) {
-    type_11 basis = {};
+    type_12 basis = {};
     metal::float3 sum = metal::float3 {};
     uint order = 0u;
     metal::float3 own = {};
     uint k = {};
-    type_11 _e3 = octagloss_harmonic_basis(d_1);
+    type_12 _e3 = octagloss_harmonic_basis(d_1);
     basis = _e3;
     uint2 loop_bound = uint2(4294967295u);
     bool loop_init = true;
@@ -186,11 +222,11 @@ metal::float3 octagloss_harmonics_around(
     return _e52;
 }
 
-type_14 octagloss_node_weights(
+type_15 octagloss_node_weights(
     uint node,
     metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
-    type_14 weights_1 = type_14 {};
+    type_15 weights_1 = type_15 {};
     uint row = 0u;
     uint2 loop_bound_2 = uint2(4294967295u);
     bool loop_init_2 = true;
@@ -214,7 +250,7 @@ type_14 octagloss_node_weights(
             weights_1.inner[_e8] = _e16;
         }
     }
-    type_14 _e20 = weights_1;
+    type_15 _e20 = weights_1;
     return _e20;
 }
 
@@ -291,20 +327,20 @@ metal::float3 octagloss_radiance_of(
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
-    type_14 low = {};
-    type_14 high = {};
+    type_15 low = {};
+    type_15 high = {};
     metal::float3 sum_1 = metal::float3 {};
-    type_17 levels = {};
+    type_18 levels = {};
     uint level_1 = 0u;
     uint k_1 = 0u;
     metal::float3 _e3 = octagloss_source_from_world(probe_6, direction_2, octagloss_lights);
     metal::float2 _e4 = octagloss_place_of(_e3, octagloss_maps);
     float node_1 = metal::log2(1.0 + (50.0 * roughness)) * 112.826515;
-    uint k_7 = metal::min(naga_f2u32(node_1), 639u);
-    float share = node_1 - static_cast<float>(k_7);
-    type_14 _e17 = octagloss_node_weights(k_7, octagloss_tables);
+    uint k_10 = metal::min(naga_f2u32(node_1), 639u);
+    float share = node_1 - static_cast<float>(k_10);
+    type_15 _e17 = octagloss_node_weights(k_10, octagloss_tables);
     low = _e17;
-    type_14 _e21 = octagloss_node_weights(k_7 + 1u, octagloss_tables);
+    type_15 _e21 = octagloss_node_weights(k_10 + 1u, octagloss_tables);
     high = _e21;
     metal::float4 _e24 = low.inner[0];
     metal::float4 _e26 = high.inner[0];
@@ -328,7 +364,7 @@ metal::float3 octagloss_radiance_of(
         metal::float3 _e58 = octagloss_read_sharp(probe_6, _e4, octagloss_maps, octagloss_linear);
         sum_1 = _e56 + (a.y * _e58);
     }
-    levels = type_17 {{a.z, a.w, b.x, b.y, b.z, b.w, c_1.x}};
+    levels = type_18 {{a.z, a.w, b.x, b.y, b.z, b.w, c_1.x}};
     uint2 loop_bound_3 = uint2(4294967295u);
     bool loop_init_3 = true;
     while(true) {
@@ -364,12 +400,12 @@ metal::float3 octagloss_radiance_of(
         sum_1 = _e95 + (c_1.y * _e98);
     }
     metal::float3 _e101 = sum_1;
-    metal::float3 _e108 = octagloss_harmonics_around(probe_6, _e3, type_13 {{c_1.z, c_1.w, e.x, e.y, e.z}}, octagloss_lights);
+    metal::float3 _e108 = octagloss_harmonics_around(probe_6, _e3, type_14 {{c_1.z, c_1.w, e.x, e.y, e.z}}, octagloss_lights);
     sum_1 = _e101 + _e108;
     metal::float3 _e110 = sum_1;
     float _e116 = octagloss_lights.inner[probe_6].unscale;
     sum_1 = metal::max(_e110, metal::float3 {}) * _e116;
-    float alpha_1 = roughness * roughness;
+    float alpha_8 = roughness * roughness;
     uint2 loop_bound_4 = uint2(4294967295u);
     bool loop_init_4 = true;
     while(true) {
@@ -394,7 +430,7 @@ metal::float3 octagloss_radiance_of(
             metal::float3 apart = metal::float3(_e133, _e137, _e141);
             metal::float3 s = metal::min(0.25 * apart, metal::float3(0.5));
             metal::float3 spread_1 = metal::float3(sun.red.w, sun.green.w, sun.blue.w);
-            metal::float3 a2_ = metal::min(metal::float3(alpha_1 * alpha_1) + (0.5 * spread_1), metal::float3(1.0));
+            metal::float3 a2_ = metal::min(metal::float3(alpha_8 * alpha_8) + (0.5 * spread_1), metal::float3(1.0));
             metal::float3 bend = s + (a2_ * (metal::float3(1.0) - s));
             metal::float3 lobe = ((0.31830987 * a2_) / (bend * bend)) * (metal::float3(1.0) - (2.0 * s));
             metal::float3 _e178 = sum_1;
@@ -487,9 +523,9 @@ metal::float4 octagloss_reflection_node(
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
-    metal::float2 place = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine));
-    metal::float2 at_6 = ((place * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
-    metal::float4 _e21 = octagloss_read_reflections(layer_1, at_6, octagloss_tables, octagloss_linear);
+    metal::float2 place_1 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine));
+    metal::float2 at_7 = ((place_1 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
+    metal::float4 _e21 = octagloss_read_reflections(layer_1, at_7, octagloss_tables, octagloss_linear);
     return _e21;
 }
 
@@ -525,8 +561,8 @@ metal::float2 octagloss_brdf_around(
         return metal::float2 {};
     }
     metal::float3 half_vector = metal::normalize(view + light);
-    float cosine_2 = metal::dot(view, half_vector);
-    metal::float2 across = metal::float2(-(view.y), view.x) / metal::float2(cosine_2);
+    float cosine_8 = metal::dot(view, half_vector);
+    metal::float2 across = metal::float2(-(view.y), view.x) / metal::float2(cosine_8);
     metal::float2 squares = (alpha * alpha) + ((0.5 * spread) * (metal::float2(1.0) + (across * across)));
     float mixed = ((0.5 * spread) * across.x) * across.y;
     float determinant = (squares.x * squares.y) - (mixed * mixed);
@@ -535,19 +571,19 @@ metal::float2 octagloss_brdf_around(
     float bend_1 = (slopes / determinant) + (half_vector.z * half_vector.z);
     float masking = (light.z * metal::length(metal::float3(alpha * view.xy, view.z))) + (view.z * metal::length(metal::float3(alpha * light.xy, light.z)));
     float value = (0.5 * light.z) / ((((masking * 3.1415927) * metal::sqrt(determinant)) * bend_1) * bend_1);
-    return metal::float2(value, metal::pow(metal::max(1.0 - cosine_2, 0.0), 5.0));
+    return metal::float2(value, metal::pow(metal::max(1.0 - cosine_8, 0.0), 5.0));
 }
 
-type_18 octagloss_harmonic_orders(
+type_19 octagloss_harmonic_orders(
     uint probe_9,
     metal::float3 d_2,
     constant type_7& octagloss_lights
 ) {
-    type_11 basis_1 = {};
-    type_18 sums = type_18 {};
+    type_12 basis_1 = {};
+    type_19 sums = type_19 {};
     uint order_1 = 0u;
     uint k_3 = {};
-    type_11 _e2 = octagloss_harmonic_basis(d_2);
+    type_12 _e2 = octagloss_harmonic_basis(d_2);
     basis_1 = _e2;
     uint2 loop_bound_6 = uint2(4294967295u);
     bool loop_init_6 = true;
@@ -597,240 +633,316 @@ type_18 octagloss_harmonic_orders(
             }
         }
     }
-    type_18 _e45 = sums;
+    type_19 _e45 = sums;
     return _e45;
 }
 
-uint naga_mod(uint lhs, uint rhs) {
-    return lhs % metal::select(rhs, 1u, rhs == 0u);
+metal::float3 octagloss_cosine_light(
+    uint probe_10,
+    metal::float3 n,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+    metal::sampler octagloss_linear
+) {
+    metal::float2 _e2 = octagloss_place_of(n, octagloss_maps);
+    metal::float2 _e3 = octagloss_place_in_cosine(_e2, octagloss_maps);
+    metal::float3 _e4 = octagloss_read_cosine(probe_10, _e3, octagloss_maps, octagloss_linear);
+    return _e4;
 }
 
 uint naga_div(uint lhs, uint rhs) {
     return lhs / metal::select(rhs, 1u, rhs == 0u);
 }
 
-metal::float3 octagloss_reflect_of(
-    uint probe_10,
-    metal::float3 normal_2,
-    metal::float3 view_1,
-    float roughness_3,
+uint naga_mod(uint lhs, uint rhs) {
+    return lhs % metal::select(rhs, 1u, rhs == 0u);
+}
+
+metal::float3 octagloss_harmonics_reflected(
+    uint probe_11,
+    octagloss_SurfaceFrame surface,
+    type_20 pairs,
     metal::float3 f0_,
     float f90_,
-    constant type_7& octagloss_lights,
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
-    metal::texture2d<float, metal::access::sample> octagloss_tables,
-    metal::sampler octagloss_linear
+    constant type_7& octagloss_lights
 ) {
-    metal::float3 level_view = {};
+    type_21 angles = type_21 {{metal::float2(1.0, 0.0), metal::float2(0.309017, 0.95105654), metal::float2(-0.809017, 0.58778524), metal::float2(0.809017, 0.58778524), metal::float2(-0.309017, 0.95105654)}};
+    type_20 texels = {};
     metal::float3 sum_3 = metal::float3 {};
-    float in_mirror = 0.0;
-    uint k_4 = 0u;
-    type_19 angles = type_19 {{metal::float2(1.0, 0.0), metal::float2(0.309017, 0.95105654), metal::float2(-0.809017, 0.58778524), metal::float2(0.809017, 0.58778524), metal::float2(-0.309017, 0.95105654)}};
     uint pair = 0u;
-    metal::float4 texel = metal::float4 {};
-    uint k_5 = 0u;
-    type_18 orders = {};
+    uint k_4 = 0u;
+    type_19 orders = {};
     uint order_2 = {};
-    uint k_6 = 0u;
-    type_20 channels = {};
-    type_21 values = {};
-    uint c = {};
-    metal::float3 _e6 = octagloss_source_from_world(probe_10, normal_2, octagloss_lights);
-    metal::float3 _e7 = octagloss_source_from_world(probe_10, view_1, octagloss_lights);
-    float cosine_3 = metal::clamp(metal::dot(_e6, _e7), octagloss_LEAST_COSINE, 1.0);
-    level_view = _e7 - (_e6 * metal::dot(_e6, _e7));
-    metal::float3 _e16 = level_view;
-    metal::float3 _e17 = level_view;
-    if (metal::dot(_e16, _e17) < 0.0000000001) {
-        level_view = (metal::abs(_e6.x) > 0.5) ? metal::float3(0.0, 1.0, 0.0) : metal::float3(1.0, 0.0, 0.0);
-    }
-    metal::float3 _e34 = level_view;
-    metal::float3 _e35 = level_view;
-    metal::float3 towards = metal::normalize(_e34 - (_e6 * metal::dot(_e6, _e35)));
-    float sine = metal::sqrt(1.0 - (cosine_3 * cosine_3));
-    metal::float3 along = towards * sine;
-    metal::float3 v_1 = along + (_e6 * cosine_3);
+    texels = pairs;
     uint2 loop_bound_8 = uint2(4294967295u);
     bool loop_init_8 = true;
     while(true) {
         if (metal::all(loop_bound_8 == uint2(0u))) { break; }
         loop_bound_8 -= uint2(loop_bound_8.y == 0u, 1u);
         if (!loop_init_8) {
-            uint _e90 = k_4;
-            k_4 = _e90 + 1u;
+            uint _e84 = k_4;
+            k_4 = _e84 + 1u;
         }
         loop_init_8 = false;
-        uint _e53 = k_4;
-        if (_e53 < octagloss_READS) {
+        uint _e29 = k_4;
+        if (_e29 < 5u) {
         } else {
             break;
         }
         {
-            uint _e56 = k_4;
-            metal::float4 _e57 = octagloss_reflection_node(_e56, roughness_3, cosine_3, octagloss_tables, octagloss_linear);
-            metal::float3 half_vector_1 = metal::normalize(_e6 + (_e57.x * along));
-            metal::float3 direction_5 = (half_vector_1 * (2.0 * metal::dot(v_1, half_vector_1))) - v_1;
-            metal::float3 _e67 = sum_3;
-            metal::float3 _e75 = octagloss_between_levels(probe_10, direction_5, _e57.y, octagloss_maps, octagloss_linear);
-            sum_3 = _e67 + (((f0_ * _e57.z) + metal::float3(f90_ * _e57.w)) * _e75);
-            float _e78 = in_mirror;
-            in_mirror = _e78 + ((_e57.z + _e57.w) * metal::max(1.0 - _e57.y, 0.0));
-        }
-    }
-    metal::float4 _e93 = octagloss_reflection_node(octagloss_READS, roughness_3, cosine_3, octagloss_tables, octagloss_linear);
-    metal::float3 _e94 = sum_3;
-    metal::float2 _e101 = octagloss_place_of(_e6, octagloss_maps);
-    metal::float2 _e102 = octagloss_place_in_cosine(_e101, octagloss_maps);
-    metal::float3 _e103 = octagloss_read_cosine(probe_10, _e102, octagloss_maps, octagloss_linear);
-    sum_3 = _e94 + (((f0_ * _e93.x) + metal::float3(f90_ * _e93.y)) * _e103);
-    uint2 loop_bound_9 = uint2(4294967295u);
-    bool loop_init_9 = true;
-    while(true) {
-        if (metal::all(loop_bound_9 == uint2(0u))) { break; }
-        loop_bound_9 -= uint2(loop_bound_9.y == 0u, 1u);
-        if (!loop_init_9) {
-            uint _e190 = k_5;
-            k_5 = _e190 + 1u;
-        }
-        loop_init_9 = false;
-        uint _e129 = k_5;
-        if (_e129 < 5u) {
-        } else {
-            break;
-        }
-        {
-            uint _e132 = k_5;
-            float _e135 = angles.inner[_e132].x;
-            uint _e137 = k_5;
-            float _e140 = angles.inner[_e137].y;
-            type_18 _e143 = octagloss_harmonic_orders(probe_10, (_e6 * _e135) + (towards * _e140), octagloss_lights);
-            orders = _e143;
-            uint _e145 = k_5;
-            order_2 = _e145;
-            uint2 loop_bound_10 = uint2(4294967295u);
-            bool loop_init_10 = true;
+            uint _e33 = k_4;
+            float _e36 = angles.inner[_e33].x;
+            uint _e39 = k_4;
+            float _e42 = angles.inner[_e39].y;
+            type_19 _e45 = octagloss_harmonic_orders(probe_11, (surface.normal * _e36) + (surface.towards * _e42), octagloss_lights);
+            orders = _e45;
+            uint _e47 = k_4;
+            order_2 = _e47;
+            uint2 loop_bound_9 = uint2(4294967295u);
+            bool loop_init_9 = true;
             while(true) {
-                if (metal::all(loop_bound_10 == uint2(0u))) { break; }
-                loop_bound_10 -= uint2(loop_bound_10.y == 0u, 1u);
-                if (!loop_init_10) {
-                    uint _e187 = order_2;
-                    order_2 = _e187 + 1u;
+                if (metal::all(loop_bound_9 == uint2(0u))) { break; }
+                loop_bound_9 -= uint2(loop_bound_9.y == 0u, 1u);
+                if (!loop_init_9) {
+                    uint _e81 = order_2;
+                    order_2 = _e81 + 1u;
                 }
-                loop_init_10 = false;
-                uint _e147 = order_2;
-                if (_e147 < 5u) {
+                loop_init_9 = false;
+                uint _e49 = order_2;
+                if (_e49 < 5u) {
                 } else {
                     break;
                 }
                 {
-                    uint _e150 = pair;
-                    if (naga_mod(_e150, 2u) == 0u) {
-                        uint _e156 = pair;
-                        metal::float4 _e160 = octagloss_reflection_node(10u + naga_div(_e156, 2u), roughness_3, cosine_3, octagloss_tables, octagloss_linear);
-                        texel = _e160;
-                    }
-                    metal::float4 _e161 = texel;
-                    metal::float4 _e163 = texel;
-                    uint _e165 = pair;
-                    metal::float2 weights_2 = (naga_mod(_e165, 2u) == 0u) ? _e163.xy : _e161.zw;
-                    metal::float3 _e171 = sum_3;
-                    uint _e178 = order_2;
-                    metal::float3 _e180 = orders.inner[_e178];
-                    sum_3 = _e171 + (((f0_ * weights_2.x) + metal::float3(f90_ * weights_2.y)) * _e180);
-                    uint _e184 = pair;
-                    pair = _e184 + 1u;
+                    uint _e52 = pair;
+                    metal::float4 texel_1 = texels.inner[naga_div(_e52, 2u)];
+                    uint _e59 = pair;
+                    metal::float2 weights_2 = (naga_mod(_e59, 2u) == 0u) ? texel_1.xy : texel_1.zw;
+                    metal::float3 _e65 = sum_3;
+                    uint _e72 = order_2;
+                    metal::float3 _e74 = orders.inner[_e72];
+                    sum_3 = _e65 + (((f0_ * weights_2.x) + metal::float3(f90_ * weights_2.y)) * _e74);
+                    uint _e78 = pair;
+                    pair = _e78 + 1u;
                 }
             }
         }
     }
-    metal::float3 _e192 = sum_3;
-    float _e198 = octagloss_lights.inner[probe_10].unscale;
-    sum_3 = metal::max(_e192, metal::float3 {}) * _e198;
-    float _e200 = in_mirror;
-    float share_1 = metal::max(1.0 - (_e200 / (_e93.z + _e93.w)), 0.0);
-    float _e210 = octagloss_map_inner(octagloss_maps);
-    float alpha_2 = metal::max(roughness_3 * roughness_3, 0.9 / _e210);
-    metal::float3 across_1 = metal::cross(_e6, towards);
-    uint2 loop_bound_11 = uint2(4294967295u);
-    bool loop_init_11 = true;
-    while(true) {
-        if (metal::all(loop_bound_11 == uint2(0u))) { break; }
-        loop_bound_11 -= uint2(loop_bound_11.y == 0u, 1u);
-        if (!loop_init_11) {
-            uint _e290 = k_6;
-            k_6 = _e290 + 1u;
-        }
-        loop_init_11 = false;
-        uint _e217 = k_6;
-        if (_e217 < octagloss_SUNS) {
-        } else {
-            break;
-        }
-        {
-            uint _e223 = k_6;
-            OctaglossSun sun_2 = octagloss_lights.inner[probe_10].suns.inner[_e223];
-            channels = type_20 {{sun_2.red, sun_2.green, sun_2.blue}};
-            values = type_21 {};
-            c = 0u;
-            uint2 loop_bound_12 = uint2(4294967295u);
-            bool loop_init_12 = true;
-            while(true) {
-                if (metal::all(loop_bound_12 == uint2(0u))) { break; }
-                loop_bound_12 -= uint2(loop_bound_12.y == 0u, 1u);
-                if (!loop_init_12) {
-                    uint _e257 = c;
-                    c = _e257 + 1u;
-                }
-                loop_init_12 = false;
-                uint _e235 = c;
-                if (_e235 < 3u) {
-                } else {
-                    break;
-                }
-                {
-                    uint _e238 = c;
-                    metal::float4 _e240 = channels.inner[_e238];
-                    metal::float3 to = _e240.xyz;
-                    metal::float3 light_1 = metal::float3(metal::dot(to, towards), metal::dot(to, across_1), metal::dot(to, _e6));
-                    uint _e246 = c;
-                    uint _e251 = c;
-                    float _e254 = channels.inner[_e251].w;
-                    metal::float2 _e255 = octagloss_brdf_around(metal::float3(sine, 0.0, cosine_3), light_1, metal::float2(alpha_2), _e254);
-                    values.inner[_e246] = _e255;
-                }
-            }
-            float _e261 = values.inner[0].x;
-            float _e264 = values.inner[1].x;
-            float _e267 = values.inner[2].x;
-            metal::float3 value_1 = metal::float3(_e261, _e264, _e267);
-            float _e271 = values.inner[0].y;
-            float _e274 = values.inner[1].y;
-            float _e277 = values.inner[2].y;
-            metal::float3 fresnel = metal::float3(_e271, _e274, _e277);
-            metal::float3 _e279 = sum_3;
-            sum_3 = _e279 + ((sun_2.energy * (share_1 * value_1)) * (f0_ + ((metal::float3(f90_) - f0_) * fresnel)));
-        }
-    }
-    metal::float3 _e292 = sum_3;
-    return _e292;
+    metal::float3 _e86 = sum_3;
+    return _e86;
 }
 
-metal::float3 octagloss_reflect(
-    metal::float3 normal_3,
-    metal::float3 view_2,
-    float roughness_4,
+metal::float3 octagloss_suns_reflected(
+    uint probe_12,
+    octagloss_SurfaceFrame surface_1,
+    metal::float2 tangent,
+    metal::float2 alpha_1,
     metal::float3 f0_1,
     float f90_1,
+    constant type_7& octagloss_lights,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
+) {
+    metal::float3 sum_4 = metal::float3 {};
+    uint k_5 = 0u;
+    type_22 channels = {};
+    type_23 values = {};
+    uint c = {};
+    metal::float3 across_1 = metal::cross(surface_1.normal, surface_1.towards);
+    metal::float3 x_1 = (surface_1.towards * tangent.x) + (across_1 * tangent.y);
+    metal::float3 y_1 = (across_1 * tangent.x) - (surface_1.towards * tangent.y);
+    metal::float3 view_5 = metal::float3(surface_1.sine * tangent.x, -(surface_1.sine) * tangent.y, surface_1.cosine);
+    float _e30 = octagloss_map_inner(octagloss_maps);
+    metal::float2 wide = metal::max(alpha_1, metal::float2(0.9 / _e30));
+    uint2 loop_bound_10 = uint2(4294967295u);
+    bool loop_init_10 = true;
+    while(true) {
+        if (metal::all(loop_bound_10 == uint2(0u))) { break; }
+        loop_bound_10 -= uint2(loop_bound_10.y == 0u, 1u);
+        if (!loop_init_10) {
+            uint _e109 = k_5;
+            k_5 = _e109 + 1u;
+        }
+        loop_init_10 = false;
+        uint _e39 = k_5;
+        if (_e39 < octagloss_SUNS) {
+        } else {
+            break;
+        }
+        {
+            uint _e45 = k_5;
+            OctaglossSun sun_2 = octagloss_lights.inner[probe_12].suns.inner[_e45];
+            channels = type_22 {{sun_2.red, sun_2.green, sun_2.blue}};
+            values = type_23 {};
+            c = 0u;
+            uint2 loop_bound_11 = uint2(4294967295u);
+            bool loop_init_11 = true;
+            while(true) {
+                if (metal::all(loop_bound_11 == uint2(0u))) { break; }
+                loop_bound_11 -= uint2(loop_bound_11.y == 0u, 1u);
+                if (!loop_init_11) {
+                    uint _e77 = c;
+                    c = _e77 + 1u;
+                }
+                loop_init_11 = false;
+                uint _e57 = c;
+                if (_e57 < 3u) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e60 = c;
+                    metal::float4 _e62 = channels.inner[_e60];
+                    metal::float3 to = _e62.xyz;
+                    metal::float3 light_1 = metal::float3(metal::dot(to, x_1), metal::dot(to, y_1), metal::dot(to, surface_1.normal));
+                    uint _e69 = c;
+                    uint _e71 = c;
+                    float _e74 = channels.inner[_e71].w;
+                    metal::float2 _e75 = octagloss_brdf_around(view_5, light_1, wide, _e74);
+                    values.inner[_e69] = _e75;
+                }
+            }
+            float _e81 = values.inner[0].x;
+            float _e84 = values.inner[1].x;
+            float _e87 = values.inner[2].x;
+            metal::float3 value_1 = metal::float3(_e81, _e84, _e87);
+            float _e91 = values.inner[0].y;
+            float _e94 = values.inner[1].y;
+            float _e97 = values.inner[2].y;
+            metal::float3 fresnel = metal::float3(_e91, _e94, _e97);
+            metal::float3 _e99 = sum_4;
+            sum_4 = _e99 + ((sun_2.energy * value_1) * (f0_1 + ((metal::float3(f90_1) - f0_1) * fresnel)));
+        }
+    }
+    metal::float3 _e111 = sum_4;
+    return _e111;
+}
+
+metal::float3 octagloss_reflected_isotropic(
+    uint probe_13,
+    octagloss_SurfaceFrame surface_2,
+    float roughness_3,
+    metal::float3 f0_2,
+    float f90_2,
     constant type_7& octagloss_lights,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
-    metal::float3 _e6 = octagloss_reflect_of(0u, normal_3, view_2, roughness_4, f0_1, f90_1, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
-    return _e6;
+    metal::float3 sum_5 = metal::float3 {};
+    float in_mirror = 0.0;
+    uint k_6 = 0u;
+    type_20 pairs_1 = type_20 {};
+    uint k_7 = 0u;
+    metal::float3 n_1 = surface_2.normal;
+    float cosine_9 = surface_2.cosine;
+    metal::float3 along_2 = surface_2.towards * surface_2.sine;
+    metal::float3 v_1 = along_2 + (n_1 * cosine_9);
+    uint2 loop_bound_12 = uint2(4294967295u);
+    bool loop_init_12 = true;
+    while(true) {
+        if (metal::all(loop_bound_12 == uint2(0u))) { break; }
+        loop_bound_12 -= uint2(loop_bound_12.y == 0u, 1u);
+        if (!loop_init_12) {
+            uint _e55 = k_6;
+            k_6 = _e55 + 1u;
+        }
+        loop_init_12 = false;
+        uint _e18 = k_6;
+        if (_e18 < octagloss_READS) {
+        } else {
+            break;
+        }
+        {
+            uint _e21 = k_6;
+            metal::float4 _e22 = octagloss_reflection_node(_e21, roughness_3, cosine_9, octagloss_tables, octagloss_linear);
+            metal::float3 half_vector_1 = metal::normalize(n_1 + (_e22.x * along_2));
+            metal::float3 direction_5 = (half_vector_1 * (2.0 * metal::dot(v_1, half_vector_1))) - v_1;
+            metal::float3 _e32 = sum_5;
+            metal::float3 _e40 = octagloss_between_levels(probe_13, direction_5, _e22.y, octagloss_maps, octagloss_linear);
+            sum_5 = _e32 + (((f0_2 * _e22.z) + metal::float3(f90_2 * _e22.w)) * _e40);
+            float _e43 = in_mirror;
+            in_mirror = _e43 + ((_e22.z + _e22.w) * metal::max(1.0 - _e22.y, 0.0));
+        }
+    }
+    metal::float4 _e58 = octagloss_reflection_node(octagloss_READS, roughness_3, cosine_9, octagloss_tables, octagloss_linear);
+    metal::float3 _e59 = sum_5;
+    metal::float3 _e66 = octagloss_cosine_light(probe_13, n_1, octagloss_maps, octagloss_linear);
+    sum_5 = _e59 + (((f0_2 * _e58.x) + metal::float3(f90_2 * _e58.y)) * _e66);
+    uint2 loop_bound_13 = uint2(4294967295u);
+    bool loop_init_13 = true;
+    while(true) {
+        if (metal::all(loop_bound_13 == uint2(0u))) { break; }
+        loop_bound_13 -= uint2(loop_bound_13.y == 0u, 1u);
+        if (!loop_init_13) {
+            uint _e83 = k_7;
+            k_7 = _e83 + 1u;
+        }
+        loop_init_13 = false;
+        uint _e73 = k_7;
+        if (_e73 < 8u) {
+        } else {
+            break;
+        }
+        {
+            uint _e76 = k_7;
+            uint _e79 = k_7;
+            metal::float4 _e81 = octagloss_reflection_node(10u + _e79, roughness_3, cosine_9, octagloss_tables, octagloss_linear);
+            pairs_1.inner[_e76] = _e81;
+        }
+    }
+    metal::float3 _e85 = sum_5;
+    type_20 _e86 = pairs_1;
+    metal::float3 _e87 = octagloss_harmonics_reflected(probe_13, surface_2, _e86, f0_2, f90_2, octagloss_lights);
+    sum_5 = _e85 + _e87;
+    metal::float3 _e89 = sum_5;
+    float _e95 = octagloss_lights.inner[probe_13].unscale;
+    sum_5 = metal::max(_e89, metal::float3 {}) * _e95;
+    float _e97 = in_mirror;
+    float share_1 = metal::max(1.0 - (_e97 / (_e58.z + _e58.w)), 0.0);
+    metal::float2 alpha_9 = metal::float2(roughness_3 * roughness_3);
+    metal::float3 _e108 = sum_5;
+    metal::float3 _e112 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_9, f0_2, f90_2, octagloss_lights, octagloss_maps);
+    return _e108 + (share_1 * _e112);
 }
 
-metal::float2 octagloss_albedo(
+octagloss_SurfaceFrame octagloss_surface_of(
+    uint probe_14,
+    metal::float3 normal_2,
+    metal::float3 view_1,
+    constant type_7& octagloss_lights
+) {
+    metal::float3 level_view = {};
+    metal::float3 _e3 = octagloss_source_from_world(probe_14, normal_2, octagloss_lights);
+    metal::float3 _e4 = octagloss_source_from_world(probe_14, view_1, octagloss_lights);
+    float cosine_10 = metal::clamp(metal::dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
+    level_view = _e4 - (_e3 * metal::dot(_e3, _e4));
+    metal::float3 _e13 = level_view;
+    metal::float3 _e14 = level_view;
+    if (metal::dot(_e13, _e14) < 0.0000000001) {
+        level_view = (metal::abs(_e3.x) > 0.5) ? metal::float3(0.0, 1.0, 0.0) : metal::float3(1.0, 0.0, 0.0);
+    }
+    metal::float3 _e31 = level_view;
+    metal::float3 _e32 = level_view;
+    metal::float3 towards = metal::normalize(_e31 - (_e3 * metal::dot(_e3, _e32)));
+    return octagloss_SurfaceFrame {_e3, towards, cosine_10, metal::sqrt(1.0 - (cosine_10 * cosine_10))};
+}
+
+metal::float3 octagloss_reflect_isotropic(
+    metal::float3 normal_3,
+    metal::float3 view_2,
+    float roughness_4,
+    metal::float3 f0_3,
+    float f90_3,
+    constant type_7& octagloss_lights,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+    metal::texture2d<float, metal::access::sample> octagloss_tables,
+    metal::sampler octagloss_linear
+) {
+    octagloss_SurfaceFrame _e7 = octagloss_surface_of(0u, normal_3, view_2, octagloss_lights);
+    metal::float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_4, f0_3, f90_3, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    return _e8;
+}
+
+metal::float2 octagloss_round_albedo(
     float cosine_1,
     float roughness_5,
     metal::texture2d<float, metal::access::sample> octagloss_tables,
@@ -838,4 +950,473 @@ metal::float2 octagloss_albedo(
 ) {
     metal::float4 _e6 = octagloss_reflection_node(octagloss_READS, roughness_5, metal::clamp(cosine_1, octagloss_LEAST_COSINE, 1.0), octagloss_tables, octagloss_linear);
     return _e6.zw;
+}
+
+metal::float2 octagloss_row_alphas(
+    float roughness_6,
+    float anisotropy
+) {
+    float alpha_10 = roughness_6 * roughness_6;
+    return metal::float2(alpha_10 + (((1.0 - alpha_10) * anisotropy) * anisotropy), alpha_10);
+}
+
+float octagloss_row_share(
+    metal::float2 alpha_2
+) {
+    return metal::smoothstep(0.0, 1.0, (alpha_2.x - alpha_2.y) / (octagloss_BLEND * metal::max(alpha_2.y, 0.000001)));
+}
+
+octagloss_RowPlace octagloss_row_place(
+    metal::float2 alpha_3,
+    float cosine_2,
+    metal::float2 tangent_1
+) {
+    float sharp = metal::max(alpha_3.y, octagloss_ROW_SHARP);
+    float azimuth = metal::atan2(metal::abs(tangent_1.y), metal::abs(tangent_1.x)) * 0.63661975;
+    metal::float4 places = metal::float4(metal::log2(1.0 + (5.0 * metal::sqrt(alpha_3.y))) * 0.3868528, metal::sqrt(cosine_2), 1.0 - metal::pow(metal::max(1.0 - azimuth, 0.0), 0.6666667), metal::log2(metal::max(alpha_3.x, sharp) / sharp) / -(metal::log2(metal::min(sharp, 0.999999))));
+    metal::float4 place_2 = metal::clamp(places, metal::float4 {}, metal::float4(1.0)) * metal::float4(15.0, 9.0, 7.0, 6.0);
+    float lower = metal::min(metal::floor(place_2.w), 5.0);
+    metal::float2 inside = metal::clamp(place_2.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
+    metal::float3 texel_2 = metal::float3(inside.x, inside.y + (10.0 * lower), place_2.z) + metal::float3(0.5);
+    metal::float3 size_1 = metal::float3(352.0, 70.0, 8.0);
+    return octagloss_RowPlace {texel_2 / size_1, place_2.w - lower};
+}
+
+metal::float4 octagloss_read_rows(
+    metal::float3 at_6,
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
+) {
+    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_6, metal::level(0.0));
+    return _e4;
+}
+
+metal::float4 octagloss_row_node(
+    uint layer_2,
+    octagloss_RowPlace place,
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
+) {
+    metal::float3 at_8 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 22.0), metal::float3(place.at).yz);
+    metal::float4 _e11 = octagloss_read_rows(at_8, octagloss_linear, octagloss_rows);
+    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_8.x, at_8.y + 0.14285715, at_8.z), octagloss_linear, octagloss_rows);
+    return metal::mix(_e11, _e18, place.share);
+}
+
+metal::float2 octagloss_row_albedo(
+    metal::float2 alpha_4,
+    float cosine_3,
+    float along,
+    metal::float2 more,
+    metal::texture2d<float, metal::access::sample> octagloss_tables,
+    metal::sampler octagloss_linear
+) {
+    metal::float2 squares_1 = alpha_4 * alpha_4;
+    float mean_1 = metal::sqrt(0.5 * (squares_1.x + squares_1.y));
+    float seen = metal::sqrt(metal::mix(squares_1.y, squares_1.x, along));
+    metal::float4 _e18 = octagloss_reflection_node(octagloss_READS, metal::sqrt(metal::mix(seen, mean_1, cosine_3)), cosine_3, octagloss_tables, octagloss_linear);
+    metal::float2 round = _e18.zw;
+    return metal::max(round + more, metal::float2 {});
+}
+
+float octagloss_row_number(
+    metal::float4 terms,
+    metal::float3 more_1,
+    metal::float4 own_1,
+    metal::float3 own_more
+) {
+    return metal::dot(terms, own_1) + metal::dot(more_1, own_more);
+}
+
+octagloss_Row octagloss_row_of(
+    metal::float2 alpha_5,
+    metal::float2 tangent_2,
+    float cosine_4
+) {
+    metal::float2 axis = metal::float2(1.0, 0.0);
+    metal::float2 squares_2 = alpha_5 * alpha_5;
+    float difference = squares_2.x - squares_2.y;
+    float along_3 = squares_2.y + ((difference * tangent_2.x) * tangent_2.x);
+    float across_2 = ((squares_2.y + ((difference * tangent_2.y) * tangent_2.y)) * cosine_4) * cosine_4;
+    float mixed_1 = ((difference * tangent_2.x) * tangent_2.y) * cosine_4;
+    float apart_1 = 0.5 * (along_3 - across_2);
+    float root = metal::length(metal::float2(apart_1, mixed_1));
+    float greatest = metal::max((0.5 * (along_3 + across_2)) + root, 0.000000000000000000000000000001);
+    if (root > 0.0) {
+        metal::float2 steep = metal::float2(metal::abs(mixed_1), (root - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0));
+        axis = metal::normalize(((apart_1 >= 0.0) ? metal::float2(apart_1 + root, mixed_1) : steep) / metal::float2(root));
+    }
+    float x_2 = metal::log(metal::max(((alpha_5.x * alpha_5.y) * cosine_4) / greatest, octagloss_NARROWEST));
+    float extent = metal::sqrt(greatest);
+    float y_2 = metal::log(1.0 + (6.0 * extent));
+    metal::float4 a_1 = metal::float4(1.0, x_2, x_2 * x_2, y_2);
+    float _e78 = axis.x;
+    float tilt = _e78 * metal::smoothstep(0.0, octagloss_TILTED, metal::sqrt(1.0 - (cosine_4 * cosine_4)));
+    float _e90 = axis.x;
+    metal::float3 b_1 = metal::float3(x_2 * y_2, y_2 * y_2, _e90 * tilt);
+    float _e102 = octagloss_row_number(a_1, b_1, metal::float4(-0.586, -0.455, 0.163, 0.472), metal::float3(-0.19, 0.082, -0.016));
+    float _e112 = octagloss_row_number(a_1, b_1, metal::float4(-0.689, -0.159, 0.24, -0.146), metal::float3(0.18, -0.072, 0.035));
+    float _e122 = octagloss_row_number(a_1, b_1, metal::float4(-0.638, -0.28, -0.164, -0.867), metal::float3(-0.372, 0.097, 0.015));
+    float _e132 = octagloss_row_number(a_1, b_1, metal::float4(0.039, 0.823, -0.026, -0.128), metal::float3(-0.018, 0.078, 0.014));
+    float _e142 = octagloss_row_number(a_1, b_1, metal::float4(0.223, 0.187, 0.032, 0.194), metal::float3(-0.338, 0.001, -0.017));
+    float _e152 = octagloss_row_number(a_1, b_1, metal::float4(0.308, 0.224, 0.015, 0.005), metal::float3(-0.034, 0.077, 0.008));
+    float _e154 = axis.x;
+    float _e156 = axis.y;
+    float _e169 = axis.x;
+    return octagloss_Row {metal::float2(_e154, _e156 / cosine_4) * metal::sqrt(2.0 * root), extent, _e102 * tilt, metal::exp(metal::float4(_e112, _e122, _e132, _e142)), metal::exp(_e152), metal::smoothstep(0.0, octagloss_SKEWED, _e169)};
+}
+
+metal::float2 octagloss_row_read(
+    octagloss_Row row_1,
+    uint read,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
+) {
+    float place_3 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
+    float slope = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_3)) / row_1.steps.y;
+    float wider = (naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation);
+    float growth = row_1.steps.w * slope;
+    float width = ((wider * row_1.steps.z) * metal::sqrt(1.0 + (growth * growth))) * row_1.extent;
+    float _e44 = octagloss_map_inner(octagloss_maps);
+    float last_1 = metal::log2(_e44) - 3.0;
+    float sharp_1 = last_1 + metal::log2(metal::max(width, 0.000000001) / 0.35);
+    float below = metal::max(metal::log2((metal::max(width, 0.000000001) * _e44) / 1.8) * 0.610706, 0.0);
+    return metal::float2(slope, (sharp_1 >= 1.0) ? metal::min(sharp_1, last_1) : below);
+}
+
+metal::float3 octagloss_reflect_in_row(
+    uint probe_15,
+    octagloss_SurfaceFrame surface_3,
+    metal::float2 tangent_3,
+    metal::float2 alpha_6,
+    metal::float3 f0_4,
+    float f90_4,
+    constant type_7& octagloss_lights,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+    metal::texture2d<float, metal::access::sample> octagloss_tables,
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
+) {
+    metal::float3 sum_6 = metal::float3 {};
+    float in_mirror_1 = 0.0;
+    uint distance = 0u;
+    metal::float2 mean = {};
+    metal::float2 skew = {};
+    uint side = {};
+    type_20 pairs_2 = type_20 {};
+    uint k_8 = 0u;
+    type_24 aside = type_24 {{metal::float3(0.4620342, 0.54655075, -0.6984316), metal::float3(0.8966183, 0.38650447, 0.21607853), metal::float3(0.11814805, 0.3835753, 0.91592085), metal::float3(0.14011177, 0.8172301, -0.5590202)}};
+    metal::float4 texel = {};
+    uint pair_1 = 15u;
+    uint k_9 = 0u;
+    type_19 own_2 = {};
+    type_19 other = {};
+    uint order_3 = {};
+    metal::float3 n_2 = surface_3.normal;
+    metal::float3 across_3 = metal::cross(n_2, surface_3.towards);
+    metal::float3 v_2 = (surface_3.towards * surface_3.sine) + (n_2 * surface_3.cosine);
+    octagloss_RowPlace _e16 = octagloss_row_place(alpha_6, surface_3.cosine, tangent_3);
+    octagloss_Row _e18 = octagloss_row_of(alpha_6, tangent_3, surface_3.cosine);
+    metal::float3 axis_1 = (surface_3.towards * _e18.axis.x) + (across_3 * _e18.axis.y);
+    metal::float4 _e32 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16, octagloss_linear, octagloss_rows);
+    metal::float2 _e34 = octagloss_row_albedo(alpha_6, surface_3.cosine, tangent_3.x * tangent_3.x, _e32.xy, octagloss_tables, octagloss_linear);
+    metal::float3 scaled = f0_4 * _e34.x;
+    float grazing = f90_4 * _e34.y;
+    uint2 loop_bound_14 = uint2(4294967295u);
+    bool loop_init_14 = true;
+    while(true) {
+        if (metal::all(loop_bound_14 == uint2(0u))) { break; }
+        loop_bound_14 -= uint2(loop_bound_14.y == 0u, 1u);
+        if (!loop_init_14) {
+            uint _e142 = distance;
+            distance = _e142 + 1u;
+        }
+        loop_init_14 = false;
+        uint _e45 = distance;
+        if (_e45 <= octagloss_ROW_MIDDLE) {
+        } else {
+            break;
+        }
+        {
+            uint _e48 = distance;
+            metal::float4 _e49 = octagloss_row_node(_e48, _e16, octagloss_linear, octagloss_rows);
+            mean = _e49.xy;
+            skew = metal::float2 {};
+            uint _e54 = distance;
+            if (_e54 == 0u) {
+                metal::float3 _e57 = sum_6;
+                metal::float3 _e64 = octagloss_cosine_light(probe_15, n_2, octagloss_maps, octagloss_linear);
+                sum_6 = _e57 + (((scaled * _e49.z) + metal::float3(grazing * _e49.w)) * _e64);
+            } else {
+                mean = 0.5 * (_e49.xy + _e49.zw);
+                skew = (0.5 * _e18.skew) * (_e49.xy - _e49.zw);
+            }
+            side = 0u;
+            uint2 loop_bound_15 = uint2(4294967295u);
+            bool loop_init_15 = true;
+            while(true) {
+                if (metal::all(loop_bound_15 == uint2(0u))) { break; }
+                loop_bound_15 -= uint2(loop_bound_15.y == 0u, 1u);
+                if (!loop_init_15) {
+                    uint _e139 = side;
+                    side = _e139 + 1u;
+                }
+                loop_init_15 = false;
+                uint _e81 = side;
+                uint _e82 = distance;
+                if (_e81 < metal::min(_e82 + 1u, 2u)) {
+                } else {
+                    break;
+                }
+                {
+                    metal::float2 _e88 = mean;
+                    metal::float2 _e89 = skew;
+                    metal::float2 _e91 = mean;
+                    metal::float2 _e92 = skew;
+                    uint _e94 = side;
+                    metal::float2 weights_3 = (_e94 == 0u) ? (_e91 + _e92) : (_e88 - _e89);
+                    uint _e99 = distance;
+                    uint _e102 = distance;
+                    uint _e104 = side;
+                    metal::float2 _e108 = octagloss_row_read(_e18, (_e104 == 0u) ? (octagloss_ROW_MIDDLE + _e102) : (octagloss_ROW_MIDDLE - _e99), octagloss_maps);
+                    metal::float3 half_vector_2 = metal::normalize(n_2 + (_e108.x * axis_1));
+                    metal::float3 direction_6 = (half_vector_2 * (2.0 * metal::dot(v_2, half_vector_2))) - v_2;
+                    metal::float3 _e118 = sum_6;
+                    metal::float3 _e126 = octagloss_between_levels(probe_15, direction_6, _e108.y, octagloss_maps, octagloss_linear);
+                    sum_6 = _e118 + (((scaled * weights_3.x) + metal::float3(grazing * weights_3.y)) * _e126);
+                    float _e129 = in_mirror_1;
+                    in_mirror_1 = _e129 + (metal::dot(_e34, weights_3) * metal::max(1.0 - _e108.y, 0.0));
+                }
+            }
+        }
+    }
+    uint2 loop_bound_16 = uint2(4294967295u);
+    bool loop_init_16 = true;
+    while(true) {
+        if (metal::all(loop_bound_16 == uint2(0u))) { break; }
+        loop_bound_16 -= uint2(loop_bound_16.y == 0u, 1u);
+        if (!loop_init_16) {
+            uint _e158 = k_8;
+            k_8 = _e158 + 1u;
+        }
+        loop_init_16 = false;
+        uint _e148 = k_8;
+        if (_e148 < 8u) {
+        } else {
+            break;
+        }
+        {
+            uint _e151 = k_8;
+            uint _e154 = k_8;
+            metal::float4 _e156 = octagloss_row_node(9u + _e154, _e16, octagloss_linear, octagloss_rows);
+            pairs_2.inner[_e151] = _e156;
+        }
+    }
+    metal::float3 _e160 = sum_6;
+    type_20 _e161 = pairs_2;
+    metal::float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled, grazing, octagloss_lights);
+    sum_6 = _e160 + _e162;
+    metal::float3 mirrored = across_3 * (((tangent_3.x * tangent_3.y) < 0.0) ? -1.0 : 1.0);
+    metal::float4 _e192 = pairs_2.inner[7];
+    texel = _e192;
+    uint2 loop_bound_17 = uint2(4294967295u);
+    bool loop_init_17 = true;
+    while(true) {
+        if (metal::all(loop_bound_17 == uint2(0u))) { break; }
+        loop_bound_17 -= uint2(loop_bound_17.y == 0u, 1u);
+        if (!loop_init_17) {
+            uint _e280 = k_9;
+            k_9 = _e280 + 1u;
+        }
+        loop_init_17 = false;
+        uint _e198 = k_9;
+        if (_e198 < 4u) {
+        } else {
+            break;
+        }
+        {
+            uint _e202 = k_9;
+            float _e205 = aside.inner[_e202].x;
+            uint _e207 = k_9;
+            float _e210 = aside.inner[_e207].z;
+            metal::float3 level_4 = (surface_3.towards * _e205) + (n_2 * _e210);
+            uint _e213 = k_9;
+            float _e216 = aside.inner[_e213].y;
+            type_19 _e219 = octagloss_harmonic_orders(probe_15, level_4 + (mirrored * _e216), octagloss_lights);
+            own_2 = _e219;
+            uint _e221 = k_9;
+            float _e224 = aside.inner[_e221].y;
+            type_19 _e227 = octagloss_harmonic_orders(probe_15, level_4 - (mirrored * _e224), octagloss_lights);
+            other = _e227;
+            uint _e229 = k_9;
+            order_3 = _e229 + 1u;
+            uint2 loop_bound_18 = uint2(4294967295u);
+            bool loop_init_18 = true;
+            while(true) {
+                if (metal::all(loop_bound_18 == uint2(0u))) { break; }
+                loop_bound_18 -= uint2(loop_bound_18.y == 0u, 1u);
+                if (!loop_init_18) {
+                    uint _e277 = order_3;
+                    order_3 = _e277 + 1u;
+                }
+                loop_init_18 = false;
+                uint _e233 = order_3;
+                if (_e233 < 5u) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e236 = pair_1;
+                    if (naga_mod(_e236, 2u) == 0u) {
+                        uint _e242 = pair_1;
+                        metal::float4 _e246 = octagloss_row_node(9u + naga_div(_e242, 2u), _e16, octagloss_linear, octagloss_rows);
+                        texel = _e246;
+                    }
+                    metal::float4 _e247 = texel;
+                    metal::float4 _e249 = texel;
+                    uint _e251 = pair_1;
+                    metal::float2 weights_4 = (naga_mod(_e251, 2u) == 0u) ? _e249.xy : _e247.zw;
+                    metal::float3 _e257 = sum_6;
+                    uint _e264 = order_3;
+                    metal::float3 _e266 = own_2.inner[_e264];
+                    uint _e267 = order_3;
+                    metal::float3 _e269 = other.inner[_e267];
+                    sum_6 = _e257 + (((scaled * weights_4.x) + metal::float3(grazing * weights_4.y)) * (_e266 - _e269));
+                    uint _e274 = pair_1;
+                    pair_1 = _e274 + 1u;
+                }
+            }
+        }
+    }
+    metal::float3 _e282 = sum_6;
+    float _e288 = octagloss_lights.inner[probe_15].unscale;
+    sum_6 = metal::max(_e282, metal::float3 {}) * _e288;
+    float _e290 = in_mirror_1;
+    float share_2 = metal::max(1.0 - (_e290 / (_e34.x + _e34.y)), 0.0);
+    metal::float3 _e299 = sum_6;
+    metal::float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_3, alpha_6, f0_4, f90_4, octagloss_lights, octagloss_maps);
+    return _e299 + (share_2 * _e300);
+}
+
+metal::float3 octagloss_reflect_of(
+    uint probe_16,
+    metal::float3 normal_4,
+    metal::float3 view_3,
+    metal::float3 tangent_4,
+    float roughness_7,
+    float anisotropy_1,
+    metal::float3 f0_5,
+    float f90_5,
+    constant type_7& octagloss_lights,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+    metal::texture2d<float, metal::access::sample> octagloss_tables,
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
+) {
+    metal::float2 level_3 = metal::float2 {};
+    bool local = {};
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_16, normal_4, view_3, octagloss_lights);
+    if (anisotropy_1 > 0.0) {
+        local = metal::dot(tangent_4, tangent_4) > 0.0;
+    } else {
+        local = false;
+    }
+    bool _e19 = local;
+    if (_e19) {
+        metal::float3 _e20 = octagloss_source_from_world(probe_16, tangent_4, octagloss_lights);
+        metal::float3 across_4 = metal::cross(_e8.normal, _e8.towards);
+        level_3 = metal::float2(metal::dot(_e20, _e8.towards), metal::dot(_e20, across_4));
+    }
+    metal::float2 _e28 = level_3;
+    metal::float2 _e29 = level_3;
+    if (metal::dot(_e28, _e29) < 0.0000000001) {
+        metal::float3 _e33 = octagloss_reflected_isotropic(probe_16, _e8, roughness_7, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+        return _e33;
+    }
+    metal::float2 _e36 = octagloss_row_alphas(roughness_7, metal::min(anisotropy_1, 1.0));
+    float _e37 = octagloss_row_share(_e36);
+    metal::float2 _e38 = level_3;
+    metal::float3 _e40 = octagloss_reflect_in_row(probe_16, _e8, metal::normalize(_e38), _e36, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 sum_7 = _e37 * _e40;
+    if (_e37 == 1.0) {
+        return sum_7;
+    }
+    float round_1 = metal::sqrt(metal::sqrt(_e36.x * _e36.y));
+    metal::float3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round_1, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    return sum_7 + ((1.0 - _e37) * _e51);
+}
+
+metal::float3 octagloss_reflect(
+    metal::float3 normal_5,
+    metal::float3 view_4,
+    metal::float3 tangent_5,
+    float roughness_8,
+    float anisotropy_2,
+    metal::float3 f0_6,
+    float f90_6,
+    constant type_7& octagloss_lights,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+    metal::texture2d<float, metal::access::sample> octagloss_tables,
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
+) {
+    metal::float3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_5, roughness_8, anisotropy_2, f0_6, f90_6, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    return _e8;
+}
+
+metal::float2 octagloss_faded_albedo(
+    metal::float2 alpha_7,
+    float cosine_5,
+    metal::float2 own_3,
+    metal::texture2d<float, metal::access::sample> octagloss_tables,
+    metal::sampler octagloss_linear
+) {
+    metal::float2 _e8 = octagloss_round_albedo(cosine_5, metal::sqrt(metal::sqrt(alpha_7.x * alpha_7.y)), octagloss_tables, octagloss_linear);
+    float _e9 = octagloss_row_share(alpha_7);
+    return metal::mix(_e8, own_3, _e9);
+}
+
+metal::float2 octagloss_albedo(
+    float cosine_6,
+    float roughness_9,
+    float anisotropy_3,
+    metal::texture2d<float, metal::access::sample> octagloss_tables,
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
+) {
+    if (anisotropy_3 <= 0.0) {
+        metal::float2 _e5 = octagloss_round_albedo(cosine_6, roughness_9, octagloss_tables, octagloss_linear);
+        return _e5;
+    }
+    metal::float2 _e8 = octagloss_row_alphas(roughness_9, metal::min(anisotropy_3, 1.0));
+    float seen_1 = metal::clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
+    octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_1, metal::float2(1.0, 0.0));
+    metal::float4 _e17 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16, octagloss_linear, octagloss_rows);
+    metal::float2 more_2 = _e17.zw;
+    metal::float2 _e20 = octagloss_row_albedo(_e8, seen_1, 0.5, more_2, octagloss_tables, octagloss_linear);
+    metal::float2 _e21 = octagloss_faded_albedo(_e8, seen_1, _e20, octagloss_tables, octagloss_linear);
+    return _e21;
+}
+
+metal::float2 octagloss_albedo_along(
+    float cosine_7,
+    float along_1,
+    float roughness_10,
+    float anisotropy_4,
+    metal::texture2d<float, metal::access::sample> octagloss_tables,
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
+) {
+    if (anisotropy_4 <= 0.0) {
+        metal::float2 _e6 = octagloss_round_albedo(cosine_7, roughness_10, octagloss_tables, octagloss_linear);
+        return _e6;
+    }
+    metal::float2 _e9 = octagloss_row_alphas(roughness_10, metal::min(anisotropy_4, 1.0));
+    float seen_2 = metal::clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
+    float x_3 = metal::min(metal::abs(along_1) / metal::max(metal::sqrt(1.0 - (seen_2 * seen_2)), 0.0001), 1.0);
+    octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_2, metal::float2(x_3, metal::sqrt(1.0 - (x_3 * x_3))));
+    metal::float4 _e30 = octagloss_row_node(octagloss_ROW_ALBEDO, _e29, octagloss_linear, octagloss_rows);
+    metal::float2 more_3 = _e30.xy;
+    metal::float2 _e33 = octagloss_row_albedo(_e9, seen_2, x_3 * x_3, more_3, octagloss_tables, octagloss_linear);
+    metal::float2 _e34 = octagloss_faded_albedo(_e9, seen_2, _e33, octagloss_tables, octagloss_linear);
+    return _e34;
 }

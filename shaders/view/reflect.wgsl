@@ -6,6 +6,7 @@
 @group(1) @binding(4) var octagloss_cosine: texture_2d_array<f32>;
 @group(1) @binding(5) var octagloss_linear: sampler;
 @group(1) @binding(6) var octagloss_reflections: texture_2d_array<f32>;
+@group(1) @binding(7) var octagloss_rows: texture_3d<f32>;
 #include "common/reflect_maps.wgsl"
 #include "common/view_draw.wgsl"
 
@@ -19,8 +20,8 @@ fn glossy(found: Sample, pixel: vec2<f32>) -> vec3<f32> {
     }
     let normal = frame.source_from_world * found.normal;
     let view = frame.source_from_world * found.view;
-    let albedo = octagloss_albedo(dot(normal, view), found.roughness);
+    let albedo = octagloss_albedo(dot(normal, view), found.roughness, 0.0);
     // Multiple scattering as in surface_sample.
     let again = 1.0 + found.f0 * (1.0 / (albedo.x + albedo.y) - 1.0);
-    return octagloss_reflect(normal, view, found.roughness, found.f0, 1.0) * again;
+    return octagloss_reflect_isotropic(normal, view, found.roughness, found.f0, 1.0) * again;
 }

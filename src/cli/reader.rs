@@ -1,8 +1,12 @@
-//! `octagloss reader`: prints shader code that reads outputs.
+//! `octagloss reader`: prints shader code that reads outputs, and writes the table of anisotropic reflections.
 
-use super::outcome::{Outcome, print};
+use super::console::Console;
+use super::outcome::{Outcome, check_output, print, usage, write_output};
+use crate::io::output::Existing;
+use crate::io::pyramid_write::{anisotropic_table, check_size};
 use crate::target::READERS;
 use clap::{Args as ClapArgs, ValueEnum};
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct ReaderArgs {
@@ -13,8 +17,23 @@ pub(super) struct ReaderArgs {
     #[arg(value_name = "TARGET", default_value = "pyramid", hide_possible_values = true)]
     target: Readable,
     /// wgsl, glsl, hlsl or msl
-    #[arg(long, value_name = "LANGUAGE", hide_possible_values = true)]
-    language: Language,
+    #[arg(long, value_name = "LANGUAGE", hide_possible_values = true, required_unless_present = "rows")]
+    language: Option<Language>,
+    /// Write the table of anisotropic reflections to FILE.ktx2
+    ///
+    /// A texture of three dimensions, RGBA16F, 1.6 MB, the same for all pyramids of one size. Shaders that
+    /// call octagloss_reflect with anisotropy, or octagloss_albedo_along, bind it as octagloss_rows.
+    #[arg(long, value_name = "FILE", conflicts_with = "language")]
+    rows: Option<PathBuf>,
+    /// Size of the pyramids that --rows is for [default: 512]
+    #[arg(long, value_name = "TEXELS", requires = "rows")]
+    size: Option<u32>,
+    /// Print errors only
+    #[arg(long, short)]
+    quiet: bool,
+    /// Replace a file that exists
+    #[arg(long, requires = "rows")]
+    force: bool,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -32,12 +51,46 @@ enum Language {
     Msl,
 }
 
+/// Texels along an edge of the maps of pyramids, without another choice.
+const DEFAULT_SIZE: u32 = 512;
+
 pub(super) fn run(args: &ReaderArgs) -> Outcome {
-    let stem = match args.target {
+    match (args.language, &args.rows) {
+        (Some(language), _) => print_reader(args.target, language),
+        (None, Some(path)) => write_rows(args, path),
+        (None, None) => usage("choose a --language, or a file for --rows"),
+    }
+}
+
+fn write_rows(args: &ReaderArgs, path: &Path) -> Outcome {
+    if matches!(args.target, Readable::Oem) {
+        return usage("the target oem has no table of reflections; --rows is for pyramids");
+    }
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2")) {
+        return usage(format!("--rows writes KTX2, not {}; name it *.ktx2", path.display()));
+    }
+    let size = args.size.unwrap_or(DEFAULT_SIZE);
+    if let Err(error) = check_size(size) {
+        return usage(format!("--size: {error}"));
+    }
+    let existing = if args.force { Existing::Replace } else { Existing::Keep };
+    check_output(path, existing)?;
+    let bytes = anisotropic_table(size)?;
+    write_output(path, existing, &bytes)?;
+    Console::new(args.quiet).note(&format!(
+        "{}: {} bytes for pyramids of {size}",
+        path.display(),
+        bytes.len()
+    ));
+    Ok(())
+}
+
+fn print_reader(target: Readable, language: Language) -> Outcome {
+    let stem = match target {
         Readable::Pyramid => "pyramid",
         Readable::Oem => "oem",
     };
-    let extension = match args.language {
+    let extension = match language {
         Language::Wgsl => "wgsl",
         Language::Glsl => "glsl",
         Language::Hlsl => "hlsl",
@@ -46,6 +99,6 @@ pub(super) fn run(args: &ReaderArgs) -> Outcome {
     let name = format!("{stem}.{extension}");
     match READERS.iter().find(|(own, _)| *own == name) {
         Some((_, code)) => print(code),
-        None => super::outcome::usage("the target oem has no reader in msl; choose wgsl, glsl or hlsl"),
+        None => usage("the target oem has no reader in msl; choose wgsl, glsl or hlsl"),
     }
 }

@@ -12,7 +12,7 @@ use super::device::names::named;
 use super::device::shader;
 use super::direct::{Surroundings, view_layout};
 use super::pyramid::{PyramidMaps, wgsl};
-use super::reflection;
+use super::reflection::{self, Surfaces};
 use super::reparameterise::{self, check_readable, upload};
 use super::{Context, OemPlanes, Stage};
 use crate::environment::{Environment, Layout};
@@ -267,15 +267,23 @@ impl LiveEnvironment {
         self.maps.bind_group(&self.context, layout)
     }
 
-    /// [`Self::wgsl`], and with it `octagloss_reflect(normal, view, roughness, f0, f90)`: radiance that a
-    /// surface reflects to a viewer in the direction `view`, by GGX with Smith's height-correlated masking
-    /// and Schlick's Fresnel term, `f0` a `vec3<f32>`. It needs no table of the split sum.
-    /// `octagloss_albedo(n.v, roughness)` is what a white world gives, f0 times its x plus f90 times its y:
-    /// for multiple scattering and what lies under a clear coat. A view with n.v below 0.01 is turned up to
-    /// that.
+    /// [`Self::wgsl`], and with it the true reflection. `octagloss_reflect(normal, view, tangent, roughness,
+    /// anisotropy, f0, f90)` is radiance that a surface reflects to a viewer in the direction `view`, by GGX
+    /// with Smith's height-correlated masking and Schlick's Fresnel term, `f0` a `vec3<f32>`. It needs no
+    /// table of the split sum. A view with n.v below 0.01 is turned up to that.
+    ///
+    /// `anisotropy` is that of `KHR_materials_anisotropy`, taken to [0, 1]: alpha along the tangent is r^2 +
+    /// (1 - r^2) anisotropy^2, across it r^2. The tangent has any length and either sign; what is at right
+    /// angles to the normal counts. If nothing is, as of a zero tangent, the reflection is isotropic. Without
+    /// anisotropy the tangent is not read.
+    ///
+    /// `octagloss_albedo(n.v, roughness, anisotropy)` is what a white world gives, f0 times its x plus f90
+    /// times its y: for multiple scattering and what lies under a clear coat. With anisotropy it is the mean
+    /// over the tangent's directions; `octagloss_albedo_along(n.v, t.v, roughness, anisotropy)` is that of one
+    /// tangent, of length 1 and at right angles to the normal.
     #[must_use]
     pub fn reflect_wgsl(group: u32) -> String {
-        reflection::wgsl(group)
+        reflection::wgsl(1, group)
     }
 
     /// The layout of a group with the resources of [`Self::reflect_wgsl`], visible to vertex, fragment and
@@ -287,10 +295,17 @@ impl LiveEnvironment {
 
     /// The resources of [`Self::reflect_wgsl`] as a group of `layout`: that of
     /// [`Self::reflect_bind_group_layout`], or what wgpu derived for a pipeline from its shader. The first
-    /// call for a size of maps fits a table.
+    /// call for a size of maps fits tables, for three to four seconds of one core in all.
     #[must_use]
     pub fn reflect_bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        reflection::bind_group(&self.context, &self.maps, layout)
+        reflection::bind_group(&self.context, &self.maps, false, Surfaces::Any, layout)
+    }
+
+    /// The same for shaders that reflect without anisotropy only, as `octagloss_reflect_isotropic` does: a
+    /// table that takes a tenth of that time. Reflections with anisotropy are wrong.
+    #[must_use]
+    pub fn isotropic_bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        reflection::bind_group(&self.context, &self.maps, false, Surfaces::Isotropic, layout)
     }
 
     pub(super) const fn maps(&self) -> &PyramidMaps {

@@ -3,6 +3,7 @@
 use super::Context;
 use super::live::LiveEnvironment;
 use super::pyramid::{MAX_PROBES, wgsl};
+use super::reflection::{self, Surfaces};
 use crate::error::{Error, Result};
 use std::ops::{Deref, DerefMut};
 
@@ -75,6 +76,26 @@ impl LiveProbes {
     #[must_use]
     pub fn bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         self.probes[0].maps().bind_group_of_all(&self.context, layout)
+    }
+
+    /// [`Self::wgsl`], and with it the true reflection of [`LiveEnvironment::reflect_wgsl`]:
+    /// `octagloss_reflect_of(probe, normal, view, tangent, roughness, anisotropy, f0, f90)`.
+    #[must_use]
+    pub fn reflect_wgsl(group: u32) -> String {
+        reflection::wgsl(MAX_PROBES, group)
+    }
+
+    /// The layout of a group with the resources of [`Self::reflect_wgsl`]: that of a [`LiveEnvironment`].
+    #[must_use]
+    pub fn reflect_bind_group_layout(&self) -> wgpu::BindGroupLayout {
+        self.probes[0].reflect_bind_group_layout()
+    }
+
+    /// The resources of [`Self::reflect_wgsl`] as a group of `layout`, as those of
+    /// [`LiveEnvironment::reflect_bind_group_of`].
+    #[must_use]
+    pub fn reflect_bind_group_of(&self, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        reflection::bind_group(&self.context, self.probes[0].maps(), true, Surfaces::Any, layout)
     }
 }
 

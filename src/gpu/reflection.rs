@@ -1,25 +1,61 @@
-//! True reflections out of pyramids on the GPU: their table, and their look-up as WGSL for callers' shaders.
+//! True reflections out of pyramids on the GPU: their tables, and their look-up as WGSL for callers' shaders.
 
 use super::Context;
 use super::device::resources::{SAMPLER, UNIFORM, group, group_layout, texture_binding};
 use super::device::shader;
 use super::pyramid::{PyramidMaps, RESOURCES};
-use crate::pyramid::Octaves;
 use crate::pyramid::reads::{LAYERS, NODES, table};
+use crate::pyramid::{Octaves, anisotropic};
 use half::f16;
+
+/// Surfaces that shaders ask for. The table of anisotropic ones takes seconds to fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surfaces {
+    /// Without anisotropy.
+    Isotropic,
+    /// Of any anisotropy.
+    Any,
+}
 
 /// The table as a texture: a layer for each texel of a node.
 fn texture(context: &Context, octaves: Octaves) -> wgpu::Texture {
     let [width, height] = NODES.map(|nodes| nodes as u32);
-    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-    let size = [width, height, LAYERS as u32];
-    let texture = context.texture("reflections", wgpu::TextureFormat::Rgba16Float, size, 1, usage);
     let nodes = table(octaves);
-    let layers = (0..LAYERS).flat_map(|layer| nodes.iter().flat_map(move |node| node[layer]));
-    let texels: Vec<u16> = layers.map(|value| f16::from_f32(value).to_bits()).collect();
+    let texels: Vec<_> = (0..LAYERS).flat_map(|layer| nodes.iter().map(move |node| node[layer])).collect();
+    filled(context, wgpu::TextureDimension::D2, [width, height, LAYERS as u32], &texels)
+}
+
+/// The anisotropic table; a black texel if nothing is to be read there.
+fn rows_texture(context: &Context, octaves: Octaves, surfaces: Surfaces) -> wgpu::Texture {
+    let dimension = wgpu::TextureDimension::D3;
+    match surfaces {
+        Surfaces::Isotropic => filled(context, dimension, [1; 3], &[[0.0; 4]]),
+        Surfaces::Any => filled(context, dimension, anisotropic::TEXTURE, &anisotropic::texels(octaves)),
+    }
+}
+
+/// A texture of half floats.
+fn filled(
+    context: &Context,
+    dimension: wgpu::TextureDimension,
+    [width, height, depth_or_array_layers]: [u32; 3],
+    texels: &[[f32; 4]],
+) -> wgpu::Texture {
+    let texture = context.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some("reflections"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let halves: Vec<u16> =
+        texels.as_flattened().iter().map(|value| f16::from_f32(*value).to_bits()).collect();
     context.queue().write_texture(
         texture.as_image_copy(),
-        bytemuck::cast_slice(&texels),
+        bytemuck::cast_slice(&halves),
         wgpu::TexelCopyBufferLayout {
             offset: 0,
             bytes_per_row: Some(8 * width),
@@ -35,29 +71,39 @@ fn texture(context: &Context, octaves: Octaves) -> wgpu::Texture {
 pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
     let filterable = wgpu::TextureSampleType::Float { filterable: true };
     let layers = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
-    let bindings = [UNIFORM, UNIFORM, layers, layers, layers, SAMPLER, layers];
+    let rows = texture_binding(filterable, wgpu::TextureViewDimension::D3);
+    let bindings = [UNIFORM, UNIFORM, layers, layers, layers, SAMPLER, layers, rows];
     group_layout(context, "octagloss reflections", visibility, &bindings)
 }
 
-/// Bind group of `maps` and the table, with `layout`. The first call for a size of maps fits the table.
+/// Bind group of `maps`, or `all` that share their textures, and the tables, with `layout`. The first call
+/// for a size of maps fits the tables.
 #[must_use]
-pub fn bind_group(context: &Context, maps: &PyramidMaps, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+pub fn bind_group(
+    context: &Context,
+    maps: &PyramidMaps,
+    all: bool,
+    surfaces: Surfaces,
+    layout: &wgpu::BindGroupLayout,
+) -> wgpu::BindGroup {
     let view = texture(context, maps.octaves()).create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
     });
-    maps.with_resources(false, |resources| {
-        let table = wgpu::BindingResource::TextureView(&view);
-        group(context, "octagloss reflections", layout, resources.into_iter().chain([table]))
+    let rows = rows_texture(context, maps.octaves(), surfaces).create_view(&Default::default());
+    maps.with_resources(all, |resources| {
+        let tables = [&view, &rows].map(wgpu::BindingResource::TextureView);
+        group(context, "octagloss reflections", layout, resources.into_iter().chain(tables))
     })
 }
 
-/// WGSL of all look-ups of one environment, with their resources in bind group `group`.
-pub(super) fn wgsl(group: u32) -> String {
-    let lights = "var<uniform> octagloss_lights: array<OctaglossLight, 1>";
+/// WGSL of all look-ups over `count` lights, with their resources in bind group `group`.
+pub(super) fn wgsl(count: u32, group: u32) -> String {
+    let lights = format!("var<uniform> octagloss_lights: array<OctaglossLight, {count}>");
     let mut resources = RESOURCES.to_vec();
-    resources.insert(1, lights);
+    resources.insert(1, &lights);
     resources.push("var octagloss_reflections: texture_2d_array<f32>");
+    resources.push("var octagloss_rows: texture_3d<f32>");
     shader::for_callers("common/reflect_maps.wgsl", &resources, group, "octagloss")
 }
 
@@ -66,9 +112,10 @@ pub(super) fn wgsl(group: u32) -> String {
 const READER: &str = "\
 // Reads files of `octagloss bake --target pyramid`: reflections of any roughness and view, and irradiance.
 // octagloss_lights holds the 256 floats `uniform` of NAME_pyramid.json, octagloss_maps NAME_pyramid.ktx2,
-// octagloss_tables pyramid_tables.ktx2; octagloss_linear is a sampler, linear in texels and in mip levels and
-// clamped to the edge. Directions are in the world, right-handed, y up. To use: octagloss_radiance,
-// octagloss_irradiance, octagloss_reflect and octagloss_albedo; `probe` is 0.
+// octagloss_tables pyramid_tables.ktx2, octagloss_rows pyramid_rows.ktx2, of which isotropic reflections read
+// nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
+// Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
+// octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 ";
 
 /// WGSL of the look-ups of pyramids in files, as [`crate::target::READERS`] has it.
@@ -80,6 +127,7 @@ pub fn reader_wgsl() -> String {
         "var octagloss_maps: texture_2d_array<f32>",
         "var octagloss_tables: texture_2d<f32>",
         "var octagloss_linear: sampler",
+        "var octagloss_rows: texture_3d<f32>",
     ];
     READER.to_owned() + &shader::for_callers("common/pyramid_file.wgsl", &resources, 0, "octagloss")
 }

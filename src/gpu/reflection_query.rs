@@ -5,7 +5,7 @@ use super::device::readback;
 use super::device::resources::group_at;
 use super::device::stage::{Dispatch, Stage, in_rows};
 use super::pyramid::{GROUP_SIZE, PyramidMaps};
-use super::reflection::bind_group;
+use super::reflection::{Surfaces, bind_group};
 use crate::error::Result;
 use glam::DVec3;
 
@@ -23,19 +23,23 @@ pub struct Query {
     pub f90: f32,
     /// Reflectance at normal incidence.
     pub f0: [f32; 3],
+    /// Anisotropy.
+    pub anisotropy: f32,
+    /// Tangent in the map's space, of any length.
+    pub tangent: [f32; 3],
     pad: f32,
 }
 
 impl Query {
-    /// A query with directions of any length.
+    /// A query with directions of any length: normal, view and tangent.
     #[must_use]
-    pub fn new(normal: DVec3, view: DVec3, roughness: f32, f0: [f32; 3], f90: f32) -> Self {
-        let [normal, view] = [normal, view].map(|direction| direction.as_vec3().to_array());
-        Self { normal, roughness, view, f90, f0, pad: 0.0 }
+    pub fn new(directions: [DVec3; 3], roughness: f32, anisotropy: f32, f0: [f32; 3], f90: f32) -> Self {
+        let [normal, view, tangent] = directions.map(|direction| direction.as_vec3().to_array());
+        Self { normal, roughness, view, f90, f0, anisotropy, tangent, pad: 0.0 }
     }
 }
 
-/// For each of `queries` the radiance, and the share of f0 in the albedo.
+/// For each of `queries` the radiance, and the share of f0 in the albedo along its tangent.
 ///
 /// # Errors
 /// [`crate::Error::Gpu`] if the device fails.
@@ -44,7 +48,7 @@ pub async fn reflect(context: &Context, maps: &PyramidMaps, queries: &[Query]) -
     let groups = u32::try_from(queries.len()).expect("what a buffer holds").div_ceil(GROUP_SIZE);
     let answers = context.storage("answers", 16 * queries.len() as u64);
     let queries = context.storage_of("queries", queries);
-    let maps = bind_group(context, maps, &pipeline.get_bind_group_layout(0));
+    let maps = bind_group(context, maps, false, Surfaces::Any, &pipeline.get_bind_group_layout(0));
     let lists = [(0, queries.as_entire_binding()), (1, answers.as_entire_binding())];
     let lists = group_at(context, "queries", &pipeline.get_bind_group_layout(1), lists);
     let dispatch = Dispatch::with_groups(&pipeline, vec![maps, lists], in_rows(groups));

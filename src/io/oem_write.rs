@@ -88,6 +88,7 @@ pub fn oem_bytes(
                 format: format_of(pixel)?,
                 width: side,
                 height: side,
+                depth: 0,
                 layers: 0,
                 faces: 1,
                 levels: levels.len(),

@@ -15,10 +15,12 @@ use super::reads::{
 };
 use crate::frame::LEAST_COSINE;
 use crate::lobe::{legendre, reflectance};
+use crate::sphere::quadrature::gauss_legendre;
 use glam::{DVec2, DVec3};
 use half::f16;
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::sync::OnceLock;
+use std::sync::{LazyLock, OnceLock};
 
 /// Reads at places of their own.
 pub const READS: usize = 15;
@@ -54,7 +56,7 @@ pub type Node = [[f32; 4]; LAYERS];
 /// Nodes over roughness, evenly in log(1 + 5 r); over n.v, evenly in its root; over the azimuth of the
 /// tangent from the plane of incidence, evenly in the power 2/3 of its distance from a right angle; and over
 /// anisotropy, evenly in the logarithm of alpha along the tangent, from alpha across it to 1.
-pub const NODES: [usize; 4] = [20, 10, 8, 9];
+pub const NODES: [usize; 4] = [16, 10, 8, 7];
 
 /// How much denser nodes are at roughness 0 than at 1, less 1.
 const CROWDING: f64 = 5.0;
@@ -73,8 +75,8 @@ const FUNCTIONS: usize = READS + 1 + HARMONICS + SKEW;
 /// Rings and spokes of half vectors.
 const FIT_GRID: [u32; 2] = [36, 28];
 
-/// Steps of the quadrature of the albedo along either axis.
-const ALBEDO_STEPS: u32 = 48;
+/// Rings of the quadrature of the albedo, of twice as many spokes.
+const ALBEDO_STEPS: u32 = 32;
 
 /// Azimuths of the mean albedo, midpoints of a quarter turn.
 const AZIMUTHS: u32 = 8;
@@ -163,6 +165,29 @@ fn azimuth_of(node: usize) -> f64 {
     FRAC_PI_2 * (1.0 - (1.0 - node as f64 / (NODES[2] - 1) as f64).powf(1.5))
 }
 
+/// All nodes over the levels of `octaves`, first axes first.
+#[must_use]
+pub fn table(octaves: Octaves) -> Vec<Node> {
+    (0..NODES.iter().product()).into_par_iter().map(|index| *node(octaves, index)).collect()
+}
+
+/// Width, height and depth of the texture of [`texels`].
+pub const TEXTURE: [u32; 3] = [(NODES[0] * LAYERS) as u32, (NODES[1] * NODES[3]) as u32, NODES[2] as u32];
+
+/// The table as shaders read it: nodes over roughness side by side, for each texel of a node; below one
+/// another those over n.v, for each anisotropy; azimuths along the third axis.
+#[must_use]
+pub(crate) fn texels(octaves: Octaves) -> Vec<[f32; 4]> {
+    let [across, up, around, deep] = NODES;
+    let nodes = table(octaves);
+    let node = |x, y, z, w| &nodes[x + across * (y + up * (z + around * w))];
+    let rows = (0..around).flat_map(|z| (0..deep).flat_map(move |w| (0..up).map(move |y| [y, z, w])));
+    rows.flat_map(|[y, z, w]| {
+        (0..LAYERS).flat_map(move |layer| (0..across).map(move |x| node(x, y, z, w)[layer]))
+    })
+    .collect()
+}
+
 /// One node, fitted at the first call.
 fn node(octaves: Octaves, index: usize) -> &'static Node {
     static FITTED: [OnceLock<Vec<OnceLock<Node>>>; Octaves::MOST as usize] =
@@ -197,23 +222,29 @@ fn mean_of_azimuths(alpha: DVec2, cosine: f64) -> [f32; 2] {
         let own = albedo(DVec3::new(sine * x, sine * y, cosine), alpha);
         mean.iter_mut().zip(own).for_each(|(mean, own)| *mean += own / f64::from(AZIMUTHS));
     }
-    let round = round_albedo(alpha, cosine);
+    let round = round_albedo(alpha, cosine, 0.5);
     [0, 1].map(|k| f16::from_f64(mean[k] - round[k]).to_f32())
 }
 
-/// Roughness of the isotropic lobe whose albedo an anisotropic one's is near.
+/// Roughness of the isotropic lobe whose albedo an anisotropic one's is near: that of the mean alpha seen along
+/// the normal, that of alpha along the view at grazing angles. `along` is the square of the tangent's part in
+/// the plane of incidence, a half for the mean over azimuths.
 #[must_use]
-pub fn round_roughness(alpha: DVec2) -> f64 {
-    (0.5 * alpha.length_squared()).sqrt().sqrt()
+pub fn round_roughness(alpha: DVec2, cosine: f64, along: f64) -> f64 {
+    let squares = alpha * alpha;
+    let mean = (0.5 * (squares.x + squares.y)).sqrt();
+    let seen = (squares.y + along * (squares.x - squares.y)).sqrt();
+    (seen + cosine * (mean - seen)).sqrt()
 }
 
 /// What the isotropic lobe of [`round_roughness`] reflects of a white world.
-fn round_albedo(alpha: DVec2, cosine: f64) -> [f64; 2] {
-    reflectance::ggx_albedo(cosine, round_roughness(alpha))
+fn round_albedo(alpha: DVec2, cosine: f64, along: f64) -> [f64; 2] {
+    reflectance::ggx_albedo(cosine, round_roughness(alpha, cosine, along))
 }
 
 /// The node for `alpha` along the tangent and across it, n.v of `cosine`, and the tangent's `azimuth` from
-/// the plane of incidence, between nodes that are fitted as they are needed.
+/// the plane of incidence, between those of [`table`], which are fitted as they
+/// are needed.
 #[must_use]
 pub fn node_at(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
     let sharp = alpha.y.max(SHARP);
@@ -245,6 +276,20 @@ pub fn node_at(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Nod
     sum
 }
 
+/// Samples of visible normals: points of the unit disc and their shares. Denser at the rim, where normals are
+/// at right angles to the view.
+static DISC: LazyLock<Vec<(DVec2, f64)>> = LazyLock::new(|| {
+    let spokes = 2 * ALBEDO_STEPS;
+    let rings = gauss_legendre(ALBEDO_STEPS).into_iter().flat_map(|(x, weight)| {
+        let radius = (1.0 - x * x).sqrt();
+        (0..spokes).map(move |k| {
+            let spoke = DVec2::from_angle(TAU * (f64::from(k) + 0.5) / f64::from(spokes));
+            (radius * spoke, 2.0 * weight * x / f64::from(spokes))
+        })
+    });
+    rings.collect()
+});
+
 /// What the lobe reflects of a white world, scale and bias of f0, by the normals that the viewer sees.
 ///
 /// `view` is in axes of the tangent. The visible normals of an ellipsoid are those of a disc, half of it
@@ -255,31 +300,25 @@ pub fn albedo(view: DVec3, alpha: DVec2) -> [f64; 2] {
     let level = DVec2::new(stretched.x, stretched.y);
     let first = DVec2::new(-level.y, level.x).normalize_or(DVec2::X).extend(0.0);
     let second = stretched.cross(first);
-    let masking = |w: DVec3| (alpha * w.truncate()).length().hypot(w.z);
+    let squeeze = f64::midpoint(1.0, stretched.z);
+    let masking = |w: DVec3| (alpha.extend(1.0) * w).length();
     let seen = masking(view);
     let mut sums = [0.0; 2];
-    for k in 0..ALBEDO_STEPS * ALBEDO_STEPS {
-        let [u, v] =
-            [k % ALBEDO_STEPS, k / ALBEDO_STEPS].map(|k| (f64::from(k) + 0.5) / f64::from(ALBEDO_STEPS));
-        let (sine, cosine) = (TAU * v).sin_cos();
-        // Denser at the rim, where normals are at right angles to the view.
-        let radius = (1.0 - (1.0 - u).powi(2)).sqrt();
-        let density = 2.0 * (1.0 - u);
-        let x = radius * cosine;
-        let squeeze = f64::midpoint(1.0, stretched.z);
-        let y = (1.0 - squeeze) * (1.0 - x * x).max(0.0).sqrt() + squeeze * radius * sine;
-        let normal = first * x + second * y + stretched * (1.0 - x * x - y * y).max(0.0).sqrt();
+    for (point, share) in DISC.iter() {
+        let y = (1.0 - squeeze) * (1.0 - point.x * point.x).max(0.0).sqrt() + squeeze * point.y;
+        let height = (1.0 - point.x * point.x - y * y).max(0.0).sqrt();
+        let normal = first * point.x + second * y + stretched * height;
         let half = (normal * alpha.extend(1.0)).normalize_or(DVec3::Z);
         let towards = view.dot(half);
         let light = half * (2.0 * towards) - view;
         if light.z > 0.0 {
-            let share = density * (seen + view.z) * light.z / (seen * light.z + view.z * masking(light));
+            let share = share * (seen + view.z) * light.z / (seen * light.z + view.z * masking(light));
             let fresnel = (1.0 - towards).max(0.0).powi(5);
             sums[0] += share * (1.0 - fresnel);
             sums[1] += share * fresnel;
         }
     }
-    sums.map(|sum| sum / f64::from(ALBEDO_STEPS * ALBEDO_STEPS))
+    sums
 }
 
 /// The node that fits the reflection with `alpha` along the tangent and across it, at n.v of `cosine`, its
@@ -343,10 +382,11 @@ pub fn fitted(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node
     let mut node = [[0.0; 4]; LAYERS];
     for (k, pair) in weights.into_iter().enumerate() {
         let [texel, at] = place_of(k);
-        let share = |side: usize| pair[side] / (albedo[side] as f32).max(f32::MIN_POSITIVE);
+        // Where nothing is reflected, shares mean nothing.
+        let share = |side: usize| pair[side] / (albedo[side] as f32).max(1e-6);
         node[texel][at..at + 2].copy_from_slice(&[share(0), share(1)]);
     }
-    let round = round_albedo(alpha, cosine);
+    let round = round_albedo(alpha, cosine, x * x);
     node[ALBEDO][..2].copy_from_slice(&[0, 1].map(|side| (albedo[side] - round[side]) as f32));
     node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))
 }

@@ -11,7 +11,7 @@ use super::fit::{gaussian, smooth, solved};
 use super::{Octaves, WIDEST};
 use crate::frame::LEAST_COSINE;
 use crate::lobe::{legendre, reflectance};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use half::f16;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -48,6 +48,9 @@ pub(super) const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
 /// the radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
 const PEAK: f64 = 3.0;
 const FLOOR: f64 = 1.0;
+
+/// Exponent from which on a Gaussian is dark: 1e-13 of its peak.
+const DARK: f64 = 30.0;
 
 /// Rings and spokes of half vectors.
 const FIT_GRID: [u32; 2] = [40, 16];
@@ -184,14 +187,13 @@ pub(super) fn half_vectors(
     let scale = 0.5 * alpha;
     let step = (PI / scale).asinh() / f64::from(rings);
     let edge = move |ring: u32| (scale * (step * f64::from(ring)).sinh()).min(PI);
+    let spoke = |spoke: u32| DVec2::from_angle(around * (f64::from(spoke) + 0.5) / f64::from(spokes));
+    let directions: Vec<DVec2> = (0..spokes).map(spoke).collect();
     (0..rings).flat_map(move |ring| {
         let (from, to) = (edge(ring), edge(ring + 1));
         let (sine, cosine) = f64::midpoint(from, to).sin_cos();
         let area = (from.cos() - to.cos()) * around / f64::from(spokes);
-        (0..spokes).map(move |spoke| {
-            let (y, x) = (around * (f64::from(spoke) + 0.5) / f64::from(spokes)).sin_cos();
-            (DVec3::new(sine * x, sine * y, cosine), area)
-        })
+        directions.clone().into_iter().map(move |d| ((sine * d).extend(cosine), area))
     })
 }
 
@@ -230,7 +232,8 @@ impl Read {
     /// What it makes of light from `light`.
     pub(super) fn at(&self, light: DVec3) -> f64 {
         let c = 1.0 - self.direction.dot(light);
-        self.gaussians.iter().map(|[sharp, share]| share * (-c * sharp).exp()).sum()
+        let of = |[sharp, share]: [f64; 2]| if c * sharp < DARK { share * (-c * sharp).exp() } else { 0.0 };
+        of(self.gaussians[0]) + of(self.gaussians[1])
     }
 }
 

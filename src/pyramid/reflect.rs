@@ -91,7 +91,8 @@ impl Pyramid {
         let row = Row::new(alpha, tangent, frame.view.z);
         // From axes of the plane of incidence to those of the tangent.
         let axis = level_view * row.axis.x + level_view.perp() * row.axis.y;
-        let [scale, bias] = self.albedo_at(alpha, frame.view.z, [node[ALBEDO][0], node[ALBEDO][1]]);
+        let [scale, bias] =
+            self.albedo_at(alpha, frame.view.z, tangent.x * tangent.x, [node[ALBEDO][0], node[ALBEDO][1]]);
         let sunlit = (f0, f90);
         let (f0, f90) = (f0 * scale, f90 * bias);
         let coloured = |[a, b]: [f32; 2]| f0 * a + f90 * b;
@@ -134,11 +135,11 @@ impl Pyramid {
         sum + share * self.suns_reflected(frame, alpha, sunlit.0, sunlit.1)
     }
 
-    /// Scale and bias of f0 for `alpha` along the tangent and across it, which exceed those of a round lobe
-    /// by `more`.
-    fn albedo_at(&self, alpha: DVec2, cosine: f64, more: [f32; 2]) -> [f32; 2] {
-        let [.., a, b] =
-            node_at(self.octaves, anisotropic::round_roughness(alpha) as f32, cosine as f32)[READS];
+    /// Scale and bias of f0 for `alpha` along the tangent and across it, which exceed those of the lobe of
+    /// [`anisotropic::round_roughness`] by `more`.
+    fn albedo_at(&self, alpha: DVec2, cosine: f64, along: f64, more: [f32; 2]) -> [f32; 2] {
+        let roughness = anisotropic::round_roughness(alpha, cosine, along);
+        let [.., a, b] = node_at(self.octaves, roughness as f32, cosine as f32)[READS];
         [(a + more[0]).max(0.0), (b + more[1]).max(0.0)]
     }
 
@@ -188,7 +189,7 @@ impl Pyramid {
     #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn albedo(&self, cosine: f32, roughness: f32, anisotropy: f32) -> [f32; 2] {
-        self.albedo_of(cosine, roughness, anisotropy, |alpha, cosine| {
+        self.albedo_of(cosine, roughness, anisotropy, 0.5, |alpha, cosine| {
             let [.., a, b] = anisotropic::node_at(self.octaves, alpha, cosine, 0.0)[ALBEDO];
             [a, b]
         })
@@ -198,22 +199,23 @@ impl Pyramid {
     #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn albedo_along(&self, cosine: f32, along: f32, roughness: f32, anisotropy: f32) -> [f32; 2] {
-        self.albedo_of(cosine, roughness, anisotropy, |alpha, cosine| {
-            let sine = (1.0 - cosine * cosine).sqrt().max(1e-4);
-            let azimuth = (f64::from(along).abs() / sine).min(1.0).acos();
-            let [a, b, ..] = anisotropic::node_at(self.octaves, alpha, cosine, azimuth)[ALBEDO];
+        let sine = (1.0 - f64::from(cosine).powi(2)).max(0.0).sqrt().max(1e-4);
+        let level = (f64::from(along).abs() / sine).min(1.0);
+        self.albedo_of(cosine, roughness, anisotropy, level * level, |alpha, cosine| {
+            let [a, b, ..] = anisotropic::node_at(self.octaves, alpha, cosine, level.acos())[ALBEDO];
             [a, b]
         })
     }
 
     /// The albedo, where `more` of alpha along the tangent and across it, and of n.v, is what an anisotropic
-    /// one exceeds a round one by.
+    /// one exceeds a round one by; `along` is that of [`anisotropic::round_roughness`].
     #[cfg(any(test, feature = "internals"))]
     fn albedo_of(
         &self,
         cosine: f32,
         roughness: f32,
         anisotropy: f32,
+        along: f64,
         more: impl Fn(DVec2, f64) -> [f32; 2],
     ) -> [f32; 2] {
         let cosine = cosine.max(LEAST_COSINE as f32).min(1.0);
@@ -227,7 +229,8 @@ impl Pyramid {
         let alpha = alphas(f64::from(roughness), f64::from(anisotropy));
         let share = row_share(alpha);
         let cosine = f64::from(cosine);
-        let (round, own) = (round(mean_roughness(alpha)), self.albedo_at(alpha, cosine, more(alpha, cosine)));
+        let own = self.albedo_at(alpha, cosine, along, more(alpha, cosine));
+        let round = round(mean_roughness(alpha));
         [0, 1].map(|k| round[k] + share * (own[k] - round[k]))
     }
 }

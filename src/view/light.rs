@@ -9,7 +9,7 @@ use crate::filter::Filter;
 use crate::gpu::box_filter::{self, SatTextures};
 use crate::gpu::lamp::{self, Lamp};
 use crate::gpu::pyramid::PyramidMaps;
-use crate::gpu::reflection;
+use crate::gpu::reflection::{self, Surfaces};
 use crate::gpu::reparameterise::{self, upload};
 use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, build_pyramid, fixed_point, table_scan};
 use crate::image::exposure;
@@ -131,7 +131,11 @@ impl Light {
 
     /// The resources of true reflections, as a group of `layout`.
     pub(super) fn reflections(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        self.reflections.get_or_init(|| reflection::bind_group(context, &self.pyramid, layout)).clone()
+        self.reflections
+            .get_or_init(|| {
+                reflection::bind_group(context, &self.pyramid, false, Surfaces::Isotropic, layout)
+            })
+            .clone()
     }
 
     /// The environment, in its own space. Light beyond the range of float32 arithmetic is scaled by a power

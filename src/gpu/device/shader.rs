@@ -10,6 +10,7 @@ macro_rules! files {
 
 /// Every file under `shaders/`, by its path there.
 pub const FILES: &[(&str, &str)] = &files![
+    "common/anisotropic.wgsl",
     "common/bordered.wgsl",
     "common/charlie.wgsl",
     "common/direct.wgsl",

@@ -15,6 +15,8 @@ pub(in crate::io) struct TextureShape {
     pub(in crate::io) format: Format,
     pub(in crate::io) width: u32,
     pub(in crate::io) height: u32,
+    /// Of a texture of three dimensions; 0 of others.
+    pub(in crate::io) depth: u32,
     /// Images of an array; 0 for no array.
     pub(in crate::io) layers: u32,
     /// 6 for a cube, else 1.
@@ -32,7 +34,7 @@ pub(in crate::io) fn ktx2_file(
     pairs: &[(&str, &str)],
     texels: impl Fn(usize) -> Vec<u8>,
 ) -> Result<Vec<u8>> {
-    let TextureShape { format, width, height, layers, faces, levels } = *shape;
+    let TextureShape { format, width, height, depth, layers, faces, levels } = *shape;
     let (basic, type_size) = Basic::from_format(format).expect("the crate knows what is written");
     let block = Block::Basic(basic).to_vec();
     let dfd_bytes = [&(block.len() as u32 + 4).to_le_bytes()[..], &block].concat();
@@ -45,7 +47,7 @@ pub(in crate::io) fn ktx2_file(
         type_size,
         pixel_width: width,
         pixel_height: height,
-        pixel_depth: 0,
+        pixel_depth: depth,
         layer_count: layers,
         face_count: faces,
         level_count: levels as u32,

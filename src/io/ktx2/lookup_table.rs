@@ -34,6 +34,6 @@ pub fn table_bytes(size: u32, texels: &[[f32; 3]], channels: Channels, descripti
     };
     let mut data = Vec::with_capacity(values.len() * 2);
     push_halves(&values, &mut data);
-    let shape = TextureShape { format, width: size, height: size, layers: 0, faces: 1, levels: 1 };
+    let shape = TextureShape { format, width: size, height: size, depth: 0, layers: 0, faces: 1, levels: 1 };
     ktx2_file(&shape, &[("octaglossContent", description)], |_| data.clone())
 }

@@ -26,6 +26,7 @@ pub fn ktx2_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) ->
         format: format_of(pixel)?,
         width: size,
         height: size,
+        depth: 0,
         layers: 0,
         faces: 6,
         levels: chain.levels.len(),

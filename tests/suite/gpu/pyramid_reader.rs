@@ -11,6 +11,7 @@ use octagloss::internals::gpu::Context;
 use octagloss::internals::gpu::reflection::reader_wgsl;
 use octagloss::internals::pyramid::Pyramid;
 use octagloss::internals::target::{READERS, Target, TargetPlan};
+use octagloss::reflectance::anisotropic_table;
 use octagloss::wgpu::{self, util::DeviceExt as _};
 use octagloss::{Environment, Layout, Map};
 
@@ -74,11 +75,15 @@ fn texture(context: &Context, bytes: &[u8]) -> wgpu::Texture {
             size: wgpu::Extent3d {
                 width: header.pixel_width,
                 height: header.pixel_height,
-                depth_or_array_layers: header.layer_count.max(1),
+                depth_or_array_layers: header.layer_count.max(header.pixel_depth).max(1),
             },
             mip_level_count: header.level_count,
             sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
+            dimension: if header.pixel_depth == 0 {
+                wgpu::TextureDimension::D2
+            } else {
+                wgpu::TextureDimension::D3
+            },
             format: wgpu::TextureFormat::Rgba16Float,
             usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
@@ -88,61 +93,80 @@ fn texture(context: &Context, bytes: &[u8]) -> wgpu::Texture {
     )
 }
 
-/// What a surface is asked for: normal and roughness, view and f90.
-type Query = [[f32; 4]; 2];
+/// What a surface is asked for: normal and roughness, view and f90, tangent and anisotropy.
+type Query = [[f32; 4]; 3];
 
-/// Reflection and radiance, albedo for f0 in w; irradiance.
-type Answer = [[f32; 4]; 3];
+/// Reflection, albedo for f0 in w; radiance; irradiance; isotropic reflection.
+type Answer = [[f32; 4]; 4];
 
 const F0: [f32; 3] = [1.0, 0.5, 0.04];
 
-fn looked_up(context: &Context, reader: &str, made: &[Made], queries: &[Query]) -> Vec<Answer> {
-    let light: serde_json::Value = serde_json::from_slice(file(made, "sky_pyramid.json")).unwrap();
-    let uniform: Vec<f32> = serde_json::from_value(light["uniform"].clone()).unwrap();
-    assert_eq!(uniform.len(), 256);
-    let lights = context.device().create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("light"),
-        contents: bytemuck::cast_slice(&uniform),
-        usage: wgpu::BufferUsages::UNIFORM,
-    });
-    let maps = texture(context, file(made, "sky_pyramid.ktx2"));
-    let tables = texture(context, file(made, "pyramid_tables.ktx2"));
-    let [maps, tables] = [maps, tables].map(|texture| texture.create_view(&Default::default()));
-    let linear = context.device().create_sampler(&wgpu::SamplerDescriptor {
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        mipmap_filter: wgpu::MipmapFilterMode::Linear,
-        ..Default::default()
-    });
-    let source = format!(
-        "{reader}
-        @group(0) @binding(4) var<storage, read> asked: array<array<vec4<f32>, 2>>;
-        @group(0) @binding(5) var<storage, read_write> answers: array<array<vec4<f32>, 3>>;
-        @compute @workgroup_size(64) fn look(@builtin(global_invocation_id) id: vec3<u32>) {{
-            if id.x < arrayLength(&asked) {{
-                let n = asked[id.x][0];
-                let v = asked[id.x][1];
-                let f0 = vec3<f32>({:?}, {:?}, {:?});
-                let albedo = octagloss_albedo(dot(normalize(n.xyz), normalize(v.xyz)), n.w);
-                answers[id.x][0] = vec4<f32>(octagloss_reflect(n.xyz, v.xyz, n.w, f0, v.w), albedo.x);
-                answers[id.x][1] = vec4<f32>(octagloss_radiance(n.xyz, n.w), 1.0);
-                answers[id.x][2] = vec4<f32>(octagloss_irradiance(n.xyz), 1.0);
-            }}
-        }}",
-        F0[0], F0[1], F0[2]
-    );
-    let resources = [
-        lights.as_entire_binding(),
-        wgpu::BindingResource::TextureView(&maps),
-        wgpu::BindingResource::TextureView(&tables),
-        wgpu::BindingResource::Sampler(&linear),
-    ];
-    look::answers(context, &source, &resources, queries)
+/// What the reader reads.
+struct Files {
+    lights: wgpu::Buffer,
+    /// Maps, tables, and that of reflections along a tangent.
+    textures: [wgpu::TextureView; 3],
+    linear: wgpu::Sampler,
+}
+
+impl Files {
+    fn new(context: &Context, made: &[Made], size: u32) -> Self {
+        let light: serde_json::Value = serde_json::from_slice(file(made, "sky_pyramid.json")).unwrap();
+        let uniform: Vec<f32> = serde_json::from_value(light["uniform"].clone()).unwrap();
+        assert_eq!(uniform.len(), 256);
+        let lights = context.device().create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("light"),
+            contents: bytemuck::cast_slice(&uniform),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let rows = anisotropic_table(size).unwrap();
+        let textures = [file(made, "sky_pyramid.ktx2"), file(made, "pyramid_tables.ktx2"), &rows]
+            .map(|bytes| texture(context, bytes).create_view(&Default::default()));
+        let linear = context.device().create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
+        Self { lights, textures, linear }
+    }
+
+    fn looked_up(&self, context: &Context, reader: &str, queries: &[Query]) -> Vec<Answer> {
+        let source = format!(
+            "{reader}
+            @group(0) @binding(5) var<storage, read> asked: array<array<vec4<f32>, 3>>;
+            @group(0) @binding(6) var<storage, read_write> answers: array<array<vec4<f32>, 4>>;
+            @compute @workgroup_size(64) fn look(@builtin(global_invocation_id) id: vec3<u32>) {{
+                if id.x < arrayLength(&asked) {{
+                    let n = asked[id.x][0];
+                    let v = asked[id.x][1];
+                    let f0 = vec3<f32>({:?}, {:?}, {:?});
+                    let t = asked[id.x][2];
+                    let albedo = octagloss_albedo(dot(normalize(n.xyz), normalize(v.xyz)), n.w, t.w);
+                    let light = octagloss_reflect(n.xyz, v.xyz, t.xyz, n.w, t.w, f0, v.w);
+                    answers[id.x][0] = vec4<f32>(light, albedo.x);
+                    answers[id.x][1] = vec4<f32>(octagloss_radiance(n.xyz, n.w), 1.0);
+                    answers[id.x][2] = vec4<f32>(octagloss_irradiance(n.xyz), 1.0);
+                    answers[id.x][3] = vec4<f32>(octagloss_reflect_isotropic(n.xyz, v.xyz, n.w, f0, v.w), 1.0);
+                }}
+            }}",
+            F0[0], F0[1], F0[2]
+        );
+        let [maps, tables, rows] = &self.textures;
+        let resources = [
+            self.lights.as_entire_binding(),
+            wgpu::BindingResource::TextureView(maps),
+            wgpu::BindingResource::TextureView(tables),
+            wgpu::BindingResource::Sampler(&self.linear),
+            wgpu::BindingResource::TextureView(rows),
+        ];
+        look::answers(context, &source, &resources, queries)
+    }
 }
 
 /// Of each look-up the greatest difference from `expected`, over its peak.
-fn off(expected: &[Answer], found: &[Answer]) -> [f64; 3] {
-    [0, 1, 2].map(|k| {
+fn off(expected: &[Answer], found: &[Answer]) -> [f64; 4] {
+    [0, 1, 2, 3].map(|k| {
         let channels = || {
             let pairs = expected.iter().zip(found);
             pairs.flat_map(move |(e, f)| (0..3).map(move |c| (f64::from(e[k][c]), f64::from(f[k][c]))))
@@ -173,30 +197,38 @@ fn files_are_read_as_the_cpu_reads_its_pyramid() {
             let roughness = [0.0, 0.1, 0.25, 0.5, 0.8, 1.0];
             let mut normals = landmarks();
             normals.extend((0..200).map(|_| random.direction()));
-            let asked: Vec<(DVec3, DVec3, f32)> = (0..)
+            let anisotropy = [0.0, 0.5, 0.05, 0.9, 0.3];
+            let asked: Vec<([DVec3; 3], f32, f32)> = (0..)
                 .zip(normals)
-                .map(|(k, normal)| (normal, random.direction() + 1.01 * normal, roughness[k % 6]))
+                .map(|(k, normal)| {
+                    let directions = [normal, random.direction() + 1.01 * normal, random.direction()];
+                    (directions, roughness[k % 6], anisotropy[k % 5])
+                })
                 .collect();
             let queries: Vec<Query> = asked
                 .iter()
-                .map(|(n, v, r)| [n.as_vec3().extend(*r).to_array(), v.as_vec3().extend(0.9).to_array()])
+                .map(|([n, v, t], r, a)| {
+                    [(n, *r), (v, 0.9), (t, *a)].map(|(d, w)| d.as_vec3().extend(w).to_array())
+                })
                 .collect();
             let own = DMat3::from_rotation_y(degrees.to_radians()).transpose();
             let expected: Vec<Answer> = asked
                 .iter()
-                .map(|(n, v, r)| {
-                    let frame = Frame::new(own * *n, own * *v, DVec3::ZERO).unwrap();
-                    let [albedo, _] = pyramid.albedo(frame.view.z as f32, *r, 0.0);
+                .map(|([n, v, t], r, a)| {
+                    let frame = Frame::new(own * *n, own * *v, own * *t).unwrap();
+                    let [albedo, _] = pyramid.albedo(frame.view.z as f32, *r, *a);
                     let with = |[r, g, b]: [f32; 3], w| [r, g, b, w];
                     [
-                        with(pyramid.reflect(&frame, *r, 0.0, F0, 0.9), albedo),
+                        with(pyramid.reflect(&frame, *r, *a, F0, 0.9), albedo),
                         with(pyramid.lobes(*r).radiance(own * *n), 1.0),
                         with(pyramid.irradiance(own * *n), 1.0),
+                        with(pyramid.reflect(&frame, *r, 0.0, F0, 0.9), 1.0),
                     ]
                 })
                 .collect();
             let name = format!("{look:?} {size} on {}", context.describe());
-            let found = looked_up(context, reader("pyramid.wgsl"), &made, &queries);
+            let files = Files::new(context, &made, size);
+            let found = files.looked_up(context, reader("pyramid.wgsl"), &queries);
             let far = off(&expected, &found);
             assert!(far.iter().all(|off| !exceeds(*off, TOLERANCE)), "{name}: off by {far:?}");
             for (e, f) in expected.iter().zip(&found) {
@@ -216,7 +248,7 @@ fn files_are_read_as_the_cpu_reads_its_pyramid() {
             for (right, wrong) in mutants.into_iter().filter(|_| look == Look::Noise) {
                 let code = reader("pyramid.wgsl");
                 assert!(code.contains(right), "{right}");
-                let found = looked_up(context, &code.replace(right, wrong), &made, &queries);
+                let found = files.looked_up(context, &code.replace(right, wrong), &queries);
                 let far = off(&expected, &found);
                 assert!(far.iter().any(|off| exceeds(*off, TOLERANCE)), "{wrong} is not detected: {far:?}");
             }

@@ -14,8 +14,9 @@ const ENTRY: &str = "
 @fragment
 fn entry_of_translation(@location(0) at: vec3<f32>) -> @location(0) vec4<f32> {
     let light = octagloss_radiance(at, 0.5) + octagloss_irradiance(at)
-        + CALL_OF_REFLECT;
-    return vec4<f32>(light, CALL_OF_ALBEDO);
+        + octagloss_reflect(at, at, at, 0.5, 0.5, at, 1.0)
+        + octagloss_reflect_isotropic(at, at, 0.5, at, 1.0);
+    return vec4<f32>(light, octagloss_albedo(at.x, 0.5, 0.5).x + octagloss_albedo_along(at.x, 0.0, 0.5, 0.5).x);
 }
 ";
 
@@ -52,14 +53,7 @@ fn parsed(source: &str) -> Result<(Module, ModuleInfo), Box<dyn Error>> {
 }
 
 fn glsl_of(source: &str) -> Result<String, Box<dyn Error>> {
-    let with_tangent = source.contains("tangent: vec3<f32>");
-    let (reflect, albedo) = if with_tangent {
-        ("octagloss_reflect(at, at, at, 0.5, 0.5, at, 1.0)", "octagloss_albedo(at.x, 0.5, 0.5).x")
-    } else {
-        ("octagloss_reflect(at, at, 0.5, at, 1.0)", "octagloss_albedo(at.x, 0.5).x")
-    };
-    let entry = ENTRY.replace("CALL_OF_REFLECT", reflect).replace("CALL_OF_ALBEDO", albedo);
-    let (module, info) = parsed(&format!("{source}{entry}"))?;
+    let (module, info) = parsed(&format!("{source}{ENTRY}"))?;
     let options = glsl::Options {
         version: glsl::Version::Embedded { version: 300, is_webgl: true },
         ..Default::default()

@@ -1,0 +1,294 @@
+// Reflections of the true BRDF along a tangent: `Pyramid::reflect` of src/pyramid/reflect.rs, and the row of
+// reads of src/pyramid/anisotropic.rs. Fifteen trilinear reads, one bilinear.
+#include "common/reflect.wgsl"
+
+const ROW_NODES = vec4<f32>(16.0, 10.0, 8.0, 7.0);
+const ROW_MIDDLE = 7u;
+// The texel of the albedo, and all of a node.
+const ROW_ALBEDO = 8u;
+const ROW_LAYERS = 22u;
+const ROW_SHARP = 0.001f;
+const NARROWEST = 0.05f;
+const BLEND = 0.1f;
+const TILTED = 0.5f;
+const SKEWED = 0.2f;
+
+// Alpha along the tangent and across it.
+fn row_alphas(roughness: f32, anisotropy: f32) -> vec2<f32> {
+    let alpha = roughness * roughness;
+    return vec2<f32>(alpha + (1.0 - alpha) * anisotropy * anisotropy, alpha);
+}
+
+// The share of the row in a reflection; the rest is isotropic.
+fn row_share(alpha: vec2<f32>) -> f32 {
+    return smoothstep(0.0, 1.0, (alpha.x - alpha.y) / (BLEND * max(alpha.y, 1e-6)));
+}
+
+// Where the table is read: coordinates of the first texel of nodes at the lower of two anisotropies, how far
+// the upper is, and its share.
+struct RowPlace {
+    at: vec3<f32>,
+    share: f32,
+}
+
+// The place of `alpha`, n.v of `cosine` and a unit `tangent` along the plane of incidence and across it.
+fn row_place(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> RowPlace {
+    let sharp = max(alpha.y, ROW_SHARP);
+    let azimuth = atan2(abs(tangent.y), abs(tangent.x)) * 0.636619772;
+    let places = vec4<f32>(
+        // 1 / log2(6).
+        log2(1.0 + 5.0 * sqrt(alpha.y)) * 0.386852807,
+        sqrt(cosine),
+        1.0 - pow(max(1.0 - azimuth, 0.0), 0.666666667),
+        log2(max(alpha.x, sharp) / sharp) / -log2(min(sharp, 0.999999)));
+    let place = clamp(places, vec4<f32>(), vec4<f32>(1.0)) * (ROW_NODES - 1.0);
+    let lower = min(floor(place.w), ROW_NODES.w - 2.0);
+    // Coordinates have eight bits between texels, and what lies beside a node may be of another kind.
+    let inset = 1.0 / 256.0;
+    let inside = clamp(place.xy, vec2<f32>(inset), ROW_NODES.xy - 1.0 - inset);
+    let texel = vec3<f32>(inside.x, inside.y + ROW_NODES.y * lower, place.z) + 0.5;
+    let size = vec3<f32>(ROW_NODES.x * f32(ROW_LAYERS), ROW_NODES.y * ROW_NODES.w, ROW_NODES.z);
+    return RowPlace(texel / size, place.w - lower);
+}
+
+// A texel of the node at `place`.
+fn row_node(layer: u32, place: RowPlace) -> vec4<f32> {
+    let at = vec3<f32>(place.at.x + f32(layer) / f32(ROW_LAYERS), place.at.yz);
+    return mix(read_rows(at), read_rows(vec3<f32>(at.x, at.y + 1.0 / ROW_NODES.w, at.z)), place.share);
+}
+
+// Scale and bias of f0, which exceed those of a round lobe by `more`. `along` is the square of the tangent's
+// part in the plane of incidence, a half for the mean over azimuths: `round_roughness` of
+// src/pyramid/anisotropic.rs.
+fn row_albedo(alpha: vec2<f32>, cosine: f32, along: f32, more: vec2<f32>) -> vec2<f32> {
+    let squares = alpha * alpha;
+    let mean = sqrt(0.5 * (squares.x + squares.y));
+    let seen = sqrt(mix(squares.y, squares.x, along));
+    let round = reflection_node(READS, sqrt(mix(seen, mean, cosine)), cosine).zw;
+    return max(round + more, vec2<f32>());
+}
+
+// A row of reads.
+struct Row {
+    // Slopes of the half vector along the plane of incidence and across it, of a read of slope 1.
+    axis: vec2<f32>,
+    // Length of the lobe.
+    extent: f32,
+    shift: f32,
+    // Step, bend, width and growth.
+    steps: vec4<f32>,
+    alternation: f32,
+    // How much of the difference between weights either side of the middle counts.
+    skew: f32,
+}
+
+// A number of the law.
+fn row_number(terms: vec4<f32>, more: vec3<f32>, own: vec4<f32>, own_more: vec3<f32>) -> f32 {
+    return dot(terms, own) + dot(more, own_more);
+}
+
+// The row of a lobe with `alpha` along `tangent` and across it.
+fn row_of(alpha: vec2<f32>, tangent: vec2<f32>, cosine: f32) -> Row {
+    let squares = alpha * alpha;
+    let difference = squares.x - squares.y;
+    let along = squares.y + difference * tangent.x * tangent.x;
+    let across = (squares.y + difference * tangent.y * tangent.y) * cosine * cosine;
+    let mixed = difference * tangent.x * tangent.y * cosine;
+    let apart = 0.5 * (along - across);
+    let root = length(vec2<f32>(apart, mixed));
+    let greatest = max(0.5 * (along + across) + root, 1e-30);
+    var axis = vec2<f32>(1.0, 0.0);
+    if root > 0.0 {
+        let steep = vec2<f32>(abs(mixed), (root - apart) * select(-1.0, 1.0, mixed >= 0.0));
+        axis = normalize(select(steep, vec2<f32>(apart + root, mixed), apart >= 0.0) / root);
+    }
+    let x = log(max(alpha.x * alpha.y * cosine / greatest, NARROWEST));
+    let extent = sqrt(greatest);
+    let y = log(1.0 + 6.0 * extent);
+    let a = vec4<f32>(1.0, x, x * x, y);
+    let tilt = axis.x * smoothstep(0.0, TILTED, sqrt(1.0 - cosine * cosine));
+    let b = vec3<f32>(x * y, y * y, axis.x * tilt);
+    let shift = row_number(a, b, vec4<f32>(-0.586, -0.455, 0.163, 0.472), vec3<f32>(-0.190, 0.082, -0.016));
+    let step = row_number(a, b, vec4<f32>(-0.689, -0.159, 0.240, -0.146), vec3<f32>(0.180, -0.072, 0.035));
+    let bend = row_number(a, b, vec4<f32>(-0.638, -0.280, -0.164, -0.867), vec3<f32>(-0.372, 0.097, 0.015));
+    let width = row_number(a, b, vec4<f32>(0.039, 0.823, -0.026, -0.128), vec3<f32>(-0.018, 0.078, 0.014));
+    let growth = row_number(a, b, vec4<f32>(0.223, 0.187, 0.032, 0.194), vec3<f32>(-0.338, 0.001, -0.017));
+    let uneven = row_number(a, b, vec4<f32>(0.308, 0.224, 0.015, 0.005), vec3<f32>(-0.034, 0.077, 0.008));
+    return Row(
+        vec2<f32>(axis.x, axis.y / cosine) * sqrt(2.0 * root),
+        extent,
+        shift * tilt,
+        exp(vec4<f32>(step, bend, width, growth)),
+        exp(uneven),
+        smoothstep(0.0, SKEWED, axis.x));
+}
+
+// Slope along the axis, and level, of a read.
+fn row_read(row: Row, read: u32) -> vec2<f32> {
+    // Reads are 8 / 14 apart.
+    let place = (f32(read) - f32(ROW_MIDDLE)) * 0.571428571 + row.shift;
+    let slope = row.steps.z * row.steps.x * sinh(row.steps.y * place) / row.steps.y;
+    let wider = select(1.0 / row.alternation, row.alternation, read % 2u == ROW_MIDDLE % 2u);
+    let growth = row.steps.w * slope;
+    let width = wider * row.steps.z * sqrt(1.0 + growth * growth) * row.extent;
+    // The widest level's Gaussian is 0.35 wide, at 32 texels; the mirror's 1.8 over its texels, the sharp
+    // level's 5.6.
+    let inner = map_inner();
+    let last = log2(inner) - 3.0;
+    let sharp = last + log2(max(width, 1e-9) / 0.35);
+    // 1 / log2(5.6 / 1.8).
+    let below = max(log2(max(width, 1e-9) * inner / 1.8) * 0.610706, 0.0);
+    return vec2<f32>(slope, select(below, min(sharp, last), sharp >= 1.0));
+}
+
+// Radiance reflected with `alpha` along `tangent` and across it: the tangent along the plane of incidence and
+// across it.
+fn reflect_in_row(
+    probe: u32,
+    surface: SurfaceFrame,
+    tangent: vec2<f32>,
+    alpha: vec2<f32>,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
+    let n = surface.normal;
+    let across = cross(n, surface.towards);
+    let v = surface.towards * surface.sine + n * surface.cosine;
+    let place = row_place(alpha, surface.cosine, tangent);
+    let row = row_of(alpha, tangent, surface.cosine);
+    let axis = surface.towards * row.axis.x + across * row.axis.y;
+    let albedo = row_albedo(alpha, surface.cosine, tangent.x * tangent.x, row_node(ROW_ALBEDO, place).xy);
+    let scaled = f0 * albedo.x;
+    let grazing = f90 * albedo.y;
+    var sum = vec3<f32>();
+    var in_mirror = 0.0;
+    for (var distance = 0u; distance <= ROW_MIDDLE; distance++) {
+        let texel = row_node(distance, place);
+        var mean = texel.xy;
+        var skew = vec2<f32>();
+        if distance == 0u {
+            sum += (scaled * texel.z + grazing * texel.w) * cosine_light(probe, n);
+        } else {
+            mean = 0.5 * (texel.xy + texel.zw);
+            skew = 0.5 * row.skew * (texel.xy - texel.zw);
+        }
+        for (var side = 0u; side < min(distance + 1u, 2u); side++) {
+            let weights = select(mean - skew, mean + skew, side == 0u);
+            let read = row_read(row, select(ROW_MIDDLE - distance, ROW_MIDDLE + distance, side == 0u));
+            let half_vector = normalize(n + read.x * axis);
+            let direction = half_vector * (2.0 * dot(v, half_vector)) - v;
+            sum += (scaled * weights.x + grazing * weights.y) * between_levels(probe, direction, read.y);
+            in_mirror += dot(albedo, weights) * max(1.0 - read.y, 0.0);
+        }
+    }
+    var pairs = array<vec4<f32>, 8>();
+    for (var k = 0u; k < 8u; k++) {
+        pairs[k] = row_node(ROW_ALBEDO + 1u + k, place);
+    }
+    sum += harmonics_reflected(probe, surface, pairs, scaled, grazing);
+    // Harmonics that change sign in the plane of incidence. The table is for tangents on one side of it.
+    var aside = array<vec3<f32>, 4>(
+        vec3<f32>(0.462034181, 0.546550727, -0.698431613),
+        vec3<f32>(0.896618294, 0.386504464, 0.216078536),
+        vec3<f32>(0.118148049, 0.383575285, 0.915920870),
+        vec3<f32>(0.140111780, 0.817230125, -0.559020226));
+    let mirrored = across * select(1.0, -1.0, tangent.x * tangent.y < 0.0);
+    var texel = pairs[7];
+    var pair = 15u;
+    for (var k = 0u; k < 4u; k++) {
+        let level = surface.towards * aside[k].x + n * aside[k].z;
+        var own = harmonic_orders(probe, level + mirrored * aside[k].y);
+        var other = harmonic_orders(probe, level - mirrored * aside[k].y);
+        for (var order = k + 1u; order < 5u; order++) {
+            if pair % 2u == 0u {
+                texel = row_node(ROW_ALBEDO + 1u + pair / 2u, place);
+            }
+            let weights = select(texel.zw, texel.xy, pair % 2u == 0u);
+            sum += (scaled * weights.x + grazing * weights.y) * (own[order] - other[order]);
+            pair++;
+        }
+    }
+    sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
+    let share = max(1.0 - in_mirror / (albedo.x + albedo.y), 0.0);
+    return sum + share * suns_reflected(probe, surface, tangent, alpha, f0, f90);
+}
+
+// Radiance that a surface reflects to a viewer: GGX with Smith's height-correlated masking and Schlick's
+// Fresnel term f0 + (f90 - f0) (1 - v.h)^5. `normal` and `view`, towards the viewer, are in world space, of
+// any length but zero; `roughness` is in [0, 1]. A view with n.v below 0.01, or from below the surface, is
+// turned up to that. `anisotropy`, of KHR_materials_anisotropy, is taken to [0, 1]; of the `tangent`, of any
+// length and either sign, counts what is at right angles to the normal. If nothing is, the reflection is
+// isotropic.
+fn octagloss_reflect(
+    normal: vec3<f32>,
+    view: vec3<f32>,
+    tangent: vec3<f32>,
+    roughness: f32,
+    anisotropy: f32,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
+    return octagloss_reflect_of(0u, normal, view, tangent, roughness, anisotropy, f0, f90);
+}
+
+// The same in the environment `probe`.
+fn octagloss_reflect_of(
+    probe: u32,
+    normal: vec3<f32>,
+    view: vec3<f32>,
+    tangent: vec3<f32>,
+    roughness: f32,
+    anisotropy: f32,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
+    let surface = surface_of(probe, normal, view);
+    // Along the plane of incidence, and across it.
+    var level = vec2<f32>();
+    if anisotropy > 0.0 && dot(tangent, tangent) > 0.0 {
+        let unit = source_from_world(probe, tangent);
+        let across = cross(surface.normal, surface.towards);
+        level = vec2<f32>(dot(unit, surface.towards), dot(unit, across));
+    }
+    if dot(level, level) < 1e-10 {
+        return reflected_isotropic(probe, surface, roughness, f0, f90);
+    }
+    let alpha = row_alphas(roughness, min(anisotropy, 1.0));
+    let share = row_share(alpha);
+    let sum = share * reflect_in_row(probe, surface, normalize(level), alpha, f0, f90);
+    if share == 1.0 {
+        return sum;
+    }
+    let round = sqrt(sqrt(alpha.x * alpha.y));
+    return sum + (1.0 - share) * reflected_isotropic(probe, surface, round, f0, f90);
+}
+
+// What a surface reflects of a white world, f0 times the first plus f90 times the second: for multiple
+// scattering, and for what lies under a clear coat. `cosine` is n.v. With anisotropy it is the mean over the
+// tangent's directions.
+fn octagloss_albedo(cosine: f32, roughness: f32, anisotropy: f32) -> vec2<f32> {
+    if anisotropy <= 0.0 {
+        return round_albedo(cosine, roughness);
+    }
+    let alpha = row_alphas(roughness, min(anisotropy, 1.0));
+    let seen = clamp(cosine, LEAST_COSINE, 1.0);
+    let more = row_node(ROW_ALBEDO, row_place(alpha, seen, vec2<f32>(1.0, 0.0))).zw;
+    return faded_albedo(alpha, seen, row_albedo(alpha, seen, 0.5, more));
+}
+
+// The same along a tangent: `along` is t.v, the tangent of length 1 and at right angles to the normal.
+fn octagloss_albedo_along(cosine: f32, along: f32, roughness: f32, anisotropy: f32) -> vec2<f32> {
+    if anisotropy <= 0.0 {
+        return round_albedo(cosine, roughness);
+    }
+    let alpha = row_alphas(roughness, min(anisotropy, 1.0));
+    let seen = clamp(cosine, LEAST_COSINE, 1.0);
+    let x = min(abs(along) / max(sqrt(1.0 - seen * seen), 1e-4), 1.0);
+    let more = row_node(ROW_ALBEDO, row_place(alpha, seen, vec2<f32>(x, sqrt(1.0 - x * x)))).xy;
+    return faded_albedo(alpha, seen, row_albedo(alpha, seen, x * x, more));
+}
+
+// `own` where the row has its whole share, else partly that of a round lobe.
+fn faded_albedo(alpha: vec2<f32>, cosine: f32, own: vec2<f32>) -> vec2<f32> {
+    return mix(round_albedo(cosine, sqrt(sqrt(alpha.x * alpha.y))), own, row_share(alpha));
+}
