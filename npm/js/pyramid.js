@@ -3,6 +3,7 @@
 import {
     ClampToEdgeWrapping,
     CompressedArrayTexture,
+    Data3DTexture,
     DataTexture,
     HalfFloatType,
     LinearFilter,
@@ -38,7 +39,8 @@ async function opened(bytes) {
         const raw = packed ? decoder.decode(levelData, uncompressedByteLength) : levelData;
         const aligned = raw.slice();
         const data = new Numbers(aligned.buffer, 0, aligned.byteLength / Numbers.BYTES_PER_ELEMENT);
-        return { data, width: file.pixelWidth >> level, height: file.pixelHeight >> level };
+        const [width, height] = [file.pixelWidth >> level, file.pixelHeight >> level];
+        return { data, width, height, depth: file.pixelDepth };
     });
     return { mipmaps, format, type, layers: Math.max(file.layerCount, 1), keys: file.keyValue };
 }
@@ -46,7 +48,7 @@ async function opened(bytes) {
 function linear(texture) {
     texture.magFilter = LinearFilter;
     texture.minFilter = texture.mipmaps.length > 1 ? LinearMipmapLinearFilter : LinearFilter;
-    texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
+    texture.wrapS = texture.wrapT = texture.wrapR = ClampToEdgeWrapping;
     texture.generateMipmaps = false;
     texture.flipY = false;
     texture.needsUpdate = true;
@@ -81,10 +83,16 @@ function lightOf(uniform) {
 // three.js computes diffuse light and multiple scattering, and reflections instead of radiance times a split
 // sum.
 const IRRADIANCE = `
+    #if defined(USE_ANISOTROPY) && defined(OCTAGLOSS_ROWS)
+        float octagloss_stretch = material.anisotropy;
+    #else
+        const float octagloss_stretch = 0.0;
+    #endif
     if (octagloss_share > 0.0) {
         vec3 lit = inverseTransformDirection(geometryNormal, viewMatrix);
         iblIrradiance = PI * octagloss_share * octagloss_irradiance(lit);
-        material.dfg = octagloss_albedo(dot(geometryNormal, geometryViewDir), material.roughness);
+        material.dfg = octagloss_albedo(
+            dot(geometryNormal, geometryViewDir), material.roughness, octagloss_stretch);
         radiance = vec3(0.0);
         clearcoatRadiance = vec3(0.0);
     }
@@ -92,11 +100,18 @@ const IRRADIANCE = `
 const REFLECTION = `
     if (octagloss_share > 0.0) {
         vec3 viewer = inverseTransformDirection(geometryViewDir, viewMatrix);
-        reflectedLight.indirectSpecular += octagloss_share * octagloss_reflect(
-            inverseTransformDirection(geometryNormal, viewMatrix), viewer, material.roughness,
-            mix(material.specularColor, material.diffuseColor, material.metalness), material.specularF90);
+        vec3 facing = inverseTransformDirection(geometryNormal, viewMatrix);
+        vec3 specular = mix(material.specularColor, material.diffuseColor, material.metalness);
+        #if defined(USE_ANISOTROPY) && defined(OCTAGLOSS_ROWS)
+            reflectedLight.indirectSpecular += octagloss_share * octagloss_reflect(
+                facing, viewer, inverseTransformDirection(material.anisotropyT, viewMatrix),
+                material.roughness, material.anisotropy, specular, material.specularF90);
+        #else
+            reflectedLight.indirectSpecular += octagloss_share * octagloss_reflect_isotropic(
+                facing, viewer, material.roughness, specular, material.specularF90);
+        #endif
         #ifdef USE_CLEARCOAT
-            clearcoatSpecularIndirect += octagloss_share * octagloss_reflect(
+            clearcoatSpecularIndirect += octagloss_share * octagloss_reflect_isotropic(
                 inverseTransformDirection(geometryClearcoatNormal, viewMatrix), viewer,
                 material.clearcoatRoughness, material.clearcoatF0, material.clearcoatF90);
         #endif
@@ -113,7 +128,8 @@ class Pyramid {
     constructor(uniforms, code) {
         this.#uniforms = uniforms;
         // Structs of uniforms are set one by one, where three.js has no blocks for these materials.
-        this.#code = `uniform float octagloss_share;\n${code.replace(
+        const rows = uniforms.octagloss_rows.value ? '#define OCTAGLOSS_ROWS\n' : '';
+        this.#code = `${rows}uniform float octagloss_share;\n${code.replace(
             /layout\(std140\) uniform \w+ \{ (.*?;) \};/,
             'uniform $1',
         )}`;
@@ -147,7 +163,8 @@ class Pyramid {
                 shader.fragmentShader = shader.fragmentShader.replace(chunk, changed(chunk));
             }
         };
-        material.customProgramCacheKey = () => 'octagloss pyramid';
+        const kind = uniforms.octagloss_rows.value ? 'octagloss pyramid with rows' : 'octagloss pyramid';
+        material.customProgramCacheKey = () => kind;
         material.needsUpdate = true;
         return this;
     }
@@ -175,11 +192,22 @@ class Pyramid {
     dispose() {
         this.#uniforms.octagloss_maps.value.dispose();
         this.#uniforms.octagloss_tables.value.dispose();
+        this.#uniforms.octagloss_rows.value?.dispose();
     }
 }
 
-// A pyramid of its files: maps and tables as bytes, the GLSL as text.
-export async function pyramidOf(maps, tables, code) {
+// The table of anisotropic reflections as a texture.
+async function rowsOf(bytes) {
+    const { mipmaps, format, type } = await opened(bytes);
+    const [{ data, width, height, depth }] = mipmaps;
+    if (!depth) throw new Error('the file of `rows` is no table; write it by octagloss reader --rows');
+    const texture = new Data3DTexture(data, width, height, depth);
+    [texture.format, texture.type] = [format, type];
+    return linear(texture);
+}
+
+// A pyramid of its files: maps, tables and, for anisotropy, rows as bytes, the GLSL as text.
+export async function pyramidOf(maps, tables, code, rows) {
     const [levels, table] = await Promise.all([opened(maps), opened(tables)]);
     if (!levels.keys[KEY]) throw new Error('the file is no pyramid; bake it with the target pyramid');
     const { uniform } = JSON.parse(textOf(levels.keys[KEY]));
@@ -192,12 +220,13 @@ export async function pyramidOf(maps, tables, code) {
         levels.format,
         levels.type,
     );
-    const [{ data, width: columns, height: rows }] = table.mipmaps;
+    const [{ data, width: columns, height: lines }] = table.mipmaps;
     const uniforms = {
         octagloss_share: { value: 1 },
         octagloss_lights: { value: [lightOf(uniform)] },
         octagloss_maps: { value: linear(array) },
-        octagloss_tables: { value: linear(new DataTexture(data, columns, rows, table.format, table.type)) },
+        octagloss_tables: { value: linear(new DataTexture(data, columns, lines, table.format, table.type)) },
+        octagloss_rows: { value: rows ? await rowsOf(rows) : null },
     };
     return new Pyramid(uniforms, code);
 }

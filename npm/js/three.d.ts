@@ -33,6 +33,11 @@ export interface PyramidOptions extends Omit<BakeOptions, 'target' | 'format'> {
     tables?: string;
     /** Address of pyramid.glsl. Default: beside the file. */
     reader?: string;
+    /**
+     * Address of the table of anisotropic reflections, by `octagloss reader --rows`, for the anisotropy of
+     * MeshPhysicalMaterial. Default: none; materials reflect as without anisotropy.
+     */
+    rows?: string;
 }
 
 export interface Pyramid {

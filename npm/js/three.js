@@ -94,7 +94,7 @@ export async function loadEnvironment(source, { renderer, sh, signal, ...options
 }
 
 // Loads `--target pyramid` from its folder, or bakes it.
-export async function loadPyramid(source, { scene, tables, reader, signal, ...options } = {}) {
+export async function loadPyramid(source, { scene, tables, reader, rows, signal, ...options } = {}) {
     const url = typeof source === 'string' || source instanceof URL ? String(source) : undefined;
     const bytesAt = async (place) =>
         new Uint8Array(await fetched(place, signal).then((response) => response.arrayBuffer()));
@@ -120,7 +120,7 @@ export async function loadPyramid(source, { scene, tables, reader, signal, ...op
         const code = new TextDecoder().decode(made('pyramid.glsl'));
         files = [made('_pyramid.ktx2'), made('pyramid_tables.ktx2'), code];
     }
-    const pyramid = await pyramidOf(...files);
+    const pyramid = await pyramidOf(...files, rows && (await bytesAt(rows)));
     if (scene) pyramid.use(scene);
     return pyramid;
 }

@@ -51,19 +51,24 @@ export const drawn = ({ mirrored, normal }, roughness) =>
     );
 
 // Single-scattering reflectance of a white GGX metal for the view's cosine: height-correlated Smith, by 4096
-// points.
-export function reflected(cosine, roughness) {
-    const alpha = roughness * roughness;
-    const view = [Math.sqrt(1 - cosine * cosine), 0, cosine];
+// points, for the mean over tangents.
+export function reflected(cosine, roughness, anisotropy = 0) {
+    const across = roughness * roughness;
+    const along = across + (1 - across) * anisotropy ** 2;
+    const masking = ([x, y, z]) => Math.hypot(along * x, across * y, z);
+    const sine = Math.sqrt(1 - cosine * cosine);
     const count = 4096;
     let sum = 0;
     for (let k = 0; k < count; k++) {
         let bits = 0;
         for (let b = 0, n = k; b < 12; b++, n >>= 1) bits = bits * 2 + (n & 1);
         const [u, v] = [(k + 0.5) / count, (bits + 0.5) / count];
-        const cos2 = (1 - u) / (1 + (alpha * alpha - 1) * u);
-        const [c, s] = [Math.sqrt(cos2), Math.sqrt(1 - cos2)];
-        const half = [s * Math.cos(2 * Math.PI * v), s * Math.sin(2 * Math.PI * v), c];
+        // Turns by the golden ratio, which no pattern of the points repeats.
+        const turn = 2 * Math.PI * ((k * 0.6180339887) % 1);
+        const view = [sine * Math.cos(turn), sine * Math.sin(turn), cosine];
+        const slope = Math.sqrt(u / (1 - u));
+        const facet = [along * Math.cos(2 * Math.PI * v), across * Math.sin(2 * Math.PI * v)];
+        const half = unit([slope * facet[0], slope * facet[1], 1]);
         const vh = dot(view, half);
         const light = add(
             view.map((w) => -w),
@@ -71,9 +76,8 @@ export function reflected(cosine, roughness) {
             half,
         );
         if (light[2] <= 0 || vh <= 0) continue;
-        const lambda = (z) => Math.sqrt(z * z * (1 - alpha * alpha) + alpha * alpha);
-        const visibility = 0.5 / (light[2] * lambda(cosine) + cosine * lambda(light[2]));
-        sum += (visibility * light[2] * 4 * vh) / c;
+        const visibility = 0.5 / (light[2] * masking(view) + cosine * masking(light));
+        sum += (visibility * light[2] * 4 * vh) / half[2];
     }
     return sum / count;
 }

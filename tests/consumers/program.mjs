@@ -44,8 +44,9 @@ export function programAt(program, work) {
         query: (directions, roughness, lobe = 'ggx') =>
             ask(directions, ['--roughness', String(roughness), '--lobe', lobe]),
         // Light that white metal of `roughness` reflects to `views`, pairs of a normal and a direction.
-        frames: (views, roughness) => {
-            const csv = 'nx,ny,nz,vx,vy,vz\n' + views.map((view) => view.flat().join(',')).join('\n') + '\n';
+        frames: (views, roughness, anisotropy = 0) => {
+            const columns = views[0].length === 3 ? 'nx,ny,nz,vx,vy,vz,tx,ty,tz' : 'nx,ny,nz,vx,vy,vz';
+            const csv = [columns, ...views.map((view) => view.flat().join(','))].join('\n') + '\n';
             const args = [
                 '--frames',
                 '-',
@@ -53,13 +54,15 @@ export function programAt(program, work) {
                 'reference',
                 '--roughness',
                 String(roughness),
+                '--anisotropy',
+                String(anisotropy),
                 '--quiet',
             ];
             const rows = octagloss(['query', environment, ...args], csv)
                 .trim()
                 .split('\n')
                 .slice(1);
-            return rows.map((row) => row.split(',').slice(6).map(Number));
+            return rows.map((row) => row.split(',').slice(-3).map(Number));
         },
         // Irradiance over pi for each of `normals`.
         diffuse: (normals, source) => ask(normals, ['--lobe', 'cosine'], source),

@@ -1,4 +1,5 @@
-// three.js: KTX2 (half floats) and DDS (BC6H) as scene.environment, harmonics as LightProbe.
+// three.js: KTX2 (half floats) and DDS (BC6H) as scene.environment, harmonics as LightProbe, and pyramids.
+import { join } from 'node:path';
 import { BANDS, EYES, channelError, drawn, reflected, relativeError, spherePixels } from './pictures.mjs';
 import { sunny } from './program.mjs';
 
@@ -13,7 +14,13 @@ const SUNLIT = 0.02;
 // Spheres by the pyramid against the true BRDF. Multiple scattering is three.js's own.
 const TRUE = 0.03;
 
-export async function checkThree({ open, bake, query, frames, diffuse, check }) {
+// Roughness and anisotropy of brushed spheres.
+const BRUSHED = [
+    [0.3, 0.5],
+    [0.5, 0.7],
+];
+
+export async function checkThree({ open, work, octagloss, bake, query, frames, diffuse, check }) {
     bake('three', ['--target', 'three']);
     bake('three-dds', ['--target', 'three', '--pixel', 'bc6h', '--format', 'dds']);
     bake('three-unflipped', ['--target', 'three', '--flip', 'none']);
@@ -97,6 +104,36 @@ export async function checkThree({ open, bake, query, frames, diffuse, check }) 
             `three PMREM, roughness ${roughness}, the switch is off`,
             worst.off > least,
             `relative error ${worst.off.toFixed(4)}`,
+        );
+    }
+    // Brushed along the parallels, as three.js derives tangents from a sphere's coordinates.
+    const rows = '/bake/three-pyramid-f16/rows.ktx2';
+    octagloss(['reader', '--rows', join(work, 'three-pyramid-f16', 'rows.ktx2'), '--size', '512', '--quiet']);
+    for (const [roughness, anisotropy] of BRUSHED) {
+        const worst = { with: 0, without: 0 };
+        for (const eye of EYES.slice(-2)) {
+            // Around the poles the tangent turns from pixel to pixel.
+            const pixels = spherePixels(512, eye, 32).filter(({ normal }) => Math.abs(normal[1]) < 0.95);
+            const views = pixels.map(({ normal: [x, y, z] }) => [[x, y, z], eye, [z, 0, -x]]);
+            const once = frames(views, roughness, anisotropy);
+            const rest = diffuse(pixels.map((p) => p.normal));
+            const truth = pixels.map((p, k) => {
+                const share = 1 - reflected(p.cosine, roughness, anisotropy);
+                return once[k].map((v, c) => v + share * rest[k][c]);
+            });
+            for (const kind of Object.keys(worst)) {
+                const url = '/bake/three-pyramid-f16/world_pyramid.ktx2';
+                const environment = '/bake/three/world_pmrem.ktx2';
+                const options = { url, environment, roughness, anisotropy, eye, enabled: true };
+                if (kind === 'with') options.rows = rows;
+                const picture = await page.evaluate((options) => window.pyramid(options), options);
+                worst[kind] = Math.max(worst[kind], relativeError(shownAt(picture, pixels), truth));
+            }
+        }
+        check(
+            `three pyramid, roughness ${roughness}, anisotropy ${anisotropy}, 2 views`,
+            worst.with < TRUE && worst.without > 2 * worst.with,
+            `relative error ${worst.with.toFixed(4)}, ${worst.without.toFixed(4)} without the table`,
         );
     }
     // The comparison detects a cube with the wrong flip.
