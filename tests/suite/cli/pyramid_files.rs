@@ -82,4 +82,16 @@ fn pyramids_have_their_options() {
     }
     assert!(done(at, &["reader", "oem", "--language", "hlsl"]).out.contains("oem_radiance"));
     fails(at, &["reader", "oem", "--language", "msl"], 2, "no reader in msl");
+    // The table of anisotropic reflections.
+    let rows = |more: &[&str]| [&["reader", "--rows", "rows.ktx2", "--size", "64", "--quiet"], more].concat();
+    done(at, &rows(&[]));
+    let header = fs::read(at.join("rows.ktx2")).expect("a file");
+    let number = |place: usize| u32::from_le_bytes(header[place..place + 4].try_into().expect("four bytes"));
+    assert_eq!([20, 24, 28].map(number), [352, 70, 8], "width, height and depth");
+    fails(at, &rows(&[]), 1, "rows.ktx2");
+    done(at, &rows(&["--force"]));
+    fails(at, &["reader", "--rows", "rows.ktx2", "--size", "100"], 2, "a power of two from 64 to 2048");
+    fails(at, &["reader", "--rows", "rows.png"], 2, "name it *.ktx2");
+    fails(at, &["reader", "oem", "--rows", "rows.ktx2"], 2, "--rows is for pyramids");
+    fails(at, &["reader"], 2, "--language");
 }

@@ -116,6 +116,50 @@ fn one_look_up_reads_any_probe_as_if_it_were_alone() {
 }
 
 #[test]
+fn probes_reflect_as_if_they_were_alone() {
+    in_full("reflections of probes", |context| {
+        let mut random = Random::new(54);
+        let layout = Layout::Cube { size: 16 };
+        let mut light = || environment(layout, texels(&mut random, Look::Suns, layout));
+        let lights = [light(), light()];
+        let (device, queue) = (context.device(), context.queue());
+        let mut probes = LiveProbes::new(device, queue, SIZE, 2).expect("small tables");
+        for (probe, light) in lights.iter().enumerate() {
+            let texture = probes[probe].upload(light).expect("a small texture");
+            update(context, &mut probes[probe], &texture, probe as f64);
+        }
+        // Views and tangents that differ from the normal, without anisotropy and with it.
+        let asked = "direction, direction + vec3<f32>(0.3, 0.5, -0.2), vec3<f32>(0.8, 0.1, 0.6), roughness";
+        let reflected = |call: &str, at: &str| {
+            format!(
+                "answers[{at}][0] = vec4<f32>({call}{asked}, 0.0, vec3<f32>(1.0), 1.0), 1.0);
+                answers[{at}][1] = vec4<f32>({call}{asked}, 0.6, vec3<f32>(1.0), 1.0), 1.0);"
+            )
+        };
+        let alone =
+            LiveEnvironment::reflect_wgsl(0) + &shader_of(1, &reflected("octagloss_reflect(", "at.x"));
+        let layout = probes.reflect_bind_group_layout();
+        let single = look_ups_of(context, alone, &[&layout], 1);
+        let expected = [0, 1].map(|probe| {
+            let group = probes[probe].reflect_bind_group_of(&layout);
+            single.answers(context, &[&group], &landmarks(), 0.4)
+        });
+        for (probe, expected) in expected.iter().enumerate() {
+            let call = format!("octagloss_reflect_of({probe}u, ");
+            let source = LiveProbes::reflect_wgsl(0) + &shader_of(1, &reflected(&call, "at.x"));
+            let of_all = look_ups_of(context, source, &[&layout], 1);
+            let group = probes.reflect_bind_group_of(&layout);
+            let found = of_all.answers(context, &[&group], &landmarks(), 0.4);
+            assert!(found == *expected, "probe {probe} on {}", context.describe());
+            // The two reflections differ, but for normals along the tangent, and so do the lights.
+            let brushed = found.iter().filter(|[round, brushed]| round != brushed).count();
+            assert!(brushed > found.len() / 2, "{brushed} of {} with anisotropy", found.len());
+        }
+        assert!(expected[0] != expected[1], "the lights differ");
+    });
+}
+
+#[test]
 fn more_probes_than_a_binding_holds_are_refused() {
     in_full("too many probes", |context| {
         let new = |size, count| LiveProbes::new(context.device(), context.queue(), size, count);

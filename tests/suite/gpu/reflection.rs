@@ -244,13 +244,15 @@ fn foreign(module: &Module) -> Vec<String> {
 
 #[test]
 fn shaders_for_callers_have_only_names_with_our_prefix() {
-    let look_ups = [LiveEnvironment::wgsl(0), LiveProbes::wgsl(0)];
-    for first in &look_ups {
+    let radiance = [LiveEnvironment::wgsl(0), LiveProbes::wgsl(0)].map(|source| (source, 9));
+    let reflections =
+        [LiveEnvironment::reflect_wgsl(0), LiveProbes::reflect_wgsl(0)].map(|source| (source, 11));
+    for (first, resources) in radiance.iter().chain(&reflections) {
         // One shader takes all three kinds.
         let all = first.clone() + &LiveEnvironment::draw_wgsl(1) + &ShadowMap::wgsl(2);
         let module = Shader::parse("a caller's shader", &all).module;
         assert_eq!(foreign(&module), [""; 0]);
-        assert!(module.functions.len() > 15 && module.global_variables.len() == 9);
+        assert!(module.functions.len() > 15 && module.global_variables.len() == *resources);
     }
     // Without the prefix they are detected.
     let bare = Shader::parse("a stage", &shader::source("lamp.wgsl")).module;
