@@ -3,15 +3,14 @@
 //! A lobe's light is spread by twice S h, where h are slopes of the half vector along the plane of incidence
 //! and across it, and S = diag(1, n.v). With A the matrix of GGX's squared alphas in these axes, M = S A S
 //! is the lobe's shape in light: its greater eigenvalue the squared length, its lesser one the squared
-//! width. Reads stand in a row along the length, by a law as in [`super::reads`], which this one contains:
-//! without anisotropy length is alpha, width alpha n.v, and the row lies in the plane of incidence.
+//! width. Reads stand in a row along the length, by a law. Without anisotropy length is alpha, width alpha
+//! n.v, and the row lies in the plane of incidence.
 
 use super::Octaves;
 use super::brdf::Brdf;
 use super::fit::smooth;
 use super::reads::{
-    AROUND, HARMONICS, HARMONICS_FROM, NARROWEST, Point, RIDGE, Read, half_vectors, law_terms, level_of, row,
-    weights, wide_functions,
+    AROUND, HARMONICS, HARMONICS_FROM, Point, RIDGE, Read, half_vectors, level_of, weights, wide_functions,
 };
 use crate::frame::LEAST_COSINE;
 use crate::lobe::{legendre, reflectance};
@@ -84,10 +83,14 @@ const AZIMUTHS: u32 = 8;
 /// Places of reads are this far apart for the law.
 const STEP: f64 = 8.0 / 14.0;
 
-/// The law of the reads: shift, logarithms of step, bend, width and growth, and alternation, as in
-/// [`super::reads`]; as sums of these numbers times 1, x, x^2, y, x y, y^2 and e^2, x = ln (width over
-/// length), y = ln(1 + 6 length), e the cosine of the row's angle to the plane of incidence. Shift counts e
-/// times. Both fade out where the view is along the normal, and that plane means nothing.
+/// Width of a lobe over its length, from which on it grows no narrower for the law.
+pub(super) const NARROWEST: f64 = 0.05;
+
+/// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
+/// least width over the length, of how widths grow with the slope, and of how they alternate; as sums of
+/// these numbers times 1, x, x^2, y, x y, y^2 and e^2, x = ln (width over length), y = ln(1 + 6 length), e
+/// the cosine of the row's angle to the plane of incidence. Shift counts e times. Both fade out where the
+/// view is along the normal, and that plane means nothing.
 const LAW: [[f64; 7]; 6] = [
     [-0.586, -0.455, 0.163, 0.472, -0.190, 0.082, -0.016],
     [-0.689, -0.159, 0.240, -0.146, 0.180, -0.072, 0.035],
@@ -131,14 +134,14 @@ impl Row {
             DVec2::new(mixed.abs(), if mixed >= 0.0 { root - apart } else { apart - root })
         };
         let axis = axis.normalize_or(DVec2::X);
-        let (x, y) = law_terms(ratio, length);
+        let (x, y) = (ratio.max(NARROWEST).ln(), (1.0 + 6.0 * length).ln());
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         let tilt = axis.x * smooth(sine / TILTED);
         let e = axis.x * tilt;
         let sum = |[a, b, c, d, f, g, h]: [f64; 7]| a + (b + c * x + f * y) * x + (d + g * y) * y + h * e;
         let mut numbers = LAW.map(sum);
         numbers[0] *= tilt;
-        let reads = row(numbers, STEP).map(|[slope, width]| [slope, width * length]);
+        let reads = row(numbers).map(|[slope, width]| [slope, width * length]);
         Self {
             axis: DVec2::new(axis.x, axis.y / cosine) * (2.0 * root).sqrt(),
             reads,
@@ -146,6 +149,17 @@ impl Row {
             skew: smooth(axis.x / SKEWED),
         }
     }
+}
+
+/// Slope and width of each read by the numbers of the law.
+fn row([shift, spacing, bend, width, growth, alternation]: [f64; 6]) -> [[f64; 2]; READS] {
+    let [spacing, bend, width, growth] = [spacing, bend, width, growth].map(f64::exp);
+    std::array::from_fn(|read| {
+        let place = (read as f64 - MIDDLE as f64) * STEP + shift;
+        let slope = width * spacing * (bend * place).sinh() / bend;
+        let wider = if read % 2 == MIDDLE % 2 { alternation } else { -alternation }.exp();
+        [slope, wider * width * (1.0 + (growth * slope).powi(2)).sqrt()]
+    })
 }
 
 /// Alpha along the tangent and across it of a node.
@@ -226,8 +240,8 @@ fn mean_of_azimuths(alpha: DVec2, cosine: f64) -> [f32; 2] {
     [0, 1].map(|k| f16::from_f64(mean[k] - round[k]).to_f32())
 }
 
-/// Roughness of the isotropic lobe whose albedo an anisotropic one's is near: that of the mean alpha seen along
-/// the normal, that of alpha along the view at grazing angles. `along` is the square of the tangent's part in
+/// Roughness of the isotropic lobe whose albedo an anisotropic one's is near: that of the mean alpha seen
+/// along the normal, that of alpha along the view at grazing angles. `along` is the square of the tangent's part in
 /// the plane of incidence, a half for the mean over azimuths.
 #[must_use]
 pub fn round_roughness(alpha: DVec2, cosine: f64, along: f64) -> f64 {

@@ -17,9 +17,12 @@ pub mod anisotropic;
 mod baked;
 pub mod brdf;
 pub mod cells;
+#[cfg(any(test, feature = "internals"))]
+mod descent;
 pub mod fit;
 pub mod levels;
 pub mod light;
+pub mod places;
 pub mod reads;
 mod reflect;
 pub mod suns;

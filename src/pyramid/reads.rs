@@ -1,13 +1,14 @@
 //! The reads of a reflection: where, at which level, and their weights, over roughness and n.v.
 //!
 //! As slopes of the half vector over alpha, GGX is round and the same for every view; a Gaussian of light is
-//! as long across the plane of incidence as 1 / n.v. So reads stand in a row along that plane, dense where
-//! the lobe is high, and their widths grow with the distance from its middle: [`law`]. Levels are fractional
-//! (a trilinear read), so that places and levels vary smoothly, and only weights are solved for: for 1 and
-//! for (1 - v.h)^5, with the clamped cosine and 15 harmonics that are symmetric about the plane.
+//! as long across the plane of incidence as 1 / n.v. So reads stand in that plane, at places and of widths
+//! that were found by descent ([`super::places`]). Levels are fractional (a trilinear read), so that places
+//! and levels vary smoothly, and only weights are solved for: for 1 and for (1 - v.h)^5, with the clamped
+//! cosine and 15 harmonics that are symmetric about the plane.
 
 use super::brdf::Brdf;
 use super::fit::{gaussian, smooth, solved};
+use super::places::{READS, places};
 use super::{Octaves, WIDEST};
 use crate::frame::LEAST_COSINE;
 use crate::lobe::{legendre, reflectance};
@@ -16,9 +17,6 @@ use half::f16;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
-
-/// Reads at places of their own.
-pub const READS: usize = 9;
 
 /// Directions in the plane of incidence around which harmonics are zonal, as angles from the normal towards
 /// the viewer. Those of order l stand around the first l + 1.
@@ -54,48 +52,6 @@ const DARK: f64 = 30.0;
 
 /// Rings and spokes of half vectors.
 const FIT_GRID: [u32; 2] = [40, 16];
-
-/// Width of a lobe over its length, from which on it grows no narrower for the law.
-pub(super) const NARROWEST: f64 = 0.05;
-
-/// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
-/// least width over alpha, of how widths grow with the slope, and of how they alternate; as sums of these
-/// numbers times 1, x, x^2, y, x y and y^2, x = ln n.v, y = ln(1 + 6 alpha). Optimised for all views
-/// together.
-const LAW: [[f64; 6]; 6] = [
-    [-0.569, -0.487, 0.224, 0.489, -0.222, 0.099],
-    [-0.736, -0.104, 0.179, -0.190, 0.232, -0.115],
-    [-0.659, -0.263, -0.160, -0.887, -0.357, 0.078],
-    [0.015, 0.835, 0.001, -0.154, -0.002, 0.051],
-    [0.243, 0.152, 0.098, 0.212, -0.370, 0.018],
-    [0.298, 0.229, 0.029, 0.000, -0.034, 0.075],
-];
-
-/// Slope and width of each read, both over alpha.
-#[must_use]
-pub fn law(roughness: f64, cosine: f64) -> [[f64; 2]; READS] {
-    let (x, y) = law_terms(cosine, roughness * roughness);
-    let sum = |[a, b, c, d, e, f]: [f64; 6]| a + (b + c * x + e * y) * x + (d + f * y) * y;
-    row(LAW.map(sum), 1.0)
-}
-
-/// What the law is a polynomial of: logarithms of the lobe's width over its length, and of its length.
-pub(super) fn law_terms(ratio: f64, length: f64) -> (f64, f64) {
-    (ratio.max(NARROWEST).ln(), (1.0 + 6.0 * length).ln())
-}
-
-/// Slope and width of each of `COUNT` reads, `step` apart, by the numbers of the law.
-pub(super) fn row<const COUNT: usize>(numbers: [f64; 6], step: f64) -> [[f64; 2]; COUNT] {
-    let [shift, spacing, bend, width, growth, alternation] = numbers;
-    let [spacing, bend, width, growth] = [spacing, bend, width, growth].map(f64::exp);
-    let middle = (COUNT - 1) / 2;
-    std::array::from_fn(|read| {
-        let place = (read as f64 - middle as f64) * step + shift;
-        let slope = width * spacing * (bend * place).sinh() / bend;
-        let wider = if read % 2 == middle % 2 { alternation } else { -alternation }.exp();
-        [slope, wider * width * (1.0 + (growth * slope).powi(2)).sqrt()]
-    })
-}
 
 /// The level of `width`: 0 the mirror, 1 the sharp level, then those from fine to coarse; whole numbers are
 /// levels, between them the logarithm counts.
@@ -163,6 +119,7 @@ pub fn node_at(octaves: Octaves, roughness: f32, cosine: f32) -> Node {
 }
 
 /// A piece of the sphere of lights.
+#[derive(Clone, Debug)]
 pub(super) struct Point {
     pub(super) light: DVec3,
     pub(super) area: f64,
@@ -207,9 +164,22 @@ impl Point {
             Self { light, area: 4.0 * towards * area, lobe: [value, value * fresnel] }
         })
     }
+
+    /// What an error here counts, in a lobe of these [`moments`].
+    pub(super) fn weight(&self, mean: f64, square: f64) -> f64 {
+        self.area * (1.0 / (FLOOR / (4.0 * PI) + self.lobe[0] / mean) + PEAK * mean * mean / square)
+    }
+}
+
+/// The integrals of a lobe and of its square.
+pub(super) fn moments(points: &[Point]) -> [f64; 2] {
+    points.iter().fold([0.0; 2], |[mean, square], point| {
+        [mean + point.area * point.lobe[0], square + point.area * point.lobe[0] * point.lobe[0]]
+    })
 }
 
 /// A trilinear read of the levels: two Gaussians around a direction.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Read {
     direction: DVec3,
     /// Inverse square width and share over the integral of each.
@@ -237,16 +207,6 @@ impl Read {
     }
 }
 
-/// What the weights multiply, of light from the unit vector `light`: reads, the clamped cosine, harmonics.
-fn functions(reads: &[Read; READS], around: &[DVec3; 5], light: DVec3) -> [f64; FUNCTIONS] {
-    let mut values = [0.0; FUNCTIONS];
-    for (value, read) in values.iter_mut().zip(reads) {
-        *value = read.at(light);
-    }
-    wide_functions(&mut values[READS..], around, light);
-    values
-}
-
 /// The clamped cosine, and harmonics around each direction of `around`, of orders from its place up.
 pub(super) fn wide_functions(values: &mut [f64], around: &[DVec3; 5], light: DVec3) {
     values[0] = light.z.max(0.0) / PI;
@@ -270,15 +230,12 @@ pub(super) fn weights<const N: usize>(
     albedo: [f64; 2],
     functions: impl Fn(DVec3) -> [f64; N],
 ) -> Vec<[f32; 2]> {
-    let [mean, square] = points.iter().fold([0.0; 2], |[mean, square], point| {
-        [mean + point.area * point.lobe[0], square + point.area * point.lobe[0] * point.lobe[0]]
-    });
+    let [mean, square] = moments(points);
     // The normal equations, and a multiplier that holds the lobe's integral at the albedo.
     let mut products = [[0.0; N]; N];
     let mut right = vec![[0.0; 2]; used + 1];
     for point in points {
-        let weight =
-            point.area * (1.0 / (FLOOR / (4.0 * PI) + point.lobe[0] / mean) + PEAK * mean * mean / square);
+        let weight = point.weight(mean, square);
         let values = functions(point.light);
         for j in 0..used {
             let own = weight * values[j];
@@ -314,37 +271,82 @@ pub(super) fn weights<const N: usize>(
     (0..used).map(pair).collect()
 }
 
+/// A reflection that is fitted.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    octaves: Octaves,
+    alpha: f64,
+    view: DVec3,
+    pub(super) points: Vec<Point>,
+    /// Scale and bias of f0.
+    albedo: [f64; 2],
+    /// Functions in use, and the ridge of each.
+    used: usize,
+    pub(super) ridge: [f64; FUNCTIONS],
+}
+
+impl Fit {
+    /// The reflection at `roughness` and n.v of `cosine`.
+    #[must_use]
+    pub fn new(octaves: Octaves, roughness: f64, cosine: f64) -> Self {
+        let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+        // Sharper lobes than the mirror's are served by the mirror.
+        let served = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.125);
+        let [from, to] = HARMONICS_FROM;
+        let use_harmonics = smooth((roughness - from) / (to - from));
+        // Lobes narrower than the mirror's texels are served by equal reads of it.
+        let narrow = octaves.mirror_width() / (2.0 * cosine * roughness.max(1e-3).powi(2));
+        let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
+        ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
+        Self {
+            octaves,
+            alpha: roughness * roughness,
+            view,
+            points: points(served * served, view, &Brdf::new(view, served, 0.0)),
+            albedo: reflectance::ggx_albedo(cosine, roughness),
+            used: if use_harmonics > 0.0 { FUNCTIONS } else { READS },
+            ridge,
+        }
+    }
+
+    /// A read at the slope and of the width of `place`, both over alpha; its slope and level.
+    pub(super) fn read(&self, [slope, width]: [f64; 2]) -> (Read, [f64; 2]) {
+        let slope = slope * self.alpha;
+        let half = (DVec3::Z + slope * self.view.with_z(0.0)).normalize();
+        let level = level_of(self.octaves, width * self.alpha);
+        let direction = half * (2.0 * self.view.dot(half)) - self.view;
+        (Read::new(self.octaves, direction, level), [slope, level])
+    }
+
+    /// What the weights multiply, of light from the unit vector `light`: reads, the clamped cosine,
+    /// harmonics.
+    pub(super) fn functions(reads: &[Read; READS], light: DVec3) -> [f64; FUNCTIONS] {
+        let around = AROUND.map(|angle| DVec3::new(angle.sin(), 0.0, angle.cos()));
+        let mut values = [0.0; FUNCTIONS];
+        for (value, read) in values.iter_mut().zip(reads) {
+            *value = read.at(light);
+        }
+        wide_functions(&mut values[READS..], &around, light);
+        values
+    }
+
+    /// The weights for f0 and f90 with these `reads`.
+    pub(super) fn weights(&self, reads: &[Read; READS]) -> Vec<[f32; 2]> {
+        let functions = |light| Self::functions(reads, light);
+        weights(&self.points, READS, self.used, &self.ridge, self.albedo, functions)
+    }
+}
+
 /// The node that fits the reflection at `roughness` and n.v of `cosine`.
 #[must_use]
 pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
-    let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
-    // Sharper lobes than the mirror's are served by the mirror.
-    let served = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.125);
-    let (alpha, brdf) = (served * served, Brdf::new(view, served, 0.0));
-    let [scale, bias] = reflectance::ggx_albedo(cosine, roughness);
+    let fit = Fit::new(octaves, roughness, cosine);
     let mut node = [[0.0; 4]; LAYERS];
-    let reads = law(roughness, cosine).map(|[slope, width]| {
-        let slope = slope * roughness * roughness;
-        let half = (DVec3::Z + slope * view.with_z(0.0)).normalize();
-        let level = level_of(octaves, width * roughness * roughness);
-        (half * (2.0 * view.dot(half)) - view, level, slope)
-    });
-    for (layer, (_, level, slope)) in node.iter_mut().zip(reads) {
-        *layer = [slope as f32, level as f32, 0.0, 0.0];
+    let reads = places(roughness, cosine).map(|place| fit.read(place));
+    for (layer, (_, [slope, level])) in node.iter_mut().zip(&reads) {
+        *layer = [*slope as f32, *level as f32, 0.0, 0.0];
     }
-    let reads = reads.map(|(direction, level, _)| Read::new(octaves, direction, level));
-    let around = AROUND.map(|angle| DVec3::new(angle.sin(), 0.0, angle.cos()));
-    let [from, to] = HARMONICS_FROM;
-    let use_harmonics = smooth((roughness - from) / (to - from));
-    let used = if use_harmonics > 0.0 { FUNCTIONS } else { READS };
-    // Lobes narrower than the mirror's texels are served by equal reads of it.
-    let narrow = octaves.mirror_width() / (2.0 * cosine * roughness.max(1e-3).powi(2));
-    let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
-    ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
-    let points = points(alpha, view, &brdf);
-    let weights =
-        weights(&points, READS, used, &ridge, [scale, bias], |light| functions(&reads, &around, light));
-    for (k, pair) in weights.into_iter().enumerate() {
+    for (k, pair) in fit.weights(&reads.map(|(read, _)| read)).into_iter().enumerate() {
         let (layer, at) = match k {
             _ if k < READS => (k, 2),
             READS => (READS, 0),
@@ -352,6 +354,7 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
         };
         node[layer][at..at + 2].copy_from_slice(&pair);
     }
+    let [scale, bias] = fit.albedo;
     node[READS][2..].copy_from_slice(&[scale as f32, bias as f32]);
     node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))
 }
