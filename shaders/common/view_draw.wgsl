@@ -1,6 +1,7 @@
 // Draws the viewer's pictures: linear and exposed, or the samples themselves. The including file declares
 // radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>, with `direction` in the
-// source's space, and glossy(found: Sample, pixel: vec2<f32>) -> vec3<f32>, what a surface reflects.
+// source's space, and shaded(found: Sample, diffuse: vec3<f32>, pixel: vec2<f32>) -> vec3<f32>, what a surface
+// with this diffuse light looks like.
 #include "common/luminance.wgsl"
 #include "common/view_scene.wgsl"
 
@@ -51,12 +52,35 @@ fn mesh_sample(surface: Surface) -> Sample {
     let base = painted.rgb * mix(frame.metal, frame.tint, material.own);
     let plain = frame.roughness * roughness_at(surface.uv);
     let roughness = material.roughness * texel.g * mix(plain, frame.roughness_factor, material.own);
-    return surface_sample(view, normal, base, material.metallic * texel.b, roughness);
+    var found = surface_sample(view, normal, base, material.metallic * texel.b, roughness);
+    let brush = mix(frame.brush, material.brush, material.own);
+    found.finish = Finish(
+        brushed(surface, normal, brush),
+        mix(frame.anisotropy, material.anisotropy, material.own),
+        mix(frame.clearcoat, material.clearcoat, material.own),
+        mix(frame.coat_roughness, material.coat_roughness, material.own));
+    return found;
+}
+
+// The direction in which u grows, turned counterclockwise in the texture by the angle of `brush`; zero
+// without coordinates.
+fn brushed(surface: Surface, normal: vec3<f32>, brush: vec2<f32>) -> vec3<f32> {
+    let right = dpdx(surface.position);
+    let down = dpdy(surface.position);
+    let u = vec2<f32>(dpdx(surface.uv.x), dpdy(surface.uv.x));
+    let v = vec2<f32>(dpdx(surface.uv.y), dpdy(surface.uv.y));
+    let side = sign(u.x * v.y - u.y * v.x);
+    let along_u = side * (right * v.y - down * v.x);
+    // Textures grow downwards.
+    let up = side * (right * u.y - down * u.x);
+    let tangent = along_u - normal * dot(along_u, normal);
+    let across = cross(normal, tangent);
+    return turned(tangent, across * select(1.0, -1.0, dot(across, up) < 0.0), brush);
 }
 
 fn lit(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
     let diffuse = found.albedo * irradiance(frame.source_from_world * found.normal);
-    return vec4<f32>(min((glossy(found, pixel) + diffuse) * frame.exposure, vec3<f32>(GREATEST)), 1.0);
+    return vec4<f32>(min(shaded(found, diffuse, pixel) * frame.exposure, vec3<f32>(GREATEST)), 1.0);
 }
 
 @fragment

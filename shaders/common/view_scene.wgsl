@@ -37,6 +37,11 @@ struct ViewFrame {
     size: vec2<f32>,
     // Height of the ground below the spheres.
     floor: f32,
+    // Finish of plain surfaces: anisotropy, cosine and sine of its direction, clear coat.
+    anisotropy: f32,
+    brush: vec2<f32>,
+    clearcoat: f32,
+    coat_roughness: f32,
     source_from_world: mat3x3<f32>,
     levels_from_source: mat3x3<f32>,
     clip_from_world: mat4x4<f32>,
@@ -64,6 +69,10 @@ struct Material {
     cutoff: f32,
     // 1 for a material of the mesh's file, 0 for a plain metal.
     own: f32,
+    brush: vec2<f32>,
+    anisotropy: f32,
+    clearcoat: f32,
+    coat_roughness: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: ViewFrame;
@@ -81,6 +90,16 @@ struct Material {
 @group(0) @binding(8) var surface_texture: texture_2d<f32>;
 @group(0) @binding(9) var surface_sampler: sampler;
 
+// What a surface is besides rough.
+struct Finish {
+    // Along the brushing, in world space, of any length; zero for none.
+    tangent: vec3<f32>,
+    anisotropy: f32,
+    // Share of a clear coat, and its roughness.
+    clearcoat: f32,
+    coat_roughness: f32,
+}
+
 // The query of a pixel to the environment, and the factors of the answer.
 struct Sample {
     // Unit vector in world space.
@@ -94,6 +113,7 @@ struct Sample {
     view: vec3<f32>,
     f0: vec3<f32>,
     surface: f32,
+    finish: Finish,
 }
 
 // Bilinear by hand, so that texels are at the same positions with every driver.
@@ -150,7 +170,7 @@ fn surface_sample(
     let reflected = (f0 * terms.x + terms.y) * again;
     // Light that is not reflected enters and leaves diffusely.
     let albedo = base * (1.0 - metallic) * max(1.0 - reflected, vec3<f32>(0.0));
-    return Sample(reflect(view, normal), roughness, reflected, normal, albedo, -view, f0, 1.0);
+    return Sample(reflect(view, normal), roughness, reflected, normal, albedo, -view, f0, 1.0, Finish());
 }
 
 // Irradiance over pi for a unit normal `direction` in the source's space.
@@ -179,12 +199,17 @@ fn ground_light(view: vec3<f32>) -> f32 {
     return select(1.0, light, view.y < 0.0 && reach > 0.0);
 }
 
+// `tangent` turned towards `bitangent`.
+fn turned(tangent: vec3<f32>, bitangent: vec3<f32>, brush: vec2<f32>) -> vec3<f32> {
+    return tangent * brush.x + bitangent * brush.y;
+}
+
 // The nearest sphere along the view, or the backdrop.
 fn ball_sample(pixel: vec2<f32>) -> Sample {
     let view = view_direction(pixel);
     var nearest = 1e30;
     let none = vec3<f32>(0.0);
-    var found = Sample(view, frame.backdrop, vec3<f32>(ground_light(view)), view, none, -view, none, 0.0);
+    var found = Sample(view, frame.backdrop, vec3<f32>(ground_light(view)), view, none, -view, none, 0.0, Finish());
     for (var k = 0u; k < BALLS; k++) {
         let ball = frame.ball[k];
         let from_centre = frame.eye - ball.centre;
@@ -199,6 +224,13 @@ fn ball_sample(pixel: vec2<f32>) -> Sample {
             let uv = vec2<f32>(
                 0.5 + atan2(normal.z, normal.x) / 6.2831853, acos(clamp(normal.y, -1.0, 1.0)) / 3.1415927);
             found = surface_sample(view, normal, frame.metal, 1.0, ball.roughness * roughness_at(uv));
+            // Brushed around the vertical axis; at the poles there is no direction.
+            let around = vec3<f32>(normal.z, 0.0, -normal.x);
+            found.finish = Finish(
+                turned(around, cross(normal, around), frame.brush),
+                frame.anisotropy,
+                frame.clearcoat,
+                frame.coat_roughness);
         }
     }
     return found;

@@ -14,14 +14,23 @@ fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>
     return octagloss_radiance(direction, roughness);
 }
 
-fn glossy(found: Sample, pixel: vec2<f32>) -> vec3<f32> {
+fn shaded(found: Sample, diffuse: vec3<f32>, pixel: vec2<f32>) -> vec3<f32> {
     if found.surface == 0.0 {
         return radiance(frame.source_from_world * found.direction, found.roughness, pixel) * found.factor;
     }
     let normal = frame.source_from_world * found.normal;
     let view = frame.source_from_world * found.view;
-    let albedo = octagloss_albedo(dot(normal, view), found.roughness, 0.0);
+    let tangent = frame.source_from_world * found.finish.tangent;
+    let anisotropy = found.finish.anisotropy;
+    let cosine = dot(normal, view);
+    let albedo = octagloss_albedo(cosine, found.roughness, anisotropy);
     // Multiple scattering as in surface_sample.
     let again = 1.0 + found.f0 * (1.0 / (albedo.x + albedo.y) - 1.0);
-    return octagloss_reflect_isotropic(normal, view, found.roughness, found.f0, 1.0) * again;
+    let reflected = octagloss_reflect(normal, view, tangent, found.roughness, anisotropy, found.f0, 1.0);
+    // A clear coat of refractive index 1.5 takes what it reflects from what is below.
+    let coat = octagloss_albedo(cosine, found.finish.coat_roughness, 0.0);
+    let taken = found.finish.clearcoat * (0.04 * coat.x + coat.y);
+    let coated =
+        octagloss_reflect_isotropic(normal, view, found.finish.coat_roughness, vec3<f32>(0.04), 1.0);
+    return (reflected * again + diffuse) * (1.0 - taken) + coated * found.finish.clearcoat;
 }

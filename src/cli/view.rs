@@ -34,8 +34,14 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     let mesh = args.look.mesh.as_deref().map(|path| Mesh::read_within(path, root)).transpose()?;
     let (environment, name) = environment(&args, &console)?;
     let levels = levels(&args, &environment, &console)?;
-    if levels.is_some() && args.look.filter.is_none() {
+    if levels.is_some() && args.look.filter.is_none() && !args.look.has_finish() {
         look.filter = Technique::Levels;
+    }
+    if args.look.has_finish() && look.filter != Technique::Reflect {
+        return usage(format!(
+            "--anisotropy and --clearcoat are for --filter reflect; --filter {} shows neither",
+            look.filter
+        ));
     }
     let table = ReflectorSettings {
         oem_size: args.oem_size,

@@ -7,7 +7,7 @@ use crate::image::exposure::Exposure;
 use crate::recipe::InputOptions;
 use crate::sat::Scan;
 use crate::view::scene::{MAX_BUDGET, MAX_PROBES, Proxy};
-use crate::view::{Camera, FRONT, Ground, Look, Object, Paint, Show, Technique, Tone};
+use crate::view::{Camera, FRONT, Finish, Ground, Look, Object, Paint, Show, Technique, Tone};
 use clap::Args as ClapArgs;
 use std::path::PathBuf;
 
@@ -70,7 +70,7 @@ pub(super) struct LookArgs {
     /// Show a mesh: .gltf, .glb or .obj
     ///
     /// glTF: triangles with base colour, metalness and roughness of materials, textures, vertex colours and
-    /// masks; no bump maps, lights or transparency. OBJ: triangles only. The camera faces the mesh's +Z side.
+    /// masks, factors of anisotropy and clear coat; no bump maps, lights or transparency. OBJ: triangles only. The camera faces the mesh's +Z side.
     #[arg(long, value_name = "FILE", conflicts_with = "object")]
     pub(super) mesh: Option<PathBuf>,
     /// Folder above the mesh that may hold its files
@@ -100,6 +100,25 @@ pub(super) struct LookArgs {
     /// 1,1,1.
     #[arg(long, value_name = "R,G,B", value_parser = metal)]
     pub(super) metal: Option<Rgb>,
+    /// Anisotropy, 0 to 1 [default: 0]
+    ///
+    /// As in KHR_materials_anisotropy: alpha along the brushing is r^2 + (1 - r^2) A^2. Spheres are brushed
+    /// around the vertical axis, meshes along u of their texture coordinates. With --filter reflect, which it
+    /// chooses. The first picture takes some seconds more. Materials of a mesh's file have their own.
+    #[arg(long, value_name = "A", value_parser = within([0.0, 1.0]))]
+    pub(super) anisotropy: Option<f64>,
+    /// Turn the brushing, in degrees [default: 0]
+    #[arg(long, value_name = "DEG", value_parser = turn, requires = "anisotropy")]
+    pub(super) direction: Option<f64>,
+    /// Clear coat, 0 to 1 [default: 0]
+    ///
+    /// As in KHR_materials_clearcoat. With --filter reflect, which it chooses. Materials of a mesh's file
+    /// have their own.
+    #[arg(long, value_name = "C", value_parser = within([0.0, 1.0]))]
+    pub(super) clearcoat: Option<f64>,
+    /// Roughness of the clear coat, 0 to 1 [default: 0.05]
+    #[arg(long, value_name = "R", value_parser = roughness, requires = "clearcoat")]
+    pub(super) coat_roughness: Option<f64>,
     /// Blur of the backdrop, 0 to 1 [default: hides texels]
     ///
     /// As a roughness. By default a lobe just wide enough to hide the texels of a coarse environment; 0 shows
@@ -174,6 +193,11 @@ fn metal(text: &str) -> Result<Rgb, String> {
 }
 
 impl LookArgs {
+    /// Whether what only true reflections show is asked for.
+    pub(super) fn has_finish(&self) -> bool {
+        self.anisotropy.is_some() || self.clearcoat.is_some()
+    }
+
     pub(super) fn look(&self) -> Look {
         let look = Look::default();
         Look {
@@ -191,6 +215,12 @@ impl LookArgs {
             roughness: self.roughness.unwrap_or(look.roughness),
             textured: self.textured,
             metal: self.metal.unwrap_or(look.metal),
+            finish: Finish {
+                anisotropy: self.anisotropy.unwrap_or(look.finish.anisotropy),
+                direction: self.direction.unwrap_or(look.finish.direction),
+                clearcoat: self.clearcoat.unwrap_or(look.finish.clearcoat),
+                coat_roughness: self.coat_roughness.unwrap_or(look.finish.coat_roughness),
+            },
             paint: self.paint,
             tint: self.metal.unwrap_or(look.tint),
             roughness_factor: self.roughness.unwrap_or(look.roughness_factor),
@@ -199,14 +229,14 @@ impl LookArgs {
             turn: self.turn,
             exposure: self.exposure,
             tone: self.tone,
-            filter: self.filter.unwrap_or(look.filter),
+            filter: self.filter.unwrap_or(if self.has_finish() { Technique::Reflect } else { look.filter }),
             show: self.show,
         }
     }
 }
 
 /// Options that a scene does not have: by their names in [`ViewArgs`] and what it contains.
-const WITHOUT: [&str; 22] = [
+const WITHOUT: [&str; 26] = [
     "inputs",
     "border",
     "scan",
@@ -216,6 +246,10 @@ const WITHOUT: [&str; 22] = [
     "paint",
     "textured",
     "metal",
+    "anisotropy",
+    "direction",
+    "clearcoat",
+    "coat_roughness",
     "backdrop",
     "ground",
     "turn",

@@ -237,7 +237,15 @@ impl Scene<'_> {
         let emission_texture = emissive_texture(material).filter(|info| {
             surface.base_color_texture.as_ref().is_none_or(|base| base.tex_coord == info.tex_coord)
         });
+        let number = |extension: &str, name: &str| finish_number(material, extension, name);
         Ok(Material {
+            anisotropy: fraction("anisotropyStrength", number(ANISOTROPY, "anisotropyStrength"))?,
+            direction: number(ANISOTROPY, "anisotropyRotation"),
+            clearcoat: fraction("clearcoatFactor", number(CLEARCOAT, "clearcoatFactor"))?,
+            coat_roughness: fraction(
+                "clearcoatRoughnessFactor",
+                number(CLEARCOAT, "clearcoatRoughnessFactor"),
+            )?,
             emission,
             emission_texture: emission_texture.map(|info| self.texture(info)).transpose()?,
             base,
@@ -317,6 +325,16 @@ impl Scene<'_> {
         }
         Ok(images)
     }
+}
+
+const ANISOTROPY: &str = "KHR_materials_anisotropy";
+const CLEARCOAT: &str = "KHR_materials_clearcoat";
+
+/// A number of a material's extension, 0 if it is not there. Their textures are not read.
+fn finish_number(material: &json::Material, extension: &str, name: &str) -> f32 {
+    let extensions = material.extensions.as_ref();
+    let value = extensions.and_then(|all| all.others.get(extension)?.get(name)?.as_f64());
+    value.unwrap_or_default() as f32
 }
 
 /// The factor of a material's emission beyond 1: KHR_materials_emissive_strength.

@@ -25,6 +25,14 @@ pub struct Material {
     pub cutoff: Option<f32>,
     /// Radiance that the surface emits, linear, with its strength.
     pub emission: [f32; 3],
+    /// Anisotropy in \[0, 1\], and its direction from the tangent in radians, counterclockwise.
+    pub anisotropy: f32,
+    /// See [`Self::anisotropy`].
+    pub direction: f32,
+    /// Share of a clear coat in \[0, 1\].
+    pub clearcoat: f32,
+    /// Perceptual roughness of the coat in \[0, 1\].
+    pub coat_roughness: f32,
     /// Factors of the base colour, in sRGB.
     pub base_texture: Option<Texture>,
     /// Factors of the emission, in sRGB, at the coordinates of the base colour's texture.
@@ -42,6 +50,10 @@ impl Default for Material {
             roughness: 1.0,
             cutoff: None,
             emission: [0.0; 3],
+            anisotropy: 0.0,
+            direction: 0.0,
+            clearcoat: 0.0,
+            coat_roughness: 0.0,
             base_texture: None,
             emission_texture: None,
             surface_texture: None,

@@ -41,7 +41,10 @@ pub(super) struct ViewFrame {
     roughness_factor: f32,
     size: [f32; 2],
     floor: f32,
-    pad_floor: f32,
+    anisotropy: f32,
+    brush: [f32; 2],
+    clearcoat: f32,
+    coat_roughness: f32,
     source_from_world: [[f32; 4]; 3],
     levels_from_source: [[f32; 4]; 3],
     clip_from_world: [[f32; 4]; 4],
@@ -116,7 +119,10 @@ impl ViewFrame {
             roughness_factor: look.roughness_factor as f32,
             size: size.map(|side| side as f32),
             floor: look.floor().unwrap_or(NO_FLOOR) as f32,
-            pad_floor: 0.0,
+            anisotropy: look.finish.anisotropy as f32,
+            brush: brush(look.finish.direction),
+            clearcoat: look.finish.clearcoat as f32,
+            coat_roughness: look.finish.coat_roughness as f32,
             source_from_world: columns(source_from_world),
             levels_from_source: columns(ladder.levels_from_source),
             clip_from_world: frame.clip_from_world.as_mat4().to_cols_array_2d(),
@@ -124,6 +130,12 @@ impl ViewFrame {
             ball,
         }
     }
+}
+
+/// Cosine and sine of the direction of brushing in degrees, as shaders turn tangents.
+pub(super) fn brush(degrees: f64) -> [f32; 2] {
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    [cosine as f32, sine as f32]
 }
 
 /// Uniform of the diffuse light, in the environment's space.

@@ -41,8 +41,9 @@ pub struct Light {
     pub(super) own_levels: bool,
     pub(super) boxes: SatTextures,
     pub(super) pyramid: PyramidMaps,
-    /// Its group for true reflections, whose table is fitted at the first use.
-    reflections: OnceCell<wgpu::BindGroup>,
+    /// Its groups for true reflections, isotropic and of any anisotropy, whose tables are fitted at the first
+    /// use.
+    reflections: [OnceCell<wgpu::BindGroup>; 2],
     /// Texels of the octahedral map.
     pub(super) oem: OemSize,
     /// Stages from texels to tables, in order.
@@ -123,19 +124,21 @@ impl Light {
             own_levels: false,
             boxes,
             pyramid,
-            reflections: OnceCell::new(),
+            reflections: [const { OnceCell::new() }; 2],
             oem: size,
             stages,
         })
     }
 
-    /// The resources of true reflections, as a group of `layout`.
-    pub(super) fn reflections(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        self.reflections
-            .get_or_init(|| {
-                reflection::bind_group(context, &self.pyramid, false, Surfaces::Isotropic, layout)
-            })
-            .clone()
+    /// The resources of true reflections of `surfaces`, as a group of `layout`.
+    pub(super) fn reflections(
+        &self,
+        context: &Context,
+        surfaces: Surfaces,
+        layout: &wgpu::BindGroupLayout,
+    ) -> wgpu::BindGroup {
+        let make = || reflection::bind_group(context, &self.pyramid, false, surfaces, layout);
+        self.reflections[usize::from(surfaces == Surfaces::Any)].get_or_init(make).clone()
     }
 
     /// The environment, in its own space. Light beyond the range of float32 arithmetic is scaled by a power

@@ -170,6 +170,24 @@ const BACKDROP_PIXELS: f64 = 720.0;
 /// Width of the automatic backdrop's lobe, as the square of its roughness, per texel.
 const BACKDROP_TEXELS: f64 = 1.2;
 
+/// What a surface is besides rough; `reflect` alone shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finish {
+    /// Anisotropy in \[0, 1\], of KHR_materials_anisotropy.
+    pub anisotropy: f64,
+    /// Direction of the brushing in degrees: on spheres from the parallels, on meshes from u, counterclockwise.
+    pub direction: f64,
+    /// Share of a clear coat in \[0, 1\], of KHR_materials_clearcoat.
+    pub clearcoat: f64,
+    /// Roughness of the coat in \[0, 1\].
+    pub coat_roughness: f64,
+}
+
+impl Finish {
+    /// Neither brushed nor coated. A coat is nearly smooth.
+    pub const NONE: Self = Self { anisotropy: 0.0, direction: 0.0, clearcoat: 0.0, coat_roughness: 0.05 };
+}
+
 /// Description of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
@@ -183,6 +201,8 @@ pub struct Look {
     pub textured: bool,
     /// Reflectance of plain metals at normal incidence, linear.
     pub metal: Rgb,
+    /// Finish of plain surfaces.
+    pub finish: Finish,
     /// Material of the mesh.
     pub paint: Paint,
     /// Factor of the base colours of a mesh's own materials, linear.
@@ -214,6 +234,7 @@ impl Default for Look {
             roughness: 0.2,
             textured: false,
             metal: [0.95, 0.93, 0.88],
+            finish: Finish::NONE,
             paint: Paint::default(),
             tint: [1.0; 3],
             roughness_factor: 1.0,
@@ -245,7 +266,7 @@ impl Look {
     /// # Errors
     /// [`Error::Parameter`] naming the value and its range.
     pub fn check(&self) -> Result<()> {
-        let Self { camera, metal: [red, green, blue], tint, .. } = self;
+        let Self { camera, metal: [red, green, blue], tint, finish, .. } = self;
         let within = [
             ("roughness", self.roughness, 0.0, 1.0),
             ("backdrop roughness", self.backdrop.unwrap_or(0.0), 0.0, 1.0),
@@ -256,6 +277,10 @@ impl Look {
             ("pitch", camera.pitch, -std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2),
             ("distance", camera.distance, 1.05, 1e3),
             ("angle of view", camera.angle.unwrap_or(1.0), 0.01, 3.0),
+            ("anisotropy", finish.anisotropy, 0.0, 1.0),
+            ("direction of anisotropy", finish.direction, -1e6, 1e6),
+            ("clear coat", finish.clearcoat, 0.0, 1.0),
+            ("roughness of the clear coat", finish.coat_roughness, 0.0, 1.0),
             ("red reflectance", f64::from(*red), 0.0, 1.0),
             ("green reflectance", f64::from(*green), 0.0, 1.0),
             ("blue reflectance", f64::from(*blue), 0.0, 1.0),

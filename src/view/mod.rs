@@ -41,7 +41,7 @@ pub(crate) use camera::FRONT;
 pub use camera::{Camera, Frame, field_around};
 pub use levels::Levels;
 pub use light::Light;
-pub use look::{Ground, Look, Object, Paint, Show, Technique, Tone};
+pub use look::{Finish, Ground, Look, Object, Paint, Show, Technique, Tone};
 pub use present::{Display, Viewport};
 pub use renderer::Renderer;
 pub use screenshot::{Screenshot, screenshot};

@@ -1,5 +1,6 @@
 //! A mesh on the GPU: triangles, materials and textures.
 
+use super::frame::brush;
 use super::mip_levels::{Space, halved};
 use super::resources::{filled_texture, texture_of, write_level};
 use crate::error::{Error, Result};
@@ -16,6 +17,11 @@ pub(super) struct MaterialUniform {
     roughness: f32,
     cutoff: f32,
     own: f32,
+    brush: [f32; 2],
+    anisotropy: f32,
+    clearcoat: f32,
+    coat_roughness: f32,
+    pad: [f32; 3],
 }
 
 /// Origin of a material.
@@ -52,6 +58,11 @@ impl Surface {
             roughness: material.roughness,
             cutoff: material.cutoff.unwrap_or(-1.0),
             own: if owner == Owner::File { 1.0 } else { 0.0 },
+            brush: brush(f64::from(material.direction).to_degrees()),
+            anisotropy: material.anisotropy,
+            clearcoat: material.clearcoat,
+            coat_roughness: material.coat_roughness,
+            pad: [0.0; 3],
         };
         let uniform = context.uniform("material", &uniform);
         Self { uniform, base: base.clone(), surface: surface.clone() }
@@ -84,6 +95,8 @@ pub(super) struct Model {
     pub(super) parts: Vec<SubMesh>,
     /// The mesh's materials.
     pub(super) surfaces: Vec<Surface>,
+    /// Whether a material is brushed.
+    pub(super) is_brushed: bool,
 }
 
 /// A buffer of the `content` of a `whole` made of triangles.
@@ -141,6 +154,7 @@ impl Model {
             vertices: buffer("corners", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&mesh.vertices))?,
             indices: buffer("triangles", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&mesh.indices))?,
             parts: mesh.parts.clone(),
+            is_brushed: mesh.materials.iter().any(|material| material.anisotropy > 0.0),
             surfaces,
         })
     }

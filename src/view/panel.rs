@@ -82,15 +82,14 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
                 &mut look.filter,
                 &[
                     (Technique::Box, "box"),
-                    (Technique::Pyramid, "pyramid"),
+                    (Technique::Pyramid, "N = V = R, pyramid"),
                     (Technique::Reflect, "true reflection"),
                     (
                         Technique::Levels,
                         if status.has_levels {
                             "the bake's own levels"
                         } else {
-                            "prefiltered \
-                                                                                             levels"
+                            "split sum of prefiltered levels"
                         },
                     ),
                     (Technique::Adaptive, "adaptive"),
@@ -103,6 +102,20 @@ pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &
             ui.color_edit_button_rgb(if painted { &mut look.tint } else { &mut look.metal });
             ui.end_row();
         });
+        if look.filter == Technique::Reflect {
+            ui.separator();
+            let finish = &mut look.finish;
+            ui.add_enabled_ui(!painted, |ui| {
+                ui.label("Anisotropy");
+                ui.add(Slider::new(&mut finish.anisotropy, 0.0..=1.0).max_decimals(3));
+                let direction = Slider::new(&mut finish.direction, 0.0..=180.0).step_by(1.0);
+                ui.add_enabled(finish.anisotropy > 0.0, direction.suffix("\u{b0}"));
+                ui.label("Clear coat");
+                ui.add(Slider::new(&mut finish.clearcoat, 0.0..=1.0).max_decimals(3));
+                let roughness = Slider::new(&mut finish.coat_roughness, 0.0..=1.0).max_decimals(3);
+                ui.add_enabled(finish.clearcoat > 0.0, roughness.text("roughness"));
+            });
+        }
         ui.separator();
         ui.label("Exposure");
         let mut automatic = look.exposure == Exposure::Auto;

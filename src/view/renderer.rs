@@ -20,7 +20,7 @@ use crate::gpu::device::resources::{
 };
 use crate::gpu::device::timer::Timer;
 use crate::gpu::pyramid::PyramidMaps;
-use crate::gpu::reflection;
+use crate::gpu::reflection::{self, Surfaces};
 use crate::mesh::{Mesh, SubMesh, Vertex};
 use crate::reflector::ReflectorSettings;
 use bytemuck::Zeroable as _;
@@ -345,7 +345,11 @@ impl Renderer {
             (RadianceSource::Pyramid, _) => {
                 Some(light.pyramid.bind_group(&self.context, &self.pyramid_layout))
             }
-            (RadianceSource::Reflect, _) => Some(light.reflections(&self.context, &self.reflect_layout)),
+            (RadianceSource::Reflect, _) => {
+                let is_brushed = look.finish.anisotropy > 0.0 || mesh.is_some_and(|mesh| mesh.is_brushed);
+                let surfaces = if is_brushed { Surfaces::Any } else { Surfaces::Isotropic };
+                Some(light.reflections(&self.context, surfaces, &self.reflect_layout))
+            }
             (RadianceSource::Levels, Some(cube)) => {
                 let view = wgpu::BindingResource::TextureView(&cube.view);
                 let sampler = wgpu::BindingResource::Sampler(&self.trilinear);

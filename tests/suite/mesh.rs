@@ -148,6 +148,25 @@ fn materials_are_read_from_the_file() {
     let parts: Vec<_> = mesh.parts.iter().map(|part| (part.indices.clone(), part.material)).collect();
     assert_eq!(parts, [(0..3, Some(0)), (3..6, Some(1))]);
     assert_eq!(mesh.vertices[1].uv, [0.0, 1.0]);
+    let finish = |extensions: Value| {
+        let mut json = json.clone();
+        json["materials"][0]["extensions"] = extensions;
+        read("m.gltf", json.to_string().as_bytes()).map(|mesh| mesh.materials[0].clone())
+    };
+    let brushed = finish(json!({
+        "KHR_materials_anisotropy": {"anisotropyStrength": 0.75, "anisotropyRotation": 1.5},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25},
+    }));
+    let own =
+        Material { anisotropy: 0.75, direction: 1.5, clearcoat: 0.5, coat_roughness: 0.25, ..first.clone() };
+    assert_eq!(brushed.expect("a mesh"), own);
+    for (extensions, words) in [
+        (json!({"KHR_materials_anisotropy": {"anisotropyStrength": 1.5}}), "anisotropyStrength 1.5"),
+        (json!({"KHR_materials_clearcoat": {"clearcoatFactor": -1}}), "clearcoatFactor -1"),
+    ] {
+        let error = finish(extensions).expect_err("out of range").to_string();
+        assert!(error.contains(words), "{error}");
+    }
     json["materials"][0]["emissiveFactor"] = json!([0.5, 0.25, 0.0]);
     json["materials"][0]["emissiveTexture"] = json!({"index": 0});
     let lit = read("m.gltf", json.to_string().as_bytes()).expect("a mesh");

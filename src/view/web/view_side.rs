@@ -1,6 +1,6 @@
 //! Settings and state of the view side as JSON.
 
-use super::super::look::{Look, Object, Paint, Technique};
+use super::super::look::{Finish, Look, Object, Paint, Technique};
 use super::super::viewer::Viewer;
 use super::super::window::WindowContent as _;
 use super::parsed;
@@ -15,6 +15,10 @@ use serde_json::{Value, json};
 pub(super) struct Change {
     roughness: Option<f64>,
     roughness_factor: Option<f64>,
+    anisotropy: Option<f64>,
+    direction: Option<f64>,
+    clearcoat: Option<f64>,
+    coat_roughness: Option<f64>,
     backdrop: Option<f64>,
     exposure: Option<ExposureChange>,
     turn: Option<f64>,
@@ -42,6 +46,10 @@ pub(super) fn state(viewer: &Viewer) -> Value {
         "adapter": viewer.context().describe(),
         "roughness": look.roughness,
         "roughness_factor": look.roughness_factor,
+        "anisotropy": look.finish.anisotropy,
+        "direction": look.finish.direction,
+        "clearcoat": look.finish.clearcoat,
+        "coat_roughness": look.finish.coat_roughness,
         "exposure": look.exposure.to_string(),
         "filter": look.filter.to_string(),
         "object": look.object.name(),
@@ -75,6 +83,12 @@ impl Change {
             backdrop: self.backdrop.or(was.backdrop),
             exposure: exposure.unwrap_or(was.exposure),
             roughness_factor: self.roughness_factor.unwrap_or(was.roughness_factor),
+            finish: Finish {
+                anisotropy: self.anisotropy.unwrap_or(was.finish.anisotropy),
+                direction: self.direction.unwrap_or(was.finish.direction),
+                clearcoat: self.clearcoat.unwrap_or(was.finish.clearcoat),
+                coat_roughness: self.coat_roughness.unwrap_or(was.finish.coat_roughness),
+            },
             turn: self.turn.unwrap_or(was.turn),
             filter: filter.unwrap_or(was.filter),
             object: object.unwrap_or(was.object),

@@ -74,13 +74,16 @@ fn what_cannot_be_shown_is_a_usage_error_and_bad_files_are_named() {
     let folder = folder.path();
     fs::write(folder.join("bad.obj"), "v 0 0 0\n").expect("writable");
     fs::write(folder.join("bad.hdr"), "no picture").expect("writable");
-    let usage: [(&[&str], &str); 12] = [
+    let usage: [(&[&str], &str); 15] = [
         (&["--exposure", "bright"], "auto or a number"),
         (&["--exposure", "41"], "from -40 to 40 EV"),
         (&["--mesh-root", "."], "--mesh"),
         (&["--paint", "gold", "--mesh", "bad.obj"], "file or plain"),
         (&["--roughness", "1.5"], "between 0 and 1"),
         (&["--filter", "fitted:4"], "use pyramid"),
+        (&["--anisotropy", "0.5", "--filter", "pyramid"], "are for --filter reflect"),
+        (&["--clearcoat", "1.5"], "1.5"),
+        (&["--direction", "30"], "--anisotropy"),
         (&["--filter", "reference"], "box, pyramid, reflect, levels or adaptive"),
         (&["--metal", "1,2"], "three numbers"),
         (&["--size", "0x10"], "WxH"),

@@ -14,8 +14,8 @@ use octagloss::internals::pyramid::Pyramid;
 use octagloss::internals::reflector::{Reflector, ReflectorSettings};
 use octagloss::internals::synth::synth;
 use octagloss::internals::view::{
-    Camera, Display, Ground, Light, Look, Mesh, Object, Renderer, Screenshot, Show, Technique, Tone, Truth,
-    Viewport, screenshot,
+    Camera, Display, Finish, Ground, Light, Look, Mesh, Object, Renderer, Screenshot, Show, Technique, Tone,
+    Truth, Viewport, screenshot,
 };
 use octagloss::{Environment, Error, Layout, wgpu};
 use rayon::prelude::*;
@@ -88,11 +88,25 @@ fn expected(look: &Look, environment: &Environment, mesh: Option<&Mesh>) -> Vec<
             let at = DVec2::new(f64::from(index % WIDTH) + 0.5, f64::from(index / WIDTH) + 0.5);
             let seen = look_along(look, at, mesh, texel);
             if let (Some(pyramid), Some([normal, view, again])) = (&pyramid, seen.surface) {
-                let frame = Frame::new(source_from_world * normal, source_from_world * view, DVec3::ZERO);
-                let frame = frame.expect("a frame");
-                let light = pyramid.reflect(&frame, seen.roughness as f32, 0.0, look.metal, 1.0);
-                let light = DVec3::from_array(light.map(f64::from));
-                return display(look.tone, light * again * look.exposure.ev(0.0).exp2());
+                // Spheres are brushed around the vertical axis.
+                let around = DVec3::Y.cross(normal);
+                let tangent = DMat3::from_axis_angle(normal, look.finish.direction.to_radians()) * around;
+                let [normal, view, tangent] = [normal, view, tangent].map(|d| source_from_world * d);
+                let frame = Frame::new(normal, view, tangent).expect("a frame");
+                let [roughness, anisotropy] = [seen.roughness, look.finish.anisotropy].map(|x| x as f32);
+                let light = pyramid.reflect(&frame, roughness, anisotropy, look.metal, 1.0);
+                // The mean over tangents.
+                let [a, b] = pyramid.albedo(normal.dot(view) as f32, roughness, anisotropy);
+                let more =
+                    DVec3::from_array(look.metal.map(f64::from)) * (1.0 / f64::from(a + b) - 1.0) + 1.0;
+                let again = if anisotropy > 0.0 { more } else { again };
+                let light = DVec3::from_array(light.map(f64::from)) * again;
+                let coat = look.finish.coat_roughness as f32;
+                let [a, b] = pyramid.albedo(normal.dot(view) as f32, coat, 0.0);
+                let taken = look.finish.clearcoat * f64::from(0.04 * a + b);
+                let coated = pyramid.reflect(&frame, coat, 0.0, [0.04; 3], 1.0).map(f64::from);
+                let light = light * (1.0 - taken) + DVec3::from_array(coated) * look.finish.clearcoat;
+                return display(look.tone, light * look.exposure.ev(0.0).exp2());
             }
             let answer = reflector.query(seen.direction, seen.roughness, Lobe::Ggx, filter).expect("a lobe");
             let light = DVec3::from_array(answer.radiance.map(f64::from));
@@ -273,6 +287,18 @@ fn looks() -> Vec<(&'static str, Look)> {
                 ..look.clone()
             },
         ),
+        (
+            "brushed and coated",
+            Look {
+                filter: Technique::Reflect,
+                turn: 77.0,
+                roughness: 0.4,
+                finish: Finish { anisotropy: 0.5, direction: 30.0, clearcoat: 0.6, coat_roughness: 0.2 },
+                tone: Tone::Linear,
+                metal: [1.0, 0.7, 0.3],
+                ..look.clone()
+            },
+        ),
         ("a knot by the pyramid", Look { object: Object::Knot, camera: camera(0.5, 0.6), ..look.clone() }),
         ("adaptive", Look { filter: Technique::Adaptive, roughness: 0.25, backdrop: Some(0.3), ..look }),
     ]
@@ -419,6 +445,16 @@ fn a_furnace_is_white() {
             let grey = display(Tone::Linear, DVec3::splat(0.5))[0];
             let off = |pixel: &[u8; 3]| pixel.iter().any(|c| c.abs_diff(grey) > 1);
             assert_eq!(found.iter().filter(|pixel| off(pixel)).count(), 0, "{object:?} by {filter:?}");
+        }
+        // A coat takes as much as it gives. Along a tangent, albedos are between nodes, and multiple scattering
+        // is that of their mean.
+        for (anisotropy, most) in [(0.0, 1), (0.5, 12)] {
+            let finish = Finish { anisotropy, clearcoat: 0.7, coat_roughness: 0.3, ..Finish::NONE };
+            let look = Look { filter: Technique::Reflect, roughness: 0.5, finish, ..white.clone() };
+            let found = shot_by(context, &mut renderer, &look, &light);
+            let grey = display(Tone::Linear, DVec3::splat(0.5))[0];
+            let off = found.iter().flatten().map(|c| c.abs_diff(grey)).max();
+            assert!(off <= Some(most), "a coat over anisotropy {anisotropy}: off by {off:?}");
         }
     });
 }
