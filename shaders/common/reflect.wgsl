@@ -137,7 +137,13 @@ fn suns_reflected(
 }
 
 // Radiance reflected without a tangent.
-fn reflected_isotropic(probe: u32, surface: SurfaceFrame, roughness: f32, f0: vec3<f32>, f90: f32) -> vec3<f32> {
+fn reflected_isotropic(
+    probe: u32,
+    surface: SurfaceFrame,
+    roughness: f32,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
     let n = surface.normal;
     let cosine = surface.cosine;
     // Offsets of reads have the length of its sine, so that nothing turns there.

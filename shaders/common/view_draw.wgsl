@@ -1,7 +1,7 @@
 // Draws the viewer's pictures: linear and exposed, or the samples themselves. The including file declares
 // radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>, with `direction` in the
-// source's space, and shaded(found: Sample, diffuse: vec3<f32>, pixel: vec2<f32>) -> vec3<f32>, what a surface
-// with this diffuse light looks like.
+// source's space, and shaded(found: Sample, diffuse: vec3<f32>, pixel: vec2<f32>) -> vec3<f32>, a surface
+// with this diffuse light.
 #include "common/luminance.wgsl"
 #include "common/view_scene.wgsl"
 

@@ -209,7 +209,8 @@ fn ball_sample(pixel: vec2<f32>) -> Sample {
     let view = view_direction(pixel);
     var nearest = 1e30;
     let none = vec3<f32>(0.0);
-    var found = Sample(view, frame.backdrop, vec3<f32>(ground_light(view)), view, none, -view, none, 0.0, Finish());
+    let light = vec3<f32>(ground_light(view));
+    var found = Sample(view, frame.backdrop, light, view, none, -view, none, 0.0, Finish());
     for (var k = 0u; k < BALLS; k++) {
         let ball = frame.ball[k];
         let from_centre = frame.eye - ball.centre;

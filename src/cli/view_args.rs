@@ -70,7 +70,8 @@ pub(super) struct LookArgs {
     /// Show a mesh: .gltf, .glb or .obj
     ///
     /// glTF: triangles with base colour, metalness and roughness of materials, textures, vertex colours and
-    /// masks, factors of anisotropy and clear coat; no bump maps, lights or transparency. OBJ: triangles only. The camera faces the mesh's +Z side.
+    /// masks, factors of anisotropy and clear coat; no bump maps, lights or transparency. OBJ: triangles
+    /// only. The camera faces the mesh's +Z side.
     #[arg(long, value_name = "FILE", conflicts_with = "object")]
     pub(super) mesh: Option<PathBuf>,
     /// Folder above the mesh that may hold its files

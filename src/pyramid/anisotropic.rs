@@ -241,8 +241,8 @@ fn mean_of_azimuths(alpha: DVec2, cosine: f64) -> [f32; 2] {
 }
 
 /// Roughness of the isotropic lobe whose albedo an anisotropic one's is near: that of the mean alpha seen
-/// along the normal, that of alpha along the view at grazing angles. `along` is the square of the tangent's part in
-/// the plane of incidence, a half for the mean over azimuths.
+/// along the normal, that of alpha along the view at grazing angles. `along` is the square of the tangent's
+/// part in the plane of incidence, a half for the mean over azimuths.
 #[must_use]
 pub fn round_roughness(alpha: DVec2, cosine: f64, along: f64) -> f64 {
     let squares = alpha * alpha;

@@ -1,8 +1,8 @@
 //! Where the reads of an isotropic reflection stand, and how wide they are.
 //!
 //! Slopes and logarithms of widths, both over alpha, are cubic B-splines over log(1 + 10 r) and ln n.v, so
-//! that nothing jumps between lobes. `examples/fit_places.rs` finds the numbers: it lowers the error of the fit of
-//! [`super::reads`] at all views together.
+//! that nothing jumps between lobes. `examples/fit_places.rs` finds the numbers: it lowers the error of the
+//! fit of [`super::reads`] at all views together.
 
 mod table;
 

@@ -175,7 +175,8 @@ const BACKDROP_TEXELS: f64 = 1.2;
 pub struct Finish {
     /// Anisotropy in \[0, 1\], of KHR_materials_anisotropy.
     pub anisotropy: f64,
-    /// Direction of the brushing in degrees: on spheres from the parallels, on meshes from u, counterclockwise.
+    /// Direction of the brushing in degrees, counterclockwise: on spheres from the parallels, on meshes from
+    /// u.
     pub direction: f64,
     /// Share of a clear coat in \[0, 1\], of KHR_materials_clearcoat.
     pub clearcoat: f64,

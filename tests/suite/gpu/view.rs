@@ -446,8 +446,8 @@ fn a_furnace_is_white() {
             let off = |pixel: &[u8; 3]| pixel.iter().any(|c| c.abs_diff(grey) > 1);
             assert_eq!(found.iter().filter(|pixel| off(pixel)).count(), 0, "{object:?} by {filter:?}");
         }
-        // A coat takes as much as it gives. Along a tangent, albedos are between nodes, and multiple scattering
-        // is that of their mean.
+        // A coat takes as much as it gives. Along a tangent, albedos are between nodes, and multiple
+        // scattering is that of their mean.
         for (anisotropy, most) in [(0.0, 1), (0.5, 12)] {
             let finish = Finish { anisotropy, clearcoat: 0.7, coat_roughness: 0.3, ..Finish::NONE };
             let look = Look { filter: Technique::Reflect, roughness: 0.5, finish, ..white.clone() };
