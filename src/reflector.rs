@@ -297,7 +297,11 @@ impl<'a> Reflector<'a> {
         self.source.get_or_init(|| {
             let inner = self.size.inner;
             let texels = SourceTexels::new(self.environment.layout());
-            Cells::of_source(texels, self.light(), inner.div_ceil(self.settings.block(inner)))
+            // About a texel each: cells are subdivided down to texels, and most of a finer grid is empty.
+            let (columns, rows) = texels.sides();
+            let enough = (f64::from(columns) * f64::from(rows)).sqrt().ceil() as u32;
+            let width = inner.div_ceil(self.settings.block(inner)).min(enough.next_power_of_two());
+            Cells::of_source(texels, self.light(), width)
         })
     }
 
