@@ -336,7 +336,13 @@ fn octagloss_suns_reflected(
 }
 
 // Radiance reflected without a tangent.
-fn octagloss_reflected_isotropic(probe: u32, surface: octagloss_SurfaceFrame, roughness: f32, f0: vec3<f32>, f90: f32) -> vec3<f32> {
+fn octagloss_reflected_isotropic(
+    probe: u32,
+    surface: octagloss_SurfaceFrame,
+    roughness: f32,
+    f0: vec3<f32>,
+    f90: f32,
+) -> vec3<f32> {
     let n = surface.normal;
     let cosine = surface.cosine;
     // Offsets of reads have the length of its sine, so that nothing turns there.
