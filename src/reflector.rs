@@ -11,7 +11,7 @@ use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::{Answer, Bound, Filter};
 use crate::frame::Frame;
-use crate::geometry::source_texels::SourceTexels;
+use crate::geometry::source_texels::{SourceTexels, cells_across};
 use crate::geometry::tent::Reconstruction;
 use crate::light_scale::LightScale;
 use crate::lobe::kernel::Kernel;
@@ -296,12 +296,9 @@ impl<'a> Reflector<'a> {
     fn source_cells(&self) -> &Cells {
         self.source.get_or_init(|| {
             let inner = self.size.inner;
-            let texels = SourceTexels::new(self.environment.layout());
-            // About a texel each: cells are subdivided down to texels, and most of a finer grid is empty.
-            let (columns, rows) = texels.sides();
-            let enough = (f64::from(columns) * f64::from(rows)).sqrt().ceil() as u32;
-            let width = inner.div_ceil(self.settings.block(inner)).min(enough.next_power_of_two());
-            Cells::of_source(texels, self.light(), width)
+            let layout = self.environment.layout();
+            let width = cells_across(layout, inner.div_ceil(self.settings.block(inner)));
+            Cells::of_source(SourceTexels::new(layout), self.light(), width)
         })
     }
 

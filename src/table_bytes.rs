@@ -6,7 +6,7 @@
 
 use crate::environment::Layout;
 use crate::filter::Filter;
-use crate::geometry::source_texels::most_runs;
+use crate::geometry::source_texels::{cells_across, most_runs};
 use crate::lobe::Lobe;
 use crate::oem::{OemSize, bilinear_share};
 use crate::pyramid::Octaves;
@@ -69,15 +69,17 @@ impl Tables {
                 Filter::Reference => {}
             }
         }
-        let trees = u64::from(bilinear) + u64::from(source);
         let width = size.inner.div_ceil(block.max(1));
-        let cells = square(width);
+        let own_cells = if bilinear { square(width) } else { 0 };
+        let width = cells_across(layout, width);
+        let source_cells = if source { square(width) } else { 0 };
         let runs = if source { most_runs(layout, width) } else { 0 };
         // Recursive doubling alternates between the table and a copy.
         let copied = matches!(scan, Scan::Hensley { .. }) && boxes;
         let resident = OEM * bordered
             + if copied { TABLE * bordered } else { 0 }
-            + cells * (CELL * trees + CELL_MAKING * trees.min(1))
+            + CELL * (own_cells + source_cells)
+            + CELL_MAKING * own_cells.max(source_cells)
             + runs * RUN
             + if boxes { TABLE * bordered } else { 0 }
             + if pyramid { PYRAMID * inner } else { 0 };

@@ -91,6 +91,13 @@ fn grid_of(layout: Layout) -> (Layout, [u32; 2]) {
     }
 }
 
+/// Cells along an edge for a source of `layout`, at most `most`: so many that each holds about a texel. They
+/// are subdivided down to texels, and most cells of a finer grid are empty.
+pub(crate) fn cells_across(layout: Layout, most: u32) -> u32 {
+    let texels = grid_of(layout).0.texel_count();
+    ((texels as f64).sqrt().ceil() as u32).next_power_of_two().min(most)
+}
+
 /// The most runs of texels that cells of `width` x `width` hold for a source of `layout`: cells' edges cut a
 /// row less often than four times their number along an edge.
 pub(crate) fn most_runs(layout: Layout, width: u32) -> u64 {
@@ -322,14 +329,22 @@ fn panorama_nodes([width, height]: [u32; 2], longitude: f64, j: u32, [low, high]
     let step = DVec2::new(TAU / f64::from(width), PI / f64::from(height));
     let extent = (high - low) * step;
     let top = (f64::from(j) + low.y) * step.y;
-    let at = |p: DVec2| {
-        let (sin, cos) = (top + p.y * extent.y).sin_cos();
-        let (across, along) = (longitude + (p.x - 0.5) * extent.x).sin_cos();
-        (DVec3::new(sin * along, cos, sin * across), sin * extent.x * extent.y)
-    };
-    let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].map(|p| at(p).0);
-    let mut nodes = Nodes::at_corners(corners);
-    nodes.add(at);
+    // Sines and cosines once for each row and column of nodes, and for the edges.
+    let polar = |v: f64| (top + v * extent.y).sin_cos();
+    let around = |u: f64| (longitude + (u - 0.5) * extent.x).sin_cos();
+    let direction =
+        |(across, along): (f64, f64), (sin, cos): (f64, f64)| DVec3::new(sin * along, cos, sin * across);
+    let ([left, right], [above, below]) = ([0.0, 1.0].map(around), [0.0, 1.0].map(polar));
+    let corners = [(left, above), (right, above), (right, below), (left, below)];
+    let mut nodes = Nodes::at_corners(corners.map(|(u, v)| direction(u, v)));
+    let rows = THREE_NODES.map(|(v, weight)| (polar(v), weight));
+    for (u, weight_u) in THREE_NODES.map(|(u, weight)| (around(u), weight)) {
+        for (v, weight_v) in rows {
+            let density = v.0 * extent.x * extent.y;
+            nodes.weighted[nodes.count] = (direction(u, v), density * weight_u * weight_v);
+            nodes.count += 1;
+        }
+    }
     nodes
 }
 

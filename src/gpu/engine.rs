@@ -18,7 +18,7 @@ use crate::environment::{Environment, Layout, Rgb};
 use crate::error::{Error, Result};
 use crate::filter::{Answer, Filter};
 use crate::geometry::footprints::footprints_over;
-use crate::geometry::source_texels::SourceTexels;
+use crate::geometry::source_texels::{SourceTexels, cells_across};
 use crate::geometry::tent::Reconstruction;
 use crate::geometry::tiling::{Tile, Tiling};
 use crate::light_scale::LightScale;
@@ -214,9 +214,10 @@ impl<'a> GpuReflector<'a> {
             return Ok(tree);
         }
         let inner = self.planes.size().inner;
-        let texels = SourceTexels::new(self.environment.layout());
+        let layout = self.environment.layout();
         let light = SourceLight::new(self.environment, self.scale);
-        let cells = Cells::of_source(texels, light, inner.div_ceil(self.settings.block(inner)));
+        let width = cells_across(layout, inner.div_ceil(self.settings.block(inner)));
+        let cells = Cells::of_source(SourceTexels::new(layout), light, width);
         let tree = CellTree::of_source(&self.engine.context, &cells, &self.texture)?;
         Ok(self.source.get_or_init(|| tree))
     }
