@@ -83,8 +83,8 @@ struct Row {
 }
 
 // A number of the law.
-fn row_number(terms: vec4<f32>, more: vec3<f32>, own: vec4<f32>, own_more: vec3<f32>) -> f32 {
-    return dot(terms, own) + dot(more, own_more);
+fn row_number(terms: array<vec4<f32>, 3>, a: vec4<f32>, b: vec4<f32>, c: vec4<f32>) -> f32 {
+    return dot(terms[0], a) + dot(terms[1], b) + dot(terms[2], c);
 }
 
 // The row of a lobe with `alpha` along `tangent` and across it.
@@ -105,15 +105,42 @@ fn row_of(alpha: vec2<f32>, tangent: vec2<f32>, cosine: f32) -> Row {
     let x = log(max(alpha.x * alpha.y * cosine / greatest, NARROWEST));
     let extent = sqrt(greatest);
     let y = log(1.0 + 6.0 * extent);
-    let a = vec4<f32>(1.0, x, x * x, y);
     let tilt = axis.x * smoothstep(0.0, TILTED, sqrt(1.0 - cosine * cosine));
-    let b = vec3<f32>(x * y, y * y, axis.x * tilt);
-    let shift = row_number(a, b, vec4<f32>(-0.586, -0.455, 0.163, 0.472), vec3<f32>(-0.190, 0.082, -0.016));
-    let step = row_number(a, b, vec4<f32>(-0.689, -0.159, 0.240, -0.146), vec3<f32>(0.180, -0.072, 0.035));
-    let bend = row_number(a, b, vec4<f32>(-0.638, -0.280, -0.164, -0.867), vec3<f32>(-0.372, 0.097, 0.015));
-    let width = row_number(a, b, vec4<f32>(0.039, 0.823, -0.026, -0.128), vec3<f32>(-0.018, 0.078, 0.014));
-    let growth = row_number(a, b, vec4<f32>(0.223, 0.187, 0.032, 0.194), vec3<f32>(-0.338, 0.001, -0.017));
-    let uneven = row_number(a, b, vec4<f32>(0.308, 0.224, 0.015, 0.005), vec3<f32>(-0.034, 0.077, 0.008));
+    let e = axis.x * tilt;
+    let terms = array<vec4<f32>, 3>(
+        vec4<f32>(1.0, x, x * x, y),
+        vec4<f32>(x * y, y * y, e, e * x),
+        vec4<f32>(x * x * x, y * y * y, x * x * y, x * y * y));
+    let shift = row_number(
+        terms,
+        vec4<f32>(-0.822, -0.434, 0.191, 0.225),
+        vec4<f32>(-0.113, -0.022, -0.153, -0.163),
+        vec4<f32>(-0.008, 0.111, -0.063, -0.064));
+    let step = row_number(
+        terms,
+        vec4<f32>(-0.509, -0.287, 0.427, -0.088),
+        vec4<f32>(0.234, -0.052, -0.085, 0.361),
+        vec4<f32>(0.054, 0.157, 0.012, 0.191));
+    let bend = row_number(
+        terms,
+        vec4<f32>(-0.565, -0.221, -0.153, -0.803),
+        vec4<f32>(-0.329, 0.168, -0.066, -0.018),
+        vec4<f32>(-0.016, 0.148, -0.022, 0.161));
+    let width = row_number(
+        terms,
+        vec4<f32>(0.284, 1.090, -0.036, -0.148),
+        vec4<f32>(-0.071, -0.010, -0.058, -0.113),
+        vec4<f32>(-0.009, -0.116, -0.045, -0.229));
+    let growth = row_number(
+        terms,
+        vec4<f32>(-0.150, 0.374, 0.152, 0.064),
+        vec4<f32>(-0.469, -0.105, 0.057, -0.678),
+        vec4<f32>(0.099, -0.303, 0.036, -0.038));
+    let uneven = row_number(
+        terms,
+        vec4<f32>(0.399, 0.142, -0.070, -0.052),
+        vec4<f32>(-0.032, -0.014, -0.090, -0.173),
+        vec4<f32>(0.032, -0.020, 0.144, 0.075));
     return Row(
         vec2<f32>(axis.x, axis.y / cosine) * sqrt(2.0 * root),
         extent,

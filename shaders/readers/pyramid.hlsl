@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 212e2bf4369c4c87.
+// Translated from pyramid.wgsl, FNV-1a 965cca9cfa2dbfd7.
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
     float4 red;
@@ -325,27 +325,27 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
     high = _e21;
     float4 _e24 = low[0];
     float4 _e26 = high[0];
-    float4 a = lerp(_e24, _e26, share);
+    float4 a_1 = lerp(_e24, _e26, share);
     float4 _e29 = low[1];
     float4 _e31 = high[1];
-    float4 b = lerp(_e29, _e31, share);
+    float4 b_1 = lerp(_e29, _e31, share);
     float4 _e34 = low[2];
     float4 _e36 = high[2];
-    float4 c_1 = lerp(_e34, _e36, share);
+    float4 c_2 = lerp(_e34, _e36, share);
     float4 _e39 = low[3];
     float4 _e41 = high[3];
     float4 e = lerp(_e39, _e41, share);
-    if ((a.x != 0.0)) {
+    if ((a_1.x != 0.0)) {
         float3 _e48 = sum_1;
         const float3 _e50 = octagloss_read_mirror(probe_6, _e4);
-        sum_1 = (_e48 + (a.x * _e50));
+        sum_1 = (_e48 + (a_1.x * _e50));
     }
-    if ((a.y != 0.0)) {
+    if ((a_1.y != 0.0)) {
         float3 _e56 = sum_1;
         const float3 _e58 = octagloss_read_sharp(probe_6, _e4);
-        sum_1 = (_e56 + (a.y * _e58));
+        sum_1 = (_e56 + (a_1.y * _e58));
     }
-    levels = Constructarray7_float_(a.z, a.w, b.x, b.y, b.z, b.w, c_1.x);
+    levels = Constructarray7_float_(a_1.z, a_1.w, b_1.x, b_1.y, b_1.z, b_1.w, c_2.x);
     uint2 loop_bound_3 = uint2(4294967295u, 4294967295u);
     bool loop_init_3 = true;
     while(true) {
@@ -374,14 +374,14 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
             }
         }
     }
-    if ((c_1.y != 0.0)) {
+    if ((c_2.y != 0.0)) {
         float3 _e95 = sum_1;
         const float2 _e97 = octagloss_place_in_cosine(_e4);
         const float3 _e98 = octagloss_read_cosine(probe_6, _e97);
-        sum_1 = (_e95 + (c_1.y * _e98));
+        sum_1 = (_e95 + (c_2.y * _e98));
     }
     float3 _e101 = sum_1;
-    const float3 _e108 = octagloss_harmonics_around(probe_6, _e3, Constructarray5_float_(c_1.z, c_1.w, e.x, e.y, e.z));
+    const float3 _e108 = octagloss_harmonics_around(probe_6, _e3, Constructarray5_float_(c_2.z, c_2.w, e.x, e.y, e.z));
     sum_1 = (_e101 + _e108);
     float3 _e110 = sum_1;
     float _e116 = octagloss_lights[probe_6].unscale;
@@ -415,7 +415,7 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
             float3 bend = (s + (a2_ * ((1.0).xxx - s)));
             float3 lobe = (((0.31830987 * a2_) / (bend * bend)) * ((1.0).xxx - (2.0 * s)));
             float3 _e178 = sum_1;
-            sum_1 = (_e178 + ((sun.energy * lobe) * (e.w * (1.0 - a.x))));
+            sum_1 = (_e178 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
         }
     }
     float3 _e191 = sum_1;
@@ -964,9 +964,9 @@ float2 octagloss_row_albedo(float2 alpha_4, float cosine_3, float along, float2 
     return max((round_ + more), ZeroValuefloat2());
 }
 
-float octagloss_row_number(float4 terms, float3 more_1, float4 own_1, float3 own_more)
+float octagloss_row_number(float4 terms[3], float4 a, float4 b, float4 c_1)
 {
-    return (dot(terms, own_1) + dot(more_1, own_more));
+    return ((dot(terms[0], a) + dot(terms[1], b)) + dot(terms[2], c_1));
 }
 
 octagloss_Row Constructoctagloss_Row(float2 arg0, float arg1, float arg2, float4 arg3, float arg4, float arg5) {
@@ -999,21 +999,21 @@ octagloss_Row octagloss_row_of(float2 alpha_5, float2 tangent_2, float cosine_4)
     float x_2 = log(max((((alpha_5.x * alpha_5.y) * cosine_4) / greatest), octagloss_NARROWEST));
     float extent = sqrt(greatest);
     float y_2 = log((1.0 + (6.0 * extent)));
-    float4 a_1 = float4(1.0, x_2, (x_2 * x_2), y_2);
-    float _e78 = axis.x;
-    float tilt = (_e78 * smoothstep(0.0, octagloss_TILTED, sqrt((1.0 - (cosine_4 * cosine_4)))));
-    float _e90 = axis.x;
-    float3 b_1 = float3((x_2 * y_2), (y_2 * y_2), (_e90 * tilt));
-    const float _e102 = octagloss_row_number(a_1, b_1, float4(-0.586, -0.455, 0.163, 0.472), float3(-0.19, 0.082, -0.016));
-    const float _e112 = octagloss_row_number(a_1, b_1, float4(-0.689, -0.159, 0.24, -0.146), float3(0.18, -0.072, 0.035));
-    const float _e122 = octagloss_row_number(a_1, b_1, float4(-0.638, -0.28, -0.164, -0.867), float3(-0.372, 0.097, 0.015));
-    const float _e132 = octagloss_row_number(a_1, b_1, float4(0.039, 0.823, -0.026, -0.128), float3(-0.018, 0.078, 0.014));
-    const float _e142 = octagloss_row_number(a_1, b_1, float4(0.223, 0.187, 0.032, 0.194), float3(-0.338, 0.001, -0.017));
-    const float _e152 = octagloss_row_number(a_1, b_1, float4(0.308, 0.224, 0.015, 0.005), float3(-0.034, 0.077, 0.008));
-    float _e154 = axis.x;
-    float _e156 = axis.y;
-    float _e169 = axis.x;
-    const octagloss_Row octagloss_row = Constructoctagloss_Row((float2(_e154, (_e156 / cosine_4)) * sqrt((2.0 * root))), extent, (_e102 * tilt), exp(float4(_e112, _e122, _e132, _e142)), exp(_e152), smoothstep(0.0, octagloss_SKEWED, _e169));
+    float _e75 = axis.x;
+    float tilt = (_e75 * smoothstep(0.0, octagloss_TILTED, sqrt((1.0 - (cosine_4 * cosine_4)))));
+    float _e85 = axis.x;
+    float e_1 = (_e85 * tilt);
+    float4 terms_1[3] = Constructarray3_float4_(float4(1.0, x_2, (x_2 * x_2), y_2), float4((x_2 * y_2), (y_2 * y_2), e_1, (e_1 * x_2)), float4(((x_2 * x_2) * x_2), ((y_2 * y_2) * y_2), ((x_2 * x_2) * y_2), ((x_2 * y_2) * y_2)));
+    const float _e119 = octagloss_row_number(terms_1, float4(-0.822, -0.434, 0.191, 0.225), float4(-0.113, -0.022, -0.153, -0.163), float4(-0.008, 0.111, -0.063, -0.064));
+    const float _e135 = octagloss_row_number(terms_1, float4(-0.509, -0.287, 0.427, -0.088), float4(0.234, -0.052, -0.085, 0.361), float4(0.054, 0.157, 0.012, 0.191));
+    const float _e151 = octagloss_row_number(terms_1, float4(-0.565, -0.221, -0.153, -0.803), float4(-0.329, 0.168, -0.066, -0.018), float4(-0.016, 0.148, -0.022, 0.161));
+    const float _e167 = octagloss_row_number(terms_1, float4(0.284, 1.09, -0.036, -0.148), float4(-0.071, -0.01, -0.058, -0.113), float4(-0.009, -0.116, -0.045, -0.229));
+    const float _e183 = octagloss_row_number(terms_1, float4(-0.15, 0.374, 0.152, 0.064), float4(-0.469, -0.105, 0.057, -0.678), float4(0.099, -0.303, 0.036, -0.038));
+    const float _e199 = octagloss_row_number(terms_1, float4(0.399, 0.142, -0.07, -0.052), float4(-0.032, -0.014, -0.09, -0.173), float4(0.032, -0.02, 0.144, 0.075));
+    float _e201 = axis.x;
+    float _e203 = axis.y;
+    float _e216 = axis.x;
+    const octagloss_Row octagloss_row = Constructoctagloss_Row((float2(_e201, (_e203 / cosine_4)) * sqrt((2.0 * root))), extent, (_e119 * tilt), exp(float4(_e135, _e151, _e167, _e183)), exp(_e199), smoothstep(0.0, octagloss_SKEWED, _e216));
     return octagloss_row;
 }
 
@@ -1051,7 +1051,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     float4 texel = (float4)0;
     uint pair_1 = 15u;
     uint k_9 = 0u;
-    float3 own_2[5] = { (float3)0, (float3)0, (float3)0, (float3)0, (float3)0 };
+    float3 own_1[5] = { (float3)0, (float3)0, (float3)0, (float3)0, (float3)0 };
     float3 other[5] = { (float3)0, (float3)0, (float3)0, (float3)0, (float3)0 };
     uint order_3 = (uint)0;
 
@@ -1186,7 +1186,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
             uint _e213 = k_9;
             float _e216 = aside[min(uint(_e213), 3u)].y;
             const float3 _e219[5] = octagloss_harmonic_orders(probe_15, (level_4 + (mirrored * _e216)));
-            own_2 = _e219;
+            own_1 = _e219;
             uint _e221 = k_9;
             float _e224 = aside[min(uint(_e221), 3u)].y;
             const float3 _e227[5] = octagloss_harmonic_orders(probe_15, (level_4 - (mirrored * _e224)));
@@ -1221,7 +1221,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
                     float2 weights_4 = ((naga_mod(_e251, 2u) == 0u) ? _e249.xy : _e247.zw);
                     float3 _e257 = sum_6;
                     uint _e264 = order_3;
-                    float3 _e266 = own_2[min(uint(_e264), 4u)];
+                    float3 _e266 = own_1[min(uint(_e264), 4u)];
                     uint _e267 = order_3;
                     float3 _e269 = other[min(uint(_e267), 4u)];
                     sum_6 = (_e257 + (((scaled * weights_4.x) + ((grazing * weights_4.y)).xxx) * (_e266 - _e269)));
@@ -1283,11 +1283,11 @@ float3 octagloss_reflect(float3 normal_5, float3 view_4, float3 tangent_5, float
     return _e8;
 }
 
-float2 octagloss_faded_albedo(float2 alpha_7, float cosine_5, float2 own_3)
+float2 octagloss_faded_albedo(float2 alpha_7, float cosine_5, float2 own_2)
 {
     const float2 _e8 = octagloss_round_albedo(cosine_5, sqrt(sqrt((alpha_7.x * alpha_7.y))));
     const float _e9 = octagloss_row_share(alpha_7);
-    return lerp(_e8, own_3, _e9);
+    return lerp(_e8, own_2, _e9);
 }
 
 float2 octagloss_albedo(float cosine_6, float roughness_9, float anisotropy_3)
@@ -1300,8 +1300,8 @@ float2 octagloss_albedo(float cosine_6, float roughness_9, float anisotropy_3)
     float seen_1 = clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
     const octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_1, float2(1.0, 0.0));
     const float4 _e17 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
-    float2 more_2 = _e17.zw;
-    const float2 _e20 = octagloss_row_albedo(_e8, seen_1, 0.5, more_2);
+    float2 more_1 = _e17.zw;
+    const float2 _e20 = octagloss_row_albedo(_e8, seen_1, 0.5, more_1);
     const float2 _e21 = octagloss_faded_albedo(_e8, seen_1, _e20);
     return _e21;
 }
@@ -1317,8 +1317,8 @@ float2 octagloss_albedo_along(float cosine_7, float along_1, float roughness_10,
     float x_3 = min((abs(along_1) / max(sqrt((1.0 - (seen_2 * seen_2))), 0.0001)), 1.0);
     const octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_2, float2(x_3, sqrt((1.0 - (x_3 * x_3)))));
     const float4 _e30 = octagloss_row_node(octagloss_ROW_ALBEDO, _e29);
-    float2 more_3 = _e30.xy;
-    const float2 _e33 = octagloss_row_albedo(_e9, seen_2, (x_3 * x_3), more_3);
+    float2 more_2 = _e30.xy;
+    const float2 _e33 = octagloss_row_albedo(_e9, seen_2, (x_3 * x_3), more_2);
     const float2 _e34 = octagloss_faded_albedo(_e9, seen_2, _e33);
     return _e34;
 }

@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 212e2bf4369c4c87.
+// Translated from pyramid.wgsl, FNV-1a 965cca9cfa2dbfd7.
 // Metal; the resources are arguments of each function.
 // language: metal1.0
 #include <metal_stdlib>
@@ -344,27 +344,27 @@ metal::float3 octagloss_radiance_of(
     high = _e21;
     metal::float4 _e24 = low.inner[0];
     metal::float4 _e26 = high.inner[0];
-    metal::float4 a = metal::mix(_e24, _e26, share);
+    metal::float4 a_1 = metal::mix(_e24, _e26, share);
     metal::float4 _e29 = low.inner[1];
     metal::float4 _e31 = high.inner[1];
-    metal::float4 b = metal::mix(_e29, _e31, share);
+    metal::float4 b_1 = metal::mix(_e29, _e31, share);
     metal::float4 _e34 = low.inner[2];
     metal::float4 _e36 = high.inner[2];
-    metal::float4 c_1 = metal::mix(_e34, _e36, share);
+    metal::float4 c_2 = metal::mix(_e34, _e36, share);
     metal::float4 _e39 = low.inner[3];
     metal::float4 _e41 = high.inner[3];
     metal::float4 e = metal::mix(_e39, _e41, share);
-    if (a.x != 0.0) {
+    if (a_1.x != 0.0) {
         metal::float3 _e48 = sum_1;
         metal::float3 _e50 = octagloss_read_mirror(probe_6, _e4, octagloss_maps, octagloss_linear);
-        sum_1 = _e48 + (a.x * _e50);
+        sum_1 = _e48 + (a_1.x * _e50);
     }
-    if (a.y != 0.0) {
+    if (a_1.y != 0.0) {
         metal::float3 _e56 = sum_1;
         metal::float3 _e58 = octagloss_read_sharp(probe_6, _e4, octagloss_maps, octagloss_linear);
-        sum_1 = _e56 + (a.y * _e58);
+        sum_1 = _e56 + (a_1.y * _e58);
     }
-    levels = type_18 {{a.z, a.w, b.x, b.y, b.z, b.w, c_1.x}};
+    levels = type_18 {{a_1.z, a_1.w, b_1.x, b_1.y, b_1.z, b_1.w, c_2.x}};
     uint2 loop_bound_3 = uint2(4294967295u);
     bool loop_init_3 = true;
     while(true) {
@@ -393,14 +393,14 @@ metal::float3 octagloss_radiance_of(
             }
         }
     }
-    if (c_1.y != 0.0) {
+    if (c_2.y != 0.0) {
         metal::float3 _e95 = sum_1;
         metal::float2 _e97 = octagloss_place_in_cosine(_e4, octagloss_maps);
         metal::float3 _e98 = octagloss_read_cosine(probe_6, _e97, octagloss_maps, octagloss_linear);
-        sum_1 = _e95 + (c_1.y * _e98);
+        sum_1 = _e95 + (c_2.y * _e98);
     }
     metal::float3 _e101 = sum_1;
-    metal::float3 _e108 = octagloss_harmonics_around(probe_6, _e3, type_14 {{c_1.z, c_1.w, e.x, e.y, e.z}}, octagloss_lights);
+    metal::float3 _e108 = octagloss_harmonics_around(probe_6, _e3, type_14 {{c_2.z, c_2.w, e.x, e.y, e.z}}, octagloss_lights);
     sum_1 = _e101 + _e108;
     metal::float3 _e110 = sum_1;
     float _e116 = octagloss_lights.inner[probe_6].unscale;
@@ -434,7 +434,7 @@ metal::float3 octagloss_radiance_of(
             metal::float3 bend = s + (a2_ * (metal::float3(1.0) - s));
             metal::float3 lobe = ((0.31830987 * a2_) / (bend * bend)) * (metal::float3(1.0) - (2.0 * s));
             metal::float3 _e178 = sum_1;
-            sum_1 = _e178 + ((sun.energy * lobe) * (e.w * (1.0 - a.x)));
+            sum_1 = _e178 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x)));
         }
     }
     metal::float3 _e191 = sum_1;
@@ -1020,12 +1020,12 @@ metal::float2 octagloss_row_albedo(
 }
 
 float octagloss_row_number(
-    metal::float4 terms,
-    metal::float3 more_1,
-    metal::float4 own_1,
-    metal::float3 own_more
+    type_22 terms,
+    metal::float4 a,
+    metal::float4 b,
+    metal::float4 c_1
 ) {
-    return metal::dot(terms, own_1) + metal::dot(more_1, own_more);
+    return (metal::dot(terms.inner[0], a) + metal::dot(terms.inner[1], b)) + metal::dot(terms.inner[2], c_1);
 }
 
 octagloss_Row octagloss_row_of(
@@ -1049,21 +1049,21 @@ octagloss_Row octagloss_row_of(
     float x_2 = metal::log(metal::max(((alpha_5.x * alpha_5.y) * cosine_4) / greatest, octagloss_NARROWEST));
     float extent = metal::sqrt(greatest);
     float y_2 = metal::log(1.0 + (6.0 * extent));
-    metal::float4 a_1 = metal::float4(1.0, x_2, x_2 * x_2, y_2);
-    float _e78 = axis.x;
-    float tilt = _e78 * metal::smoothstep(0.0, octagloss_TILTED, metal::sqrt(1.0 - (cosine_4 * cosine_4)));
-    float _e90 = axis.x;
-    metal::float3 b_1 = metal::float3(x_2 * y_2, y_2 * y_2, _e90 * tilt);
-    float _e102 = octagloss_row_number(a_1, b_1, metal::float4(-0.586, -0.455, 0.163, 0.472), metal::float3(-0.19, 0.082, -0.016));
-    float _e112 = octagloss_row_number(a_1, b_1, metal::float4(-0.689, -0.159, 0.24, -0.146), metal::float3(0.18, -0.072, 0.035));
-    float _e122 = octagloss_row_number(a_1, b_1, metal::float4(-0.638, -0.28, -0.164, -0.867), metal::float3(-0.372, 0.097, 0.015));
-    float _e132 = octagloss_row_number(a_1, b_1, metal::float4(0.039, 0.823, -0.026, -0.128), metal::float3(-0.018, 0.078, 0.014));
-    float _e142 = octagloss_row_number(a_1, b_1, metal::float4(0.223, 0.187, 0.032, 0.194), metal::float3(-0.338, 0.001, -0.017));
-    float _e152 = octagloss_row_number(a_1, b_1, metal::float4(0.308, 0.224, 0.015, 0.005), metal::float3(-0.034, 0.077, 0.008));
-    float _e154 = axis.x;
-    float _e156 = axis.y;
-    float _e169 = axis.x;
-    return octagloss_Row {metal::float2(_e154, _e156 / cosine_4) * metal::sqrt(2.0 * root), extent, _e102 * tilt, metal::exp(metal::float4(_e112, _e122, _e132, _e142)), metal::exp(_e152), metal::smoothstep(0.0, octagloss_SKEWED, _e169)};
+    float _e75 = axis.x;
+    float tilt = _e75 * metal::smoothstep(0.0, octagloss_TILTED, metal::sqrt(1.0 - (cosine_4 * cosine_4)));
+    float _e85 = axis.x;
+    float e_1 = _e85 * tilt;
+    type_22 terms_1 = type_22 {{metal::float4(1.0, x_2, x_2 * x_2, y_2), metal::float4(x_2 * y_2, y_2 * y_2, e_1, e_1 * x_2), metal::float4((x_2 * x_2) * x_2, (y_2 * y_2) * y_2, (x_2 * x_2) * y_2, (x_2 * y_2) * y_2)}};
+    float _e119 = octagloss_row_number(terms_1, metal::float4(-0.822, -0.434, 0.191, 0.225), metal::float4(-0.113, -0.022, -0.153, -0.163), metal::float4(-0.008, 0.111, -0.063, -0.064));
+    float _e135 = octagloss_row_number(terms_1, metal::float4(-0.509, -0.287, 0.427, -0.088), metal::float4(0.234, -0.052, -0.085, 0.361), metal::float4(0.054, 0.157, 0.012, 0.191));
+    float _e151 = octagloss_row_number(terms_1, metal::float4(-0.565, -0.221, -0.153, -0.803), metal::float4(-0.329, 0.168, -0.066, -0.018), metal::float4(-0.016, 0.148, -0.022, 0.161));
+    float _e167 = octagloss_row_number(terms_1, metal::float4(0.284, 1.09, -0.036, -0.148), metal::float4(-0.071, -0.01, -0.058, -0.113), metal::float4(-0.009, -0.116, -0.045, -0.229));
+    float _e183 = octagloss_row_number(terms_1, metal::float4(-0.15, 0.374, 0.152, 0.064), metal::float4(-0.469, -0.105, 0.057, -0.678), metal::float4(0.099, -0.303, 0.036, -0.038));
+    float _e199 = octagloss_row_number(terms_1, metal::float4(0.399, 0.142, -0.07, -0.052), metal::float4(-0.032, -0.014, -0.09, -0.173), metal::float4(0.032, -0.02, 0.144, 0.075));
+    float _e201 = axis.x;
+    float _e203 = axis.y;
+    float _e216 = axis.x;
+    return octagloss_Row {metal::float2(_e201, _e203 / cosine_4) * metal::sqrt(2.0 * root), extent, _e119 * tilt, metal::exp(metal::float4(_e135, _e151, _e167, _e183)), metal::exp(_e199), metal::smoothstep(0.0, octagloss_SKEWED, _e216)};
 }
 
 metal::float2 octagloss_row_read(
@@ -1108,7 +1108,7 @@ metal::float3 octagloss_reflect_in_row(
     metal::float4 texel = {};
     uint pair_1 = 15u;
     uint k_9 = 0u;
-    type_19 own_2 = {};
+    type_19 own_1 = {};
     type_19 other = {};
     uint order_3 = {};
     metal::float3 n_2 = surface_3.normal;
@@ -1242,7 +1242,7 @@ metal::float3 octagloss_reflect_in_row(
             uint _e213 = k_9;
             float _e216 = aside.inner[_e213].y;
             type_19 _e219 = octagloss_harmonic_orders(probe_15, level_4 + (mirrored * _e216), octagloss_lights);
-            own_2 = _e219;
+            own_1 = _e219;
             uint _e221 = k_9;
             float _e224 = aside.inner[_e221].y;
             type_19 _e227 = octagloss_harmonic_orders(probe_15, level_4 - (mirrored * _e224), octagloss_lights);
@@ -1277,7 +1277,7 @@ metal::float3 octagloss_reflect_in_row(
                     metal::float2 weights_4 = (naga_mod(_e251, 2u) == 0u) ? _e249.xy : _e247.zw;
                     metal::float3 _e257 = sum_6;
                     uint _e264 = order_3;
-                    metal::float3 _e266 = own_2.inner[_e264];
+                    metal::float3 _e266 = own_1.inner[_e264];
                     uint _e267 = order_3;
                     metal::float3 _e269 = other.inner[_e267];
                     sum_6 = _e257 + (((scaled * weights_4.x) + metal::float3(grazing * weights_4.y)) * (_e266 - _e269));
@@ -1366,13 +1366,13 @@ metal::float3 octagloss_reflect(
 metal::float2 octagloss_faded_albedo(
     metal::float2 alpha_7,
     float cosine_5,
-    metal::float2 own_3,
+    metal::float2 own_2,
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
     metal::float2 _e8 = octagloss_round_albedo(cosine_5, metal::sqrt(metal::sqrt(alpha_7.x * alpha_7.y)), octagloss_tables, octagloss_linear);
     float _e9 = octagloss_row_share(alpha_7);
-    return metal::mix(_e8, own_3, _e9);
+    return metal::mix(_e8, own_2, _e9);
 }
 
 metal::float2 octagloss_albedo(
@@ -1391,8 +1391,8 @@ metal::float2 octagloss_albedo(
     float seen_1 = metal::clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
     octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_1, metal::float2(1.0, 0.0));
     metal::float4 _e17 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16, octagloss_linear, octagloss_rows);
-    metal::float2 more_2 = _e17.zw;
-    metal::float2 _e20 = octagloss_row_albedo(_e8, seen_1, 0.5, more_2, octagloss_tables, octagloss_linear);
+    metal::float2 more_1 = _e17.zw;
+    metal::float2 _e20 = octagloss_row_albedo(_e8, seen_1, 0.5, more_1, octagloss_tables, octagloss_linear);
     metal::float2 _e21 = octagloss_faded_albedo(_e8, seen_1, _e20, octagloss_tables, octagloss_linear);
     return _e21;
 }
@@ -1415,8 +1415,8 @@ metal::float2 octagloss_albedo_along(
     float x_3 = metal::min(metal::abs(along_1) / metal::max(metal::sqrt(1.0 - (seen_2 * seen_2)), 0.0001), 1.0);
     octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_2, metal::float2(x_3, metal::sqrt(1.0 - (x_3 * x_3))));
     metal::float4 _e30 = octagloss_row_node(octagloss_ROW_ALBEDO, _e29, octagloss_linear, octagloss_rows);
-    metal::float2 more_3 = _e30.xy;
-    metal::float2 _e33 = octagloss_row_albedo(_e9, seen_2, x_3 * x_3, more_3, octagloss_tables, octagloss_linear);
+    metal::float2 more_2 = _e30.xy;
+    metal::float2 _e33 = octagloss_row_albedo(_e9, seen_2, x_3 * x_3, more_2, octagloss_tables, octagloss_linear);
     metal::float2 _e34 = octagloss_faded_albedo(_e9, seen_2, _e33, octagloss_tables, octagloss_linear);
     return _e34;
 }

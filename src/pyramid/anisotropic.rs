@@ -88,16 +88,16 @@ pub(super) const NARROWEST: f64 = 0.05;
 
 /// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
 /// least width over the length, of how widths grow with the slope, and of how they alternate; as sums of
-/// these numbers times 1, x, x^2, y, x y, y^2 and e^2, x = ln (width over length), y = ln(1 + 6 length), e
-/// the cosine of the row's angle to the plane of incidence. Shift counts e times. Both fade out where the
-/// view is along the normal, and that plane means nothing.
-const LAW: [[f64; 7]; 6] = [
-    [-0.586, -0.455, 0.163, 0.472, -0.190, 0.082, -0.016],
-    [-0.689, -0.159, 0.240, -0.146, 0.180, -0.072, 0.035],
-    [-0.638, -0.280, -0.164, -0.867, -0.372, 0.097, 0.015],
-    [0.039, 0.823, -0.026, -0.128, -0.018, 0.078, 0.014],
-    [0.223, 0.187, 0.032, 0.194, -0.338, 0.001, -0.017],
-    [0.308, 0.224, 0.015, 0.005, -0.034, 0.077, 0.008],
+/// these numbers times 1, x, x^2, y, x y, y^2, e, e x, x^3, y^3, x^2 y and x y^2, x = ln (width over length),
+/// y = ln(1 + 6 length), e the square of the cosine of the row's angle to the plane of incidence. Shift
+/// counts that cosine times. Both fade out where the view is along the normal, and that plane means nothing.
+const LAW: [[f64; 12]; 6] = [
+    [-0.822, -0.434, 0.191, 0.225, -0.113, -0.022, -0.153, -0.163, -0.008, 0.111, -0.063, -0.064],
+    [-0.509, -0.287, 0.427, -0.088, 0.234, -0.052, -0.085, 0.361, 0.054, 0.157, 0.012, 0.191],
+    [-0.565, -0.221, -0.153, -0.803, -0.329, 0.168, -0.066, -0.018, -0.016, 0.148, -0.022, 0.161],
+    [0.284, 1.090, -0.036, -0.148, -0.071, -0.010, -0.058, -0.113, -0.009, -0.116, -0.045, -0.229],
+    [-0.150, 0.374, 0.152, 0.064, -0.469, -0.105, 0.057, -0.678, 0.099, -0.303, 0.036, -0.038],
+    [0.399, 0.142, -0.070, -0.052, -0.032, -0.014, -0.090, -0.173, 0.032, -0.020, 0.144, 0.075],
 ];
 
 /// A row of reads.
@@ -138,8 +138,8 @@ impl Row {
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         let tilt = axis.x * smooth(sine / TILTED);
         let e = axis.x * tilt;
-        let sum = |[a, b, c, d, f, g, h]: [f64; 7]| a + (b + c * x + f * y) * x + (d + g * y) * y + h * e;
-        let mut numbers = LAW.map(sum);
+        let terms = [1.0, x, x * x, y, x * y, y * y, e, e * x, x.powi(3), y.powi(3), x * x * y, x * y * y];
+        let mut numbers = LAW.map(|own| own.iter().zip(terms).map(|(number, term)| number * term).sum());
         numbers[0] *= tilt;
         let reads = row(numbers).map(|[slope, width]| [slope, width * length]);
         Self {
@@ -185,7 +185,7 @@ pub fn table(octaves: Octaves) -> Vec<Node> {
     (0..NODES.iter().product()).into_par_iter().map(|index| *node(octaves, index)).collect()
 }
 
-/// Width, height and depth of the texture of [`texels`].
+/// Width, height and depth of the table as a texture.
 pub const TEXTURE: [u32; 3] = [(NODES[0] * LAYERS) as u32, (NODES[1] * NODES[3]) as u32, NODES[2] as u32];
 
 /// The table as shaders read it: nodes over roughness side by side, for each texel of a node; below one
