@@ -30,8 +30,9 @@ EYE = np.array((0.7588, 0.5311, -0.3794)) / np.linalg.norm((0.7588, 0.5311, -0.3
 SIZE, RAYS, DRAWN, FACING = 96, 512, 0.99, 0.2
 # Directional albedo: what the noise leaves of a mean over a ring.
 FURNACE_RAYS, ALBEDO = 128, 0.002
-# What may be left of the relative RMS difference without the noise of Cycles.
-EXACT, PYRAMID = 0.006, {0: 0.02, 0.5: 0.1}
+# What may be left of the relative RMS difference without the noise of Cycles; thin lobes, of a roughness and
+# an anisotropy, are beyond the pyramid's reads.
+EXACT, PYRAMID, THIN = 0.006, {0: 0.02, 0.5: 0.06}, {(0.2, 0.5): 0.2}
 # What an error of the material or the panorama must exceed.
 WRONG = 0.05
 # The split sum is wrong by more; no claim, but it shows that the comparison tells the two apart.
@@ -93,7 +94,7 @@ class Views:
         self.albedos = {}
 
     def reflected(self, source, lobe, roughness, anisotropy):
-        """The reflection by the filter `lobe`; None if that has no anisotropy."""
+        """The reflection by the filter `lobe`."""
         frames, out = self.folder / "frames.npy", self.folder / "answers.npy"
         views = np.broadcast_to(self.view, self.normals.shape)
         np.save(frames, np.hstack([self.normals, views, self.tangents]))
@@ -112,8 +113,6 @@ class Views:
         ]
         done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
         if done.returncode != 0:
-            if anisotropy and lobe == "pyramid" and "anisotrop" in done.stderr:
-                return None
             raise SystemExit(done.stderr)
         return np.load(out)[:, :3].astype(float)
 
@@ -221,9 +220,7 @@ class Cell:
         }
         compared = views.compared
         self.errors = {
-            kind: relative(answer[compared], shown[compared])
-            for kind, answer in self.answers.items()
-            if answer is not None
+            kind: relative(answer[compared], shown[compared]) for kind, answer in self.answers.items()
         }
 
 
@@ -231,8 +228,8 @@ def judge(cell, name, checks):
     what = f"Cycles, {name}, r {cell.roughness}, anisotropy {cell.anisotropy}"
     left = {kind: excess(error, cell.noise) for kind, error in cell.errors.items()}
     checks.below(f"{what}, sums, beyond noise of {cell.noise:.4f}", left["sums"], EXACT)
-    if "pyramid" in left:
-        checks.below(f"{what}, pyramid", left["pyramid"], PYRAMID[cell.anisotropy])
+    bound = THIN.get((cell.roughness, cell.anisotropy), PYRAMID[cell.anisotropy])
+    checks.below(f"{what}, pyramid", left["pyramid"], bound)
     checks.above(f"{what}, split sum", left["split sum"], SPLIT_SUM)
 
 
@@ -277,8 +274,8 @@ def main(program, drawn):
             must_fail(cycles, round_one, checks, made, f"{name}, a panorama that is mirrored")
     print("\nrelative RMS difference  noise    sums     pyramid  split sum")
     for (name, roughness, anisotropy), cell in cells.items():
-        shown = [cell.noise, *(cell.errors.get(kind) for kind in ("sums", "pyramid", "split sum"))]
-        figures = "  ".join("      -" if value is None else f"{value:7.4f}" for value in shown)
+        shown = [cell.noise, *(cell.errors[kind] for kind in ("sums", "pyramid", "split sum"))]
+        figures = "  ".join(f"{value:7.4f}" for value in shown)
         print(f"{name:7} r {roughness:<4} anisotropy {anisotropy:<3}  {figures}")
     if drawn:
         draw(cells, views, drawn)
@@ -347,16 +344,6 @@ def draw(cells, views, file):
             cell = cells[PICTURED, roughness, anisotropy]
             x = LABELS + at * EDGE
             answer = cell.answers[kind] if kind else cell.shown
-            if answer is None:
-                pen.text(
-                    (x + EDGE // 2, y + EDGE // 2),
-                    "isotropic\nonly",
-                    (150, 150, 150),
-                    small,
-                    "mm",
-                    align="center",
-                )
-                continue
             if is_error:
                 difference = np.abs(answer - cell.shown) @ LUMINANCE / (cell.shown @ LUMINANCE)
                 colours = false_colour(difference)
