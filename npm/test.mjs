@@ -46,7 +46,9 @@ function write(folder, files) {
 const listed = (folder) =>
     readdirSync(folder, { recursive: true, withFileTypes: true })
         .filter((entry) => entry.isFile())
-        .map((entry) => relative(folder, join(entry.parentPath ?? entry.path, entry.name)).replaceAll('\\', '/'))
+        .map((entry) =>
+            relative(folder, join(entry.parentPath ?? entry.path, entry.name)).replaceAll('\\', '/'),
+        )
         .sort();
 
 // Mathematical functions of the platforms differ by a rounding, which moves few half floats.
@@ -174,7 +176,11 @@ try {
     );
 
     // Outputs are named after the input's file, without the folders of either system.
-    for (const input of ['/maps/a b/noon.exr', win32.join('C:\\', 'maps', 'a b', 'noon.exr'), 'maps\\noon.exr']) {
+    for (const input of [
+        '/maps/a b/noon.exr',
+        win32.join('C:\\', 'maps', 'a b', 'noon.exr'),
+        'maps\\noon.exr',
+    ]) {
         const { files } = await bake(bytes, { input, size: 8, levels: 2 });
         report(`the name of ${input}`, files[0].name === 'noon.ktx2', files[0].name);
     }
