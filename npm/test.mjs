@@ -6,8 +6,8 @@
 import { execFileSync, spawnSync } from 'node:child_process';
 import { mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { dirname, join, relative } from 'node:path';
-import { fileURLToPath } from 'node:url';
+import { dirname, join, relative, win32 } from 'node:path';
+import { fileURLToPath, pathToFileURL } from 'node:url';
 
 const root = fileURLToPath(new URL('..', import.meta.url));
 const [program, how] = process.argv.slice(2);
@@ -15,10 +15,10 @@ if (!program || (how !== undefined && how !== '--smoke')) {
     console.error('usage: node test.mjs PROGRAM [--smoke]');
     process.exit(2);
 }
-// PACKAGE is the folder to test, such as that of an installed package.
-const { bake, info, query, targets, configure, close } = await import(
-    join(process.env.PACKAGE ?? join(root, 'npm/dist'), 'node.js')
-);
+// PACKAGE is the folder to test, such as that of an installed package. Windows imports URLs only: a drive is
+// taken for a scheme.
+const packageUrl = pathToFileURL(join(process.env.PACKAGE ?? join(root, 'npm/dist'), 'node.js')).href;
+const { bake, info, query, targets, configure, close } = await import(packageUrl);
 
 let failures = 0;
 function report(what, ok, detail) {
@@ -46,7 +46,9 @@ function write(folder, files) {
 const listed = (folder) =>
     readdirSync(folder, { recursive: true, withFileTypes: true })
         .filter((entry) => entry.isFile())
-        .map((entry) => relative(folder, join(entry.parentPath ?? entry.path, entry.name)))
+        .map((entry) =>
+            relative(folder, join(entry.parentPath ?? entry.path, entry.name)).replaceAll('\\', '/'),
+        )
         .sort();
 
 // Mathematical functions of the platforms differ by a rounding, which moves few half floats.
@@ -172,6 +174,16 @@ try {
         same && again.files.length === 3,
         `${again.files.length} files`,
     );
+
+    // Outputs are named after the input's file, without the folders of either system.
+    for (const input of [
+        '/maps/a b/noon.exr',
+        win32.join('C:\\', 'maps', 'a b', 'noon.exr'),
+        'maps\\noon.exr',
+    ]) {
+        const { files } = await bake(bytes, { input, size: 8, levels: 2 });
+        report(`the name of ${input}`, files[0].name === 'noon.ktx2', files[0].name);
+    }
 
     // Broken files and wrong options.
     await refused('half of a file', bake(bytes.subarray(0, bytes.length / 2), { input: 'half.exr' }), [
@@ -379,8 +391,7 @@ try {
     }
     close();
     // The process ends by itself while an idle worker waits.
-    const module = join(process.env.PACKAGE ?? join(root, 'npm/dist'), 'node.js');
-    const script = `import { info } from ${JSON.stringify(module)};
+    const script = `import { info } from ${JSON.stringify(packageUrl)};
         import { readFileSync } from 'node:fs';
         console.log((await info(readFileSync(${JSON.stringify(sky)}))).width);`;
     const ran = spawnSync(process.execPath, ['--input-type=module', '--eval', script], {

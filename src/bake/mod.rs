@@ -8,7 +8,7 @@ pub mod query;
 pub(crate) mod result;
 pub(crate) mod settings;
 pub(crate) mod solve;
-mod sparse;
+pub(crate) mod sparse;
 
 use crate::analysis::typical::{median, probes};
 use crate::chain::Chain;
@@ -86,7 +86,14 @@ pub(crate) trait Engine {
 impl Engine for Reflector<'_> {
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
         match sparse::tolerance(level) {
-            Some(tolerance) => sparse::bake_sparsely(self, level, tolerance, advance),
+            Some(tolerance) => {
+                let lobes = &self.lobes(level.lobe, level.spec.roughness, Filter::Adaptive(tolerance))?;
+                let evaluate = async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| {
+                    sparse::evaluate(lobes, packets, done)
+                };
+                let inner = self.size().inner;
+                sparse::bake_sparsely(inner, level, tolerance, Processor::Cpu, evaluate, advance).await
+            }
             None => level::bake_level(self, level, advance),
         }
     }

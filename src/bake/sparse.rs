@@ -1,15 +1,16 @@
 //! Sheen levels whose texels are much finer than their lobe: lobes at nodes several texels apart,
-//! interpolated in between. Where the nodes' differences are too large for that, tiles of texels are
-//! evaluated one by one.
+//! interpolated in between. Where the nodes' differences are too large for that, nodes half as far apart are
+//! evaluated, and so on down to tiles of texels.
 
-use super::level::{Advance, BakedLevel, LeafCounts, LevelJob, Processor, answer_tile};
+use super::level::{Advance, BakedLevel, LeafCounts, LevelJob, Processor};
 use crate::chain::LevelSpec;
+use crate::cpu::leaves::LANES;
 use crate::environment::{Layout, Rgb};
 use crate::error::Result;
 use crate::filter::{Answer, Filter};
-use crate::geometry::tiling::{TILE, Tile, Tiling, at};
+use crate::geometry::tiling::{TILE, Tile, Tiling, at, interleaved};
 use crate::lobe::{self, Lobe};
-use crate::reflector::{Lobes, Reflector, Workspace};
+use crate::reflector::{Lobes, Workspace};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -25,10 +26,21 @@ const FEWEST_CELLS: u32 = 64;
 const SEEN: f64 = 2.0;
 
 /// Greatest third difference of the nodes around a cell, over the mean radiance and the lobes' tolerance.
-/// Measured on three photographs with nodes at every fourth texel: at a tolerance of 0.01 interpolation of
-/// the rest is off by 0.0005 to 0.0014 of the mean (RMS), less than the lobes themselves; by a tenth near a
-/// sun.
-const ROUGHEST: f64 = 4.0;
+/// Measured on five photographs at a tolerance of 0.01: levels are off by 0.0066 to 0.0130 of their RMS, as
+/// with 4; with 32 one of them by a fourteenth more.
+const ROUGHEST: f64 = 24.0;
+
+/// Nodes along an edge of a block, whose lobes share packets.
+const BLOCK: u32 = 8;
+
+/// Texels whose tiles are gathered at once.
+const GATHERED: u32 = 1 << 17;
+
+/// Called when part `part` of `parts` is done, from any thread; an error stops the bake.
+pub(crate) type Part<'a> = &'a (dyn Fn(u64, u64) -> Result<()> + Sync);
+
+/// Packets of up to [`LANES`] adjacent directions.
+type Packets = Vec<Vec<DVec3>>;
 
 /// The nodes of a cube: (cells + 1)^2 a face, its edges included, which neighbours share.
 pub(super) struct Nodes {
@@ -54,7 +66,7 @@ fn stride(spec: LevelSpec, lobe: Lobe) -> u32 {
 }
 
 /// Tolerance of a level that [`bake_sparsely`] bakes; `None` for others.
-pub(super) fn tolerance(level: &LevelJob) -> Option<f64> {
+pub(crate) fn tolerance(level: &LevelJob) -> Option<f64> {
     match level.filter {
         Filter::Adaptive(error) if level.sparse && stride(level.spec, level.lobe) > 1 => {
             // Tolerances are below 1.
@@ -64,98 +76,168 @@ pub(super) fn tolerance(level: &LevelJob) -> Option<f64> {
     }
 }
 
-/// Bakes `level` to its [`tolerance`], without certified bounds.
-pub(super) fn bake_sparsely(
-    reflector: &Reflector<'_>,
+/// Adds `counts` to `work`.
+fn add(work: &mut LeafCounts, counts: &LeafCounts) {
+    work.leaves += counts.leaves;
+    work.packets += counts.packets;
+    work.directions += counts.directions;
+}
+
+/// Evaluates `lobes` on the CPU, for [`bake_sparsely`].
+pub(super) fn evaluate(
+    lobes: &Lobes<'_>,
+    packets: &[Vec<DVec3>],
+    done: Part<'_>,
+) -> Result<(Vec<Answer>, LeafCounts)> {
+    /// Packets of one task.
+    const TASK: usize = 16;
+    let tasks = packets.len().div_ceil(TASK) as u64;
+    let task = |(task, packets): (usize, &[Vec<DVec3>])| {
+        let (mut workspace, mut answers) = (Workspace::default(), Vec::new());
+        packets.iter().for_each(|packet| lobes.evaluate_units(packet, &mut workspace, &mut answers));
+        done(task as u64, tasks)?;
+        Ok((answers, workspace))
+    };
+    let found = packets.par_chunks(TASK).enumerate().map(task);
+    let (mut answers, mut work) = (Vec::new(), LeafCounts::default());
+    for (found, workspace) in found.collect::<Result<Vec<(Vec<Answer>, Workspace)>>>()? {
+        answers.extend(found);
+        work.add(&workspace);
+    }
+    Ok((answers, work))
+}
+
+/// Bakes `level` over an OEM of `inner` texels without certified bounds, by `evaluate`: the answers to packets
+/// of directions in their order, to the level's [`tolerance`].
+pub(crate) async fn bake_sparsely(
+    inner: u32,
     level: &LevelJob,
     tolerance: f64,
+    processor: Processor,
+    evaluate: impl AsyncFn(&[Vec<DVec3>], Part<'_>) -> Result<(Vec<Answer>, LeafCounts)>,
     advance: Advance<'_>,
 ) -> Result<BakedLevel> {
-    let lobes = &reflector.lobes(level.lobe, level.spec.roughness, Filter::Adaptive(tolerance))?;
-    let tiling = Tiling::new(reflector.size().inner, level.spec, level.lobe);
+    let tiling = Tiling::new(inner, level.spec, level.lobe);
     let stride = stride(level.spec, level.lobe);
-    let cells = tiling.sides.1 / stride;
     // Nodes take about half the time.
-    let meter = Halves { total: level.spec.layout.texel_count() as u64, advance };
-    let (nodes, mut work) = Nodes::new(lobes, stride, cells, &meter)?;
-    let refined = nodes.rough_cells(tolerance);
-    let rows = (0..tiling.rows())
-        .into_par_iter()
-        .map_init(
-            || (Tile::default(), Vec::new()),
-            |(tile, answers), row| {
-                let (mut line, mut workspace) = (tiling.line(row), Workspace::default());
-                let (face, top) =
-                    (row / tiling.sides.1.div_ceil(TILE), row % tiling.sides.1.div_ceil(TILE) * TILE);
-                nodes.interpolate(face, top, &mut line);
-                tiling.for_each_tile(row, tile, |tile| {
-                    let left = tile.texels[0].0 as u32 % tiling.sides.0;
-                    if nodes.covers(&refined, face, [left, top]) {
-                        answer_tile(lobes, tile, &mut workspace, answers, &mut line);
-                    }
-                });
-                line.iter_mut().for_each(|answer| answer.bound = None);
-                meter.advance(u64::from(row), u64::from(tiling.rows()))?;
-                Ok((line, workspace))
-            },
-        )
-        .collect::<Result<Vec<(Vec<Answer>, Workspace)>>>()?;
-    rows.iter().for_each(|(_, workspace)| work.add(workspace));
-    Ok(BakedLevel::new(Processor::Cpu, rows.into_iter().flat_map(|(line, _)| line), work))
-}
+    let total = level.spec.layout.texel_count() as u64;
+    let half = total / 2;
+    let share = |whole: u64, part: u64, parts: u64| whole * (part + 1) / parts - whole * part / parts;
+    let unmeasured: Part<'_> = &|_, _| advance(0);
 
-/// Counts texels done in two phases, half of them in each.
-struct Halves<'a> {
-    total: u64,
-    advance: Advance<'a>,
-}
-
-impl Halves<'_> {
-    /// Part `part` of `parts` of a phase is done. The first phase has the smaller half.
-    fn advance(&self, part: u64, parts: u64) -> Result<()> {
-        self.share(self.total.div_ceil(2), part, parts)
+    let mut nodes = Nodes::new(stride, tiling.sides.1 / stride);
+    let (places, packets) = nodes.gathered(|_, _, _| true);
+    let (answers, mut work) = evaluate(&packets, &|part, parts| advance(share(half, part, parts))).await?;
+    nodes.take(&places, &answers);
+    let mut refined = nodes.rough_cells(tolerance);
+    while nodes.stride > 2 {
+        let mut halved = nodes.halved();
+        let (places, packets) = halved.gathered(|face, i, j| nodes.is_refined(&refined, face, [i, j]));
+        let (answers, counts) = evaluate(&packets, unmeasured).await?;
+        add(&mut work, &counts);
+        halved.take(&places, &answers);
+        nodes = halved;
+        refined = nodes.rough_cells(tolerance);
     }
 
-    fn advance_first(&self, part: u64, parts: u64) -> Result<()> {
-        self.share(self.total / 2, part, parts)
+    let mut texels = Vec::with_capacity(total as usize);
+    let rows_of_face = tiling.sides.1.div_ceil(TILE);
+    let rows_at_once = (GATHERED / (TILE * tiling.sides.0)).max(1);
+    let batches = u64::from(tiling.rows().div_ceil(rows_at_once));
+    for (batch, first) in (0..).zip((0..tiling.rows()).step_by(rows_at_once as usize)) {
+        let rows = first..(first + rows_at_once).min(tiling.rows());
+        let covers = |row: u32, left: u32| {
+            nodes.covers(&refined, row / rows_of_face, [left, row % rows_of_face * TILE])
+        };
+        let gather = |row: u32| {
+            let (mut line, mut packets) = (tiling.line(row), Packets::new());
+            nodes.interpolate(row / rows_of_face, row % rows_of_face * TILE, &mut line);
+            tiling.for_each_tile_at(
+                row,
+                &mut Tile::default(),
+                |left| covers(row, left),
+                |tile| {
+                    packets.extend(tile.directions.chunks(LANES).map(<[DVec3]>::to_vec));
+                },
+            );
+            (line, packets)
+        };
+        let (lines, packets): (Vec<_>, Vec<_>) = rows.clone().into_par_iter().map(gather).unzip();
+        let (answers, counts) = evaluate(&packets.concat(), unmeasured).await?;
+        add(&mut work, &counts);
+        let mut rest = &answers[..];
+        for (row, mut line) in rows.zip(lines) {
+            tiling.for_each_tile_at(
+                row,
+                &mut Tile::default(),
+                |left| covers(row, left),
+                |tile| {
+                    let (own, others) = rest.split_at(tile.directions.len());
+                    tile.resolve(own, &mut line);
+                    rest = others;
+                },
+            );
+            texels.extend(line.into_iter().map(|answer| Answer { bound: None, ..answer }));
+        }
+        advance(share(total - half, batch, batches))?;
     }
-
-    fn share(&self, phase: u64, part: u64, parts: u64) -> Result<()> {
-        (self.advance)(phase * (part + 1) / parts - phase * part / parts)
-    }
+    Ok(BakedLevel::new(processor, texels.into_iter(), work))
 }
 
 impl Nodes {
-    fn new(lobes: &Lobes<'_>, stride: u32, cells: u32, meter: &Halves<'_>) -> Result<(Self, LeafCounts)> {
+    /// Nodes without light.
+    fn new(stride: u32, cells: u32) -> Self {
+        Self { stride, cells, radiance: vec![[0.0; 3]; (6 * (cells + 1) * (cells + 1)) as usize] }
+    }
+
+    /// Nodes half as far apart, interpolated.
+    fn halved(&self) -> Self {
+        let (stride, cells) = (self.stride / 2, 2 * self.cells);
         let side = cells + 1;
-        let layout = Layout::Cube { size: cells };
-        let strips = side.div_ceil(TILE);
-        let rows = (0..6 * strips)
-            .into_par_iter()
-            .map(|row| {
-                let (face, top) = (row / strips, row % strips * TILE);
-                let height = TILE.min(side - top);
-                let mut workspace = Workspace::default();
-                let mut found = vec![[0.0; 3]; (side * height) as usize];
-                for left in (0..side).step_by(TILE as usize) {
-                    let width = TILE.min(side - left);
-                    let directions: Vec<DVec3> = (0..width * height)
-                        .map(|k| at(layout, face, f64::from(left + k % width), f64::from(top + k / width)).0)
-                        .collect();
-                    let mut answers = Vec::with_capacity(directions.len());
-                    lobes.evaluate_units(&directions, &mut workspace, &mut answers);
-                    for (k, answer) in (0..).zip(answers) {
-                        found[(k / width * side + left + k % width) as usize] = answer.radiance;
-                    }
-                }
-                meter.advance_first(u64::from(row), u64::from(6 * strips))?;
-                Ok((found, workspace))
-            })
-            .collect::<Result<Vec<(Vec<Rgb>, Workspace)>>>()?;
-        let mut work = LeafCounts::default();
-        rows.iter().for_each(|(_, workspace)| work.add(workspace));
-        let radiance = rows.into_iter().flat_map(|(row, _)| row).collect();
-        Ok((Self { stride, cells, radiance }, work))
+        let weights: Vec<(u32, [f64; 4])> = (0..side).map(|n| self.weights(f64::from(n) / 2.0)).collect();
+        let value = |k: u32| {
+            let (face, i, j) = (k / (side * side), k % side, k / side % side);
+            if i % 2 == 0 && j % 2 == 0 {
+                self.at(face, i / 2, j / 2)
+            } else {
+                self.between(face, weights[i as usize], weights[j as usize])
+            }
+        };
+        Self { stride, cells, radiance: (0..6 * side * side).into_par_iter().map(value).collect() }
+    }
+
+    /// Whether node (`i`, `j`) of `face` among those half as far apart is none of these, and in or beside a
+    /// cell in `marked`.
+    fn is_refined(&self, marked: &[bool], face: u32, [i, j]: [u32; 2]) -> bool {
+        let around = |n: u32| n.saturating_sub(1) / 2..=(n / 2).min(self.cells - 1);
+        let is_marked = |i, j| marked[((face * self.cells + j) * self.cells + i) as usize];
+        (i % 2 == 1 || j % 2 == 1) && around(j).any(|j| around(i).any(|i| is_marked(i, j)))
+    }
+
+    /// Indices of the nodes that are `wanted` by face, column and row, and packets of their directions.
+    fn gathered(&self, wanted: impl Fn(u32, u32, u32) -> bool + Sync) -> (Vec<usize>, Packets) {
+        let side = self.cells + 1;
+        let blocks = side.div_ceil(BLOCK);
+        let block = |k: u32| {
+            let (face, left, top) = (k / (blocks * blocks), k % blocks * BLOCK, k / blocks % blocks * BLOCK);
+            let places: Vec<(u32, u32)> = (0..BLOCK * BLOCK)
+                .map(|k| (left + interleaved(k), top + interleaved(k >> 1)))
+                .filter(|&(i, j)| i < side && j < side && wanted(face, i, j))
+                .collect();
+            let direction =
+                |&(i, j): &(u32, u32)| at(Layout::Cube { size: self.cells }, face, i.into(), j.into()).0;
+            let packets: Packets =
+                places.chunks(LANES).map(|places| places.iter().map(direction).collect()).collect();
+            let index = |(i, j)| ((face * side + j) * side + i) as usize;
+            (places.into_iter().map(index).collect::<Vec<usize>>(), packets)
+        };
+        let (places, packets): (Vec<_>, Vec<_>) = (0..6 * blocks * blocks).into_par_iter().map(block).unzip();
+        (places.concat(), packets.concat())
+    }
+
+    /// Sets the nodes of indices `places`.
+    fn take(&mut self, places: &[usize], answers: &[Answer]) {
+        places.iter().zip(answers).for_each(|(k, answer)| self.radiance[*k] = answer.radiance);
     }
 
     /// Radiance of node (`i`, `j`) of `face`.
@@ -209,28 +291,34 @@ impl Nodes {
         within(top).any(|j| within(left).any(|i| marked[((face * self.cells + j) * self.cells + i) as usize]))
     }
 
-    /// Fills `line`, rows of texels from `top` on, by cubic interpolation in the face's plane.
+    /// Fills `line`, rows of texels from `top` on.
     fn interpolate(&self, face: u32, top: u32, line: &mut [Answer]) {
         let columns = self.cells * self.stride;
-        let weights: Vec<(u32, [f64; 4])> = (0..columns).map(|texel| self.weights(texel)).collect();
+        let place = |texel: u32| (f64::from(texel) + 0.5) / f64::from(self.stride);
+        let weights: Vec<(u32, [f64; 4])> = (0..columns).map(|texel| self.weights(place(texel))).collect();
         for (k, answer) in (0..).zip(line) {
             let (x, y) = (k % columns, top + k / columns);
-            let ((left, across), (above, down)) = (weights[x as usize], weights[y as usize]);
-            let mut sum = [0.0; 3];
-            for (j, row) in (above..).zip(down) {
-                for (i, weight) in (left..).zip(across) {
-                    let node = self.at(face, i, j);
-                    sum.iter_mut().zip(node).for_each(|(sum, value)| *sum += row * weight * f64::from(value));
-                }
-            }
-            answer.radiance = sum.map(|value| value.clamp(0.0, f64::from(f32::MAX)) as f32);
+            answer.radiance = self.between(face, weights[x as usize], weights[y as usize]);
         }
     }
 
-    /// First node and weights of the cubic through four nodes, at the centre of `texel`.
-    fn weights(&self, texel: u32) -> (u32, [f64; 4]) {
-        let first = self.first(texel / self.stride);
-        let t = (f64::from(texel) + 0.5) / f64::from(self.stride) - f64::from(first);
+    /// Radiance by cubic interpolation in the plane of `face`, by the first nodes and weights of
+    /// [`Self::weights`] across and down.
+    fn between(&self, face: u32, (left, across): (u32, [f64; 4]), (above, down): (u32, [f64; 4])) -> Rgb {
+        let mut sum = [0.0; 3];
+        for (j, row) in (above..).zip(down) {
+            for (i, weight) in (left..).zip(across) {
+                let node = self.at(face, i, j);
+                sum.iter_mut().zip(node).for_each(|(sum, value)| *sum += row * weight * f64::from(value));
+            }
+        }
+        sum.map(|value| value.clamp(0.0, f64::from(f32::MAX)) as f32)
+    }
+
+    /// First node and weights of the cubic through four nodes, at `place` in distances of nodes.
+    fn weights(&self, place: f64) -> (u32, [f64; 4]) {
+        let first = self.first((place as u32).min(self.cells - 1));
+        let t = place - f64::from(first);
         let [a, b, c, d] = [t, t - 1.0, t - 2.0, t - 3.0];
         (first, [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0])
     }
@@ -265,6 +353,33 @@ mod tests {
                 assert!(off < 3.0 * 2000.0 / f64::from(1 << 24), "{face} {k}: off by {off}");
             }
         }
+    }
+
+    #[test]
+    fn halved_nodes_are_those_of_a_cubic_and_are_refined_around_marked_cells() {
+        let cubic = |face: u32, x: f64, y: f64| 1000.0 + f64::from(face) + x * x * (y - 2.0) + y * y * y;
+        let coarse = nodes(4, 8, cubic);
+        let halved = coarse.halved();
+        assert_eq!((halved.stride, halved.cells), (2, 16));
+        for k in 0..6 * 17 * 17 {
+            let (face, i, j) = (k / 289, k % 17, k / 17 % 17);
+            let exact = cubic(face, f64::from(i) / 2.0, f64::from(j) / 2.0);
+            // As below.
+            let off = (f64::from(halved.at(face, i, j)[0]) - exact).abs();
+            assert!(off < 3.0 * 2000.0 / f64::from(1 << 24), "{face} {i} {j}: off by {off}");
+        }
+        // Cell (7, 0) of face 2 has the new nodes 14 to 16 across and 0 to 2 down, but for its own four.
+        let marked: Vec<bool> = (0..6 * 64).map(|k| k == 2 * 64 + 7).collect();
+        let (places, packets) = halved.gathered(|face, i, j| coarse.is_refined(&marked, face, [i, j]));
+        let mut places: Vec<usize> = places.iter().map(|k| k - 2 * 289).collect();
+        places.sort_unstable();
+        assert_eq!(places, [15, 17 + 14, 17 + 15, 17 + 16, 2 * 17 + 15]);
+        assert_eq!(packets.concat().len(), 5);
+        // All nodes are gathered once, in packets of adjacent ones.
+        let (mut all, packets) = coarse.gathered(|_, _, _| true);
+        all.sort_unstable();
+        assert!(all.into_iter().eq(0..6 * 81));
+        assert!(packets.iter().all(|packet| packet.len() <= LANES));
     }
 
     #[test]

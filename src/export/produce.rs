@@ -172,7 +172,10 @@ pub fn produce(
 /// The name of the output of `plan` by default: that of the recipe, else that of `source`.
 #[must_use]
 pub fn name(plan: &BakePlan, source: &Source) -> String {
-    let stem = || Path::new(&source.input).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    // Paths of WebAssembly have no `\`, but Node.js on Windows does.
+    let is_web = cfg!(target_arch = "wasm32");
+    let input = if is_web { source.input.replace('\\', "/") } else { source.input.clone() };
+    let stem = || Path::new(&input).file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let name = plan.recipe.name.clone().or_else(stem).unwrap_or_else(|| "environment".to_owned());
     if plan.is_file() { format!("{name}.{}", plan.plan.container.name()) } else { name }
 }

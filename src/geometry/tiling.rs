@@ -72,11 +72,25 @@ impl Tiling {
     }
 
     /// Calls `visit` with every tile of row `row`, in `tile`.
-    pub(crate) fn for_each_tile(&self, row: u32, tile: &mut Tile, mut visit: impl FnMut(&Tile)) {
+    pub(crate) fn for_each_tile(&self, row: u32, tile: &mut Tile, visit: impl FnMut(&Tile)) {
+        self.for_each_tile_at(row, tile, |_| true, visit);
+    }
+
+    /// Calls `visit` with every tile of row `row` whose first column is `wanted`, in `tile`.
+    pub(crate) fn for_each_tile_at(
+        &self,
+        row: u32,
+        tile: &mut Tile,
+        wanted: impl Fn(u32) -> bool,
+        mut visit: impl FnMut(&Tile),
+    ) {
         let (columns, rows) = self.sides;
         let (top, bottom) = span(row % self.tiles, rows);
         for column in 0..columns.div_ceil(TILE) {
             let (left, right) = span(column, columns);
+            if !wanted(left) {
+                continue;
+            }
             tile.texels.clear();
             tile.directions.clear();
             tile.weights.clear();
@@ -102,10 +116,10 @@ fn span(tile: u32, side: u32) -> (u32, u32) {
     (tile * TILE, ((tile + 1) * TILE).min(side))
 }
 
-/// Every other bit of `k`: columns, and from the next bit rows, in Morton's order, so that packets stay
-/// compact where a texel has several directions.
-const fn interleaved(k: u32) -> u32 {
-    (k & 1) | ((k >> 1) & 2)
+/// Every other bit of `k`, three in all: columns, and from the next bit rows, in Morton's order, so that
+/// packets stay compact where a texel has several directions.
+pub(crate) const fn interleaved(k: u32) -> u32 {
+    (k & 1) | ((k >> 1) & 2) | ((k >> 2) & 4)
 }
 
 /// Direction at (`x`, `y`), in texels, of image `image`, and the relative solid angle per unit area there.

@@ -9,7 +9,7 @@ use super::{Context, OemPlanes, SatPlanes, Stage};
 use super::{adaptive, box_filter, build_pyramid, cells, fixed_point, reparameterise, table_scan};
 use crate::bake::job::Job;
 use crate::bake::level::{Advance, BakedLevel, LeafCounts, LevelJob};
-use crate::bake::{self, Bake, BakeSettings, OnProgress, Processor};
+use crate::bake::{self, Bake, BakeSettings, OnProgress, Processor, sparse};
 use crate::cpu::box_filter::single_box;
 use crate::cpu::cells::{Cells, SourceLight};
 use crate::cpu::leaves::LANES;
@@ -385,6 +385,21 @@ impl bake::Engine for GpuReflector<'_> {
             let texels = texels.iter().map(|[r, g, b, _]| self.scale.radiance([*r, *g, *b])).collect();
             advance(level.spec.layout.texel_count() as u64)?;
             return Ok(BakedLevel { processor: Processor::Gpu, ..BakedLevel::unbounded(texels) });
+        }
+        if let Some(tolerance) = sparse::tolerance(level) {
+            let evaluate = async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| {
+                if packets.is_empty() {
+                    return Ok((Vec::new(), LeafCounts::default()));
+                }
+                let groups: Vec<&[DVec3]> = packets.iter().map(Vec::as_slice).collect();
+                let answers =
+                    self.evaluate(&groups, lobe, spec.roughness, Filter::Adaptive(tolerance)).await?;
+                let (packets, directions) = (groups.len() as u64, answers.lanes.len() as u64);
+                done(0, 1)?;
+                Ok((answers.lanes, LeafCounts { leaves: answers.leaves, packets, directions }))
+            };
+            let inner = self.planes.size().inner;
+            return sparse::bake_sparsely(inner, level, tolerance, Processor::Gpu, evaluate, advance).await;
         }
         let is_sharp = is_near_mirror(lobe, spec.roughness * spec.roughness);
         let on_cpu = is_sharp && matches!(filter, Filter::Adaptive(_));

@@ -164,6 +164,8 @@ fn create_folders(folder: &Path, within: &str) -> Result<()> {
 /// [`Error::Io`] naming the output that could not be committed.
 pub fn commit(outputs: Vec<Staged>) -> Result<()> {
     let live = Live::hold();
+    // First, for not every system can roll back.
+    outputs.iter().filter(|output| exists(&output.place)).try_for_each(Staged::check)?;
     let mut done: Vec<(&Staged, Put)> = Vec::with_capacity(outputs.len());
     for output in &outputs {
         match output.put() {
@@ -196,6 +198,15 @@ impl Staged {
         if exists(&self.place) { sync(&self.path()).map_err(|e| Error::io(&self.path, e)) } else { Ok(()) }
     }
 
+    /// Checks that its destination may be replaced.
+    fn check(&self) -> Result<()> {
+        match self.kind {
+            Kind::File => check_file(&self.place, self.existing),
+            Kind::Folder => check_folder(&self.place, self.existing),
+        }
+        .map_err(|error| with_path(error, &self.path))
+    }
+
     /// Moves it to its destination.
     fn put(&self) -> Result<Put> {
         let fail = |e| Error::io(&self.path, e);
@@ -208,16 +219,15 @@ impl Staged {
                     other => return other.map(|()| Put::Fresh).map_err(fail),
                 }
             }
-            match self.kind {
-                Kind::File => check_file(&self.place, self.existing),
-                Kind::Folder => check_folder(&self.place, self.existing),
-            }
-            .map_err(|error| with_path(error, &self.path))?;
+            self.check()?;
             match exchange(&new, &self.place) {
                 Some(Ok(())) => return Ok(Put::Exchanged),
                 Some(Err(error)) if error.kind() == io::ErrorKind::NotFound => {}
                 Some(Err(error)) => return Err(fail(error)),
-                None => return self.replace().map_err(fail),
+                None => match self.replace() {
+                    Err(error) if is_overtaken(&error) => {}
+                    other => return other.map_err(fail),
+                },
             }
         }
         Err(fail(io::Error::other("other processes keep replacing it")))
@@ -230,8 +240,14 @@ impl Staged {
             Kind::File => rename(&new, &self.place).map(|()| Put::Over),
             Kind::Folder => {
                 rename(&self.place, &old)?;
-                // If restoring fails too, the temporary keeps it for the next run.
-                rename(&new, &self.place).inspect_err(|_| drop(rename(&old, &self.place)))?;
+                rename_new(&new, &self.place).or_else(|error| {
+                    // If restoring fails too, the temporary keeps it for the next run, unless another process
+                    // has put its own folder there.
+                    if rename_new(&old, &self.place).is_err() && exists(&self.place) {
+                        fs::remove_dir_all(&old)?;
+                    }
+                    Err(error)
+                })?;
                 Ok(Put::SetAside)
             }
         }
@@ -251,6 +267,11 @@ impl Staged {
             Put::Over => {}
         }
     }
+}
+
+/// Whether another process has removed or made the destination meanwhile.
+fn is_overtaken(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::AlreadyExists)
 }
 
 /// Checks the preconditions of [`write_file`] without writing, so that a long bake fails early.

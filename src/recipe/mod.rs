@@ -76,7 +76,9 @@ pub struct Recipe {
     /// ggx, phong, cone, cosine or charlie
     ///
     /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band
-    /// towards the horizon; it has no mirror and clamps roughness to at least 0.125.
+    /// towards the horizon; it has no mirror and clamps roughness to at least 0.125. Its levels of texels much
+    /// finer than the band are interpolated, to twice the tolerance and without bounds, unless --bounds asks
+    /// for these.
     #[cfg_attr(feature = "cli", arg(long, value_name = "LOBE", default_value = "ggx"))]
     #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
     pub lobe: Lobe,

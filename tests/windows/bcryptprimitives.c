@@ -1,5 +1,5 @@
 /* Wine 8, as in Debian 12, has no bcryptprimitives.dll, from which Rust's standard library takes its random
- * numbers: this one, beside the program, takes them from advapi32. For tests only. */
+ * numbers: this one takes them from advapi32. For tests only. */
 #include <windows.h>
 
 BOOLEAN WINAPI SystemFunction036(PVOID buffer, ULONG length); /* RtlGenRandom */

@@ -14,8 +14,11 @@ fn interpolated_sheen_is_that_of_every_texel() {
     let settings = BakeSettings { size, levels: Some(1), sheen: true, ..BakeSettings::default() };
     let baked = bake(&sun, &settings).expect("a bake");
     let (sheen, stats) = (&baked.sheen.as_ref().expect("sheen").levels[0], &baked.sheen_stats[0]);
+    // On its own the lobe is interpolated, too, but where bounds are asked for.
     let alone = BakeSettings { lobe: Lobe::Charlie, sheen: false, ..settings };
-    let alone = bake(&sun, &alone).expect("a bake");
+    let same = bake(&sun, &alone).expect("a bake");
+    assert!(same.chain.levels[0] == *sheen && same.stats[0].error_bound_max.is_none());
+    let alone = bake(&sun, &BakeSettings { bounds: true, ..alone }).expect("a bake");
     let every = &alone.chain.levels[0];
     let pairs = || sheen.texels.iter().zip(&every.texels);
     for c in 0..3 {

@@ -130,9 +130,10 @@ fn patterns_are_expanded_and_mirror_the_folders_that_they_match() {
     // A file matched twice is baked once.
     let ran = bake(folder.path(), &["in/*.exr", "in/a*", "-o", "8"]);
     assert_eq!(lines(&ran).last(), Some(&"2 baked, 0 skipped, 0 failed"), "{}", ran.err);
-    // A file with that exact name takes precedence.
-    fs::copy(folder.path().join("sky.exr"), folder.path().join("in/[a]*.exr")).expect("copied");
-    done(folder.path(), &[&["bake", "in/[a]*.exr", "-o", "literal.ktx2", "--quiet"], &SMALL[..]].concat());
+    // A file with that exact name takes precedence; Windows has no names with stars.
+    let literal = if cfg!(windows) { "in/[a].exr" } else { "in/[a]*.exr" };
+    fs::copy(folder.path().join("sky.exr"), folder.path().join(literal)).expect("copied");
+    done(folder.path(), &[&["bake", literal, "-o", "literal.ktx2", "--quiet"], &SMALL[..]].concat());
 }
 
 #[test]

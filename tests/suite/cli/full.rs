@@ -2,8 +2,10 @@
 
 use crate::cli::{done, fails, names, with_sky};
 use std::collections::BTreeSet;
+#[cfg(unix)]
 use std::fs;
 use std::path::Path;
+#[cfg(unix)]
 use std::process::Command;
 
 /// Every kind of output, into `a` or next to it.

@@ -2,6 +2,7 @@
 
 use super::octagloss;
 use crate::support::inputs;
+#[cfg(target_os = "linux")]
 use octagloss::internals::io::{ReadOptions, read_from_memory};
 use std::fs;
 use std::io::{Read as _, Write as _};

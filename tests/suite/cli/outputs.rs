@@ -5,7 +5,9 @@ use crate::cli::{done, fails, json_file, names, octagloss, with_sky};
 use octagloss::internals::io::output::{self, Existing};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
+#[cfg(unix)]
+use std::process::Stdio;
 
 const SMALL: [&str; 8] = ["bake", "sky.exr", "--size", "4", "--engine", "cpu", "--filter", "box"];
 
@@ -184,7 +186,7 @@ fn leftovers_go_when_their_lock_is_free_and_set_aside_folders_come_back() {
     fs::write(at(".octagloss-dead02.lock"), "").expect("writable");
     fs::write(at(".octagloss-live01.lock"), "a.ktx2").expect("writable");
     fs::write(at(".octagloss-live01.new"), "half").expect("writable");
-    let live = fs::File::open(at(".octagloss-live01.lock")).expect("there");
+    let live = fs::File::options().read(true).write(true).open(at(".octagloss-live01.lock")).expect("there");
     live.lock().expect("locked");
     // A lock that contains a path instead of a name is left alone.
     fs::write(at(".octagloss-evil01.lock"), "../a").expect("writable");

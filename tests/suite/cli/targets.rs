@@ -1,5 +1,6 @@
 //! `octagloss bake --target` on the command line.
 
+use super::with_slashes;
 use octagloss::internals::format::Pixel;
 use octagloss::internals::io::exr::write::{Samples, exr_bytes};
 use serde_json::Value;
@@ -15,13 +16,13 @@ pub(crate) fn octagloss(folder: &Path, args: &[&str]) -> Output {
 pub(crate) fn done(folder: &Path, args: &[&str]) -> String {
     let output = octagloss(folder, args);
     assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
+    with_slashes(output.stdout)
 }
 
 /// Fails with `code` and one line containing `words`, and prints no data.
 pub(crate) fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
     let output = octagloss(folder, args);
-    let printed = String::from_utf8(output.stderr).expect("text");
+    let printed = with_slashes(output.stderr);
     let errors: Vec<&str> = printed.lines().filter(|line| line.starts_with("octagloss: error: ")).collect();
     assert_eq!(output.status.code(), Some(code), "{args:?}: {printed}");
     assert!(errors.len() == 1 && errors[0].contains(words), "{args:?}: {printed} lacks {words:?}");
@@ -50,7 +51,8 @@ pub(crate) fn tree(folder: &Path) -> Vec<String> {
             if path.is_dir() {
                 folders.push(path);
             } else {
-                found.push(path.strip_prefix(folder).expect("within").display().to_string());
+                let within = path.strip_prefix(folder).expect("within").iter();
+                found.push(within.map(|name| name.to_str().expect("text")).collect::<Vec<_>>().join("/"));
             }
         }
     }

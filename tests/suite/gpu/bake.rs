@@ -291,6 +291,28 @@ fn sheen_matches_the_cpu() {
 }
 
 #[test]
+fn interpolated_sheen_matches_the_cpu() {
+    let environment = small_sky();
+    let settings = BakeSettings {
+        lobe: Lobe::Charlie,
+        size: 128,
+        levels: Some(1),
+        bounds: false,
+        irradiance: None,
+        ..settings(Filter::Adaptive(4.0 * ERROR))
+    };
+    let cpu = bake(&environment, &settings).expect("a small bake");
+    with_passes("interpolated sheen", |context, passes| {
+        let gpu = wait(context, bake_one(passes, &environment, &settings));
+        assert_eq!(gpu.stats[0].processor, Processor::Gpu);
+        assert!(gpu.stats[0].error_bound_max.is_none(), "interpolated levels have no bounds");
+        let error = relative_difference(&gpu.chain.levels[0], &cpu.chain.levels[0]);
+        println!("interpolated sheen: {error:e}");
+        assert!(!exceeds(error, LEVELS_ALIKE), "{error} on {}", context.describe());
+    });
+}
+
+#[test]
 fn bakes_of_other_maps_match_the_cpu() {
     let sky = small_sky();
     with_passes("maps", |context, engine| {

@@ -6,7 +6,7 @@ use exr::prelude::Compression;
 use octagloss::Layout;
 use octagloss::internals::io::{self, ReadOptions};
 use std::fs;
-use std::path::Path;
+use std::path::{MAIN_SEPARATOR, Path};
 
 const ROUGHNESS: &[(&str, &[u8])] = &[("KTXwriter", b"test\0"), ("octaglossRoughness", b"0,0.25,1\0")];
 
@@ -156,7 +156,7 @@ fn broken_level_folders_are_named() {
     let fails = |wanted: String| assert_eq!(io::read_chain(folder.path()).unwrap_err().to_string(), wanted);
 
     fs::copy(folder.path().join("m0_px.exr"), folder.path().join("m1_px.exr")).unwrap();
-    fails(format!("{place}/m1_px.exr: 4x4, but report.json says that level 1 is 2x2"));
+    fails(format!("{place}{MAIN_SEPARATOR}m1_px.exr: 4x4, but report.json says that level 1 is 2x2"));
     fs::remove_file(folder.path().join("m1_px.exr")).unwrap();
     fails(format!(
         "{place}: m1_px.exr (or .hdr) is missing, though report.json lists its level; bake it again"
@@ -164,11 +164,11 @@ fn broken_level_folders_are_named() {
     fs::write(folder.path().join("report.json"), r#"{"levels":[{"level":0,"size":4,"roughness":2}]}"#)
         .unwrap();
     fails(format!(
-        "{place}/report.json: its entry 0 is level 0 of size 4 and roughness 2; level 0 of size 4 and a \
+        "{place}{MAIN_SEPARATOR}report.json: its entry 0 is level 0 of size 4 and roughness 2; level 0 of size 4 and a \
          roughness in [0, 1] is needed"
     ));
     fs::write(folder.path().join("report.json"), r#"{"levels":[]}"#).unwrap();
-    fails(format!("{place}/report.json: it lists no levels"));
+    fails(format!("{place}{MAIN_SEPARATOR}report.json: it lists no levels"));
     fs::remove_file(folder.path().join("report.json")).unwrap();
     fails(format!(
         "{place}: a directory without a report.json; give an image, or a level folder that octagloss bake \
