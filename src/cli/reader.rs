@@ -1,4 +1,5 @@
-//! `octagloss reader`: prints shader code that reads outputs, and writes the table of anisotropic reflections.
+//! `octagloss reader`: prints shader code that reads outputs, and writes the table of anisotropic
+//! reflections.
 
 use super::console::Console;
 use super::outcome::{Outcome, check_output, print, usage, write_output};

@@ -279,8 +279,8 @@ impl LiveEnvironment {
     ///
     /// `octagloss_albedo(n.v, roughness, anisotropy)` is what a white world gives, f0 times its x plus f90
     /// times its y: for multiple scattering and what lies under a clear coat. With anisotropy it is the mean
-    /// over the tangent's directions; `octagloss_albedo_along(n.v, t.v, roughness, anisotropy)` is that of one
-    /// tangent, of length 1 and at right angles to the normal.
+    /// over the tangent's directions; `octagloss_albedo_along(n.v, t.v, roughness, anisotropy)` is that of
+    /// one tangent, of length 1 and at right angles to the normal.
     #[must_use]
     pub fn reflect_wgsl(group: u32) -> String {
         reflection::wgsl(1, group)

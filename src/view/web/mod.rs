@@ -113,9 +113,9 @@ impl Page {
 
     /// Applies `change`, a JSON object, to the side that is shown. The view side takes any of roughness,
     /// roughness_factor, anisotropy, direction, clearcoat, coat_roughness, backdrop, exposure (a number or
-    /// "auto"), turn, filter, object and paint, as the command line's options. The scene side takes any of roughness (`null` for the objects' own), exposure,
-    /// tone, scene_time, probes, probe_budget (`null` for none), proxy, direct, filter and oem_size, as the
-    /// options, moving and gpu_times. Both take panel.
+    /// "auto"), turn, filter, object and paint, as the command line's options. The scene side takes any of
+    /// roughness (`null` for the objects' own), exposure, tone, scene_time, probes, probe_budget (`null` for
+    /// none), proxy, direct, filter and oem_size, as the options, moving and gpu_times. Both take panel.
     ///
     /// # Errors
     /// If a field is unknown or its value out of range; nothing changes then.

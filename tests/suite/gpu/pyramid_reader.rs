@@ -147,7 +147,8 @@ impl Files {
                     answers[id.x][0] = vec4<f32>(light, albedo.x);
                     answers[id.x][1] = vec4<f32>(octagloss_radiance(n.xyz, n.w), 1.0);
                     answers[id.x][2] = vec4<f32>(octagloss_irradiance(n.xyz), 1.0);
-                    answers[id.x][3] = vec4<f32>(octagloss_reflect_isotropic(n.xyz, v.xyz, n.w, f0, v.w), 1.0);
+                    let round = octagloss_reflect_isotropic(n.xyz, v.xyz, n.w, f0, v.w);
+                    answers[id.x][3] = vec4<f32>(round, 1.0);
                 }}
             }}",
             F0[0], F0[1], F0[2]

@@ -16,7 +16,8 @@ fn entry_of_translation(@location(0) at: vec3<f32>) -> @location(0) vec4<f32> {
     let light = octagloss_radiance(at, 0.5) + octagloss_irradiance(at)
         + octagloss_reflect(at, at, at, 0.5, 0.5, at, 1.0)
         + octagloss_reflect_isotropic(at, at, 0.5, at, 1.0);
-    return vec4<f32>(light, octagloss_albedo(at.x, 0.5, 0.5).x + octagloss_albedo_along(at.x, 0.0, 0.5, 0.5).x);
+    let albedo = octagloss_albedo(at.x, 0.5, 0.5) + octagloss_albedo_along(at.x, 0.0, 0.5, 0.5);
+    return vec4<f32>(light, albedo.x);
 }
 ";
 
