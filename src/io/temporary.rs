@@ -211,6 +211,8 @@ fn remove(path: &Path) -> io::Result<()> {
     };
     match removed {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        // Wine removes folders when they are closed, and says nothing of a file that was made in between.
+        Ok(()) if exists(path) => Err(io::ErrorKind::DirectoryNotEmpty.into()),
         other => other,
     }
 }

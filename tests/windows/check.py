@@ -252,6 +252,8 @@ def interrupted():
         process.communicate(timeout=60)
         caught += process.returncode != 0
         check(not leftovers("c"), f"Ctrl-C leaves {leftovers('c')}")
+        for name in leftovers("c"):
+            shutil.rmtree(f"c/{name}", ignore_errors=True)
     print(f"Ctrl-C: {caught} of 20 runs were interrupted while they wrote")
 
 

@@ -68,15 +68,14 @@ fn ran(mut command: Command) -> Ran {
     let output = command.output().expect("the program starts");
     Ran {
         code: output.status.code().expect("no signal"),
-        out: with_slashes(output.stdout),
-        err: with_slashes(output.stderr),
+        out: with_slashes(&String::from_utf8(output.stdout).expect("text")),
+        err: with_slashes(&String::from_utf8(output.stderr).expect("text")),
     }
 }
 
 /// What the program printed, with `/` in paths on every system; in JSON, Windows has two backslashes there.
-pub(crate) fn with_slashes(printed: Vec<u8>) -> String {
-    let text = String::from_utf8(printed).expect("text");
-    if cfg!(windows) { text.replace("\\\\", "/").replace('\\', "/") } else { text }
+pub(crate) fn with_slashes(text: &str) -> String {
+    if cfg!(windows) { text.replace("\\\\", "/").replace('\\', "/") } else { text.to_owned() }
 }
 
 pub(crate) fn octagloss(folder: &Path, args: &[&str]) -> Ran {

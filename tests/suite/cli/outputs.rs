@@ -1,7 +1,7 @@
 //! Outputs of the program: links and streams, folder names, leftovers of killed runs, signals, and two
 //! concurrent processes.
 
-use crate::cli::{done, fails, json_file, names, octagloss, with_sky};
+use crate::cli::{done, fails, json_file, names, octagloss, with_sky, with_slashes};
 use octagloss::internals::io::output::{self, Existing};
 use std::fs;
 use std::path::Path;
@@ -208,7 +208,11 @@ fn leftovers_go_when_their_lock_is_free_and_set_aside_folders_come_back() {
     ];
     assert_eq!(names(folder.path()), left);
     // Unlock instead of closing: a process that another test forks meanwhile holds a copy until it runs.
-    live.unlock().expect("unlocked");
+    // On Windows none does, and Wine does not unlock.
+    if cfg!(unix) {
+        live.unlock().expect("unlocked");
+    }
+    drop(live);
     // A folder that was set aside and replaced is removed.
     fs::create_dir(at(".octagloss-dead04.old")).expect("a folder");
     fs::write(at(".octagloss-dead04.lock"), "levels").expect("writable");
@@ -359,7 +363,7 @@ fn bad_fields_are_quoted_and_shortened() {
     query(&format!("x,y,{long}\n"));
     let long = "9x".repeat(1 << 20);
     assert!(query(&format!("x,y,z\n1,{long},0\n")).contains("line 2 is longer than 1000 bytes"));
-    assert!(query("x,y,z\n1,\u{1b}[31m\u{7}2,0\n").contains(r"\u{1b}[31m"));
+    assert!(query("x,y,z\n1,\u{1b}[31m\u{7}2,0\n").contains(&with_slashes(r"\u{1b}[31m")));
     assert!(query("x,y,z\n1,infinity,0\n").contains(r#""infinity"; it must be finite"#));
     // Arbitrary content in a report.
     fs::write(folder.path().join("bad.dds.report.json"), format!(r#"{{"levels": "{long}\u001b"}}"#))

@@ -16,13 +16,13 @@ pub(crate) fn octagloss(folder: &Path, args: &[&str]) -> Output {
 pub(crate) fn done(folder: &Path, args: &[&str]) -> String {
     let output = octagloss(folder, args);
     assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    with_slashes(output.stdout)
+    with_slashes(&String::from_utf8(output.stdout).expect("text"))
 }
 
 /// Fails with `code` and one line containing `words`, and prints no data.
 pub(crate) fn fails(folder: &Path, args: &[&str], code: i32, words: &str) {
     let output = octagloss(folder, args);
-    let printed = with_slashes(output.stderr);
+    let printed = with_slashes(&String::from_utf8(output.stderr).expect("text"));
     let errors: Vec<&str> = printed.lines().filter(|line| line.starts_with("octagloss: error: ")).collect();
     assert_eq!(output.status.code(), Some(code), "{args:?}: {printed}");
     assert!(errors.len() == 1 && errors[0].contains(words), "{args:?}: {printed} lacks {words:?}");

@@ -15,7 +15,7 @@ fn view_prints_the_command_that_runs_it() {
         (&["it's", "-q", "--", ""], r" 'it'\''s' -q -- ''"),
     ];
     for (args, printed) in cases {
-        let expected = format!("{command}{printed}");
+        let expected = crate::cli::with_slashes(&format!("{command}{printed}"));
         fails(folder, &[&["view"], args].concat(), 2, &expected);
         let ran = crate::cli::octagloss(folder, &[&["view"], args].concat());
         assert!(ran.err.trim_end().ends_with(&expected), "{args:?}: {}", ran.err);
