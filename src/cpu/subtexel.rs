@@ -5,6 +5,7 @@ use super::cells::{Members, SourceLight};
 use super::leaves::{Leaf, Packet, Scratch};
 use crate::cpu::leaves::weighted;
 use crate::environment::Rgb;
+use crate::geometry::source_texels;
 use crate::geometry::tent::{Moments, Reconstruction, Texel};
 use crate::lobe::radial::{Radial, expected_error, first_order_width};
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
@@ -170,19 +171,18 @@ pub(super) fn refine_members<R: Radial>(
             scratch.leaves.push(Leaf::of_patch(&patch, offset, energy));
             continue;
         }
-        stack.extend(Piece { low: DVec2::ZERO, high: DVec2::ONE, depth: 0 }.quarters());
+        stack.extend(source_texels::Piece::WHOLE.quarters());
         while let Some(piece) = stack.pop() {
-            let (moments, solid_angle) = texels.piece(x, y, [piece.low, piece.high]);
-            let offset = moments.centroid - packet.axis;
-            let trace = moments.diagonal.element_sum() as f32;
-            let error =
-                expected_error(kernel, offset.length() as f32, moments.radius as f32, packet.radius, trace);
-            if f64::from(error) * weight * solid_angle > tolerance && piece.depth < DEPTH {
+            let (Texel { patch, solid_angle }, centroid) = texels.piece(x, y, piece);
+            let offset = centroid - packet.axis;
+            let trace = patch.diagonal.element_sum();
+            let error = expected_error(kernel, offset.length() as f32, patch.radius, packet.radius, trace);
+            if f64::from(error * solid_angle) * weight > tolerance && piece.depth < DEPTH {
                 stack.extend(piece.quarters());
                 continue;
             }
-            let energy = above.to_array().map(|c| (f64::from(c) * solid_angle) as f32);
-            scratch.leaves.push(Leaf::of_patch(&moments.into(), offset, energy));
+            let energy = (above * solid_angle).to_array();
+            scratch.leaves.push(Leaf::of_patch(&patch, offset, energy));
         }
     }
 }

@@ -11,9 +11,33 @@ use crate::sphere::cube::{Face, cube_point};
 use crate::sphere::quadrature::THREE_NODES;
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
-/// The whole of a texel, as a piece of it.
-const WHOLE: [DVec2; 2] = [DVec2::ZERO, DVec2::ONE];
+/// A texel, or a part of one by halving its sides.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    /// Halvings.
+    pub(crate) depth: u8,
+    /// Column and row among the 2^depth x 2^depth pieces of the texel.
+    place: [u64; 2],
+}
+
+impl Piece {
+    /// The whole texel.
+    pub(crate) const WHOLE: Self = Self { depth: 0, place: [0; 2] };
+
+    pub(crate) fn quarters(self) -> [Self; 4] {
+        let [i, j] = self.place.map(|k| 2 * k);
+        [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]].map(|place| Self { depth: self.depth + 1, place })
+    }
+
+    /// Its corners, in texels.
+    fn corners(self) -> [DVec2; 2] {
+        let side = 0.5_f64.powi(i32::from(self.depth));
+        let low = DVec2::from(self.place.map(|k| k as f64)) * side;
+        [low, low + side]
+    }
+}
 
 /// Moments of a row of a panorama around longitude 0.
 #[derive(Clone, Copy, Debug)]
@@ -22,11 +46,58 @@ struct Row {
     texel: Texel,
 }
 
+/// A panorama's rows, and cosine and sine of the columns' longitudes.
+#[derive(Debug)]
+struct Panorama {
+    rows: Vec<Row>,
+    columns: Vec<(f64, f64)>,
+}
+
+impl Panorama {
+    fn new(width: u32, height: u32) -> Self {
+        let longitude = |i: u32| ((f64::from(i) + 0.5) / f64::from(width) - 0.5) * TAU;
+        let row = |j: u32| {
+            let (moments, solid_angle) = integrated(&panorama_nodes([width, height], 0.0, j, Piece::WHOLE));
+            let texel = Texel { patch: moments.into(), solid_angle: solid_angle as f32 };
+            Row { centroid: DVec2::new(moments.centroid.x, moments.centroid.y), texel }
+        };
+        let columns = (0..width).map(|i| (longitude(i).cos(), longitude(i).sin())).collect();
+        Self { rows: (0..height).map(row).collect(), columns }
+    }
+
+    /// The texel in column `x` of row `y`, and its centroid.
+    #[inline(always)]
+    fn at(&self, x: usize, y: usize) -> (Texel, DVec3) {
+        let Row { centroid, texel: Texel { patch, solid_angle } } = self.rows[y];
+        let (cos, sin) = self.columns[x];
+        let (c, s) = (cos as f32, sin as f32);
+        let Vec3 { x: radial, y: upright, z: tangential } = patch.diagonal;
+        // Radial and upright deviations are correlated, tangential ones with neither.
+        let leaning = patch.mixed.z;
+        let centroid = DVec3::new(centroid.x * cos, centroid.y, centroid.x * sin);
+        let patch = Patch {
+            centroid: centroid.as_vec3(),
+            diagonal: Vec3::new(
+                radial * c * c + tangential * s * s,
+                upright,
+                radial * s * s + tangential * c * c,
+            ),
+            mixed: Vec3::new(leaning * s, (radial - tangential) * s * c, leaning * c),
+            radius: patch.radius,
+        };
+        (Texel { patch, solid_angle }, centroid)
+    }
+}
+
+/// Halvings of a panorama's texels whose pieces have tables.
+const TABLED: usize = 3;
+
 /// Moments from which those of all texels follow.
 #[derive(Debug)]
 enum Table {
-    /// Rows, and cosine and sine of the columns' longitudes, in double and single precision.
-    Panorama { rows: Vec<Row>, columns: Vec<(f64, f64)>, rounded: Vec<(f32, f32)> },
+    /// Texels, cosine and sine of their columns' longitudes in single precision, and the pieces by one and more
+    /// halvings, which are texels of finer panoramas.
+    Panorama { texels: Panorama, rounded: Vec<(f32, f32)>, pieces: [OnceLock<Panorama>; TABLED] },
     /// The quadrant s, t >= 0 of a face, in the coordinates s, normal, t.
     Cube { quadrant: Vec<Texel>, frames: Box<[(DMat3, Mat3); 6]> },
     /// The quadrant u, v >= 0 of the square.
@@ -118,25 +189,15 @@ impl SourceTexels {
         let (grid, shift) = grid_of(source);
         let table = match grid {
             Layout::Panorama { width, height } => {
-                let longitude = |i: u32| ((f64::from(i) + 0.5) / f64::from(width) - 0.5) * TAU;
-                let columns: Vec<(f64, f64)> =
-                    (0..width).map(|i| (longitude(i).cos(), longitude(i).sin())).collect();
-                let rounded = columns.iter().map(|(cos, sin)| (*cos as f32, *sin as f32)).collect();
-                let rows = (0..height)
-                    .map(|j| {
-                        let pieces = panorama_nodes([width, height], 0.0, j, WHOLE);
-                        let (moments, solid_angle) = integrated(&pieces);
-                        let texel = Texel { patch: moments.into(), solid_angle: solid_angle as f32 };
-                        Row { centroid: DVec2::new(moments.centroid.x, moments.centroid.y), texel }
-                    })
-                    .collect();
-                Table::Panorama { rows, columns, rounded }
+                let texels = Panorama::new(width, height);
+                let rounded = texels.columns.iter().map(|(cos, sin)| (*cos as f32, *sin as f32)).collect();
+                Table::Panorama { texels, rounded, pieces: [const { OnceLock::new() }; TABLED] }
             }
             Layout::Cube { size } => {
                 let half = size / 2;
                 let texel = |x: u32, y: u32| {
                     let (moments, solid_angle) =
-                        integrated(&cube_nodes(size, DMat3::IDENTITY, [half + x, half + y], WHOLE));
+                        integrated(&cube_nodes(size, DMat3::IDENTITY, [half + x, half + y], Piece::WHOLE));
                     Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
                 };
                 let frames = Box::new(Face::ALL.map(|face| {
@@ -151,7 +212,7 @@ impl SourceTexels {
                 let half = size / 2;
                 let texel = |x: u32, y: u32| {
                     let (moments, solid_angle) =
-                        integrated(&octahedral_nodes(size, [half + x, half + y], WHOLE));
+                        integrated(&octahedral_nodes(size, [half + x, half + y], Piece::WHOLE));
                     Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
                 };
                 Table::Octahedral { quadrant: mirrored_in_diagonal(half, texel, turned) }
@@ -212,29 +273,7 @@ impl SourceTexels {
             Texel { patch: patch.mirrored(Vec3::new(sign_x, 1.0, sign_z)), solid_angle }
         };
         match (&self.table, self.grid) {
-            (Table::Panorama { rows, columns, .. }, _) => {
-                let Row { centroid, texel: Texel { patch, solid_angle } } = rows[y as usize];
-                let (cos, sin) = columns[x as usize];
-                let (c, s) = (cos as f32, sin as f32);
-                let Vec3 { x: radial, y: upright, z: tangential } = patch.diagonal;
-                // Radial and upright deviations are correlated, tangential ones with neither.
-                let leaning = patch.mixed.z;
-                let patch = Patch {
-                    centroid: Vec3::new(
-                        (centroid.x * cos) as f32,
-                        centroid.y as f32,
-                        (centroid.x * sin) as f32,
-                    ),
-                    diagonal: Vec3::new(
-                        radial * c * c + tangential * s * s,
-                        upright,
-                        radial * s * s + tangential * c * c,
-                    ),
-                    mixed: Vec3::new(leaning * s, (radial - tangential) * s * c, leaning * c),
-                    radius: patch.radius,
-                };
-                Texel { patch, solid_angle }
-            }
+            (Table::Panorama { texels, .. }, _) => texels.at(x as usize, y as usize).0,
             (Table::Cube { quadrant, frames }, Layout::Cube { size }) => {
                 let Texel { patch, solid_angle } = folded(quadrant, size / 2, y % size);
                 Texel { patch: patch.moved(frames[(y / size) as usize].1), solid_angle }
@@ -247,8 +286,8 @@ impl SourceTexels {
     /// Calls `visit` with the centroid of every texel in row `y`, within 2^-23.
     #[inline(always)]
     pub(crate) fn for_each_centroid(&self, y: u32, mut visit: impl FnMut(Vec3)) {
-        if let Table::Panorama { rows, rounded, .. } = &self.table {
-            let [rho, up] = rows[y as usize].centroid.as_vec2().to_array();
+        if let Table::Panorama { texels, rounded, .. } = &self.table {
+            let [rho, up] = texels.rows[y as usize].centroid.as_vec2().to_array();
             for (cos, sin) in rounded {
                 visit(Vec3::new(rho * cos, up, rho * sin));
             }
@@ -259,27 +298,34 @@ impl SourceTexels {
 
     /// The row of a panorama, for sums along it; `None` for other layouts.
     pub(crate) fn panorama_row(&self, y: u32) -> Option<PanoramaRow<'_>> {
-        let Table::Panorama { rows, columns, rounded } = &self.table else { return None };
+        let Table::Panorama { texels: Panorama { rows, columns }, rounded, .. } = &self.table else {
+            return None;
+        };
         let Row { centroid, texel } = rows[y as usize];
         Some(PanoramaRow { centroid, texel, columns, rounded })
     }
 
-    /// Moments and solid angle of the piece of the texel in column `x` of row `y` between `low` and `high`,
-    /// in texels from its first corner.
-    pub(crate) fn piece(&self, x: u32, y: u32, piece: [DVec2; 2]) -> (Moments, f64) {
-        match (&self.table, self.grid) {
-            (_, Layout::Panorama { width, height }) => {
-                let [low, high] = piece;
-                let longitude = |at: f64| ((f64::from(x) + at) / f64::from(width) - 0.5) * TAU;
-                let nodes =
-                    panorama_nodes([width, height], longitude((low.x + high.x) / 2.0), y, [low, high]);
-                integrated(&nodes)
+    /// `piece` of the texel in column `x` of row `y`, and its centroid.
+    pub(crate) fn piece(&self, x: u32, y: u32, piece: Piece) -> (Texel, DVec3) {
+        let nodes = match (&self.table, self.grid) {
+            (Table::Panorama { pieces, .. }, Layout::Panorama { width, height }) => {
+                if let Some(table) = usize::from(piece.depth).checked_sub(1).and_then(|k| pieces.get(k)) {
+                    let table =
+                        table.get_or_init(|| Panorama::new(width << piece.depth, height << piece.depth));
+                    let [i, j] = piece.place.map(|k| k as usize);
+                    return table.at(((x as usize) << piece.depth) + i, ((y as usize) << piece.depth) + j);
+                }
+                let [low, high] = piece.corners();
+                let longitude = ((f64::from(x) + (low.x + high.x) / 2.0) / f64::from(width) - 0.5) * TAU;
+                panorama_nodes([width, height], longitude, y, piece)
             }
             (Table::Cube { frames, .. }, Layout::Cube { size }) => {
-                integrated(&cube_nodes(size, frames[(y / size) as usize].0, [x, y % size], piece))
+                cube_nodes(size, frames[(y / size) as usize].0, [x, y % size], piece)
             }
-            (_, grid) => integrated(&octahedral_nodes(grid.sides().0, [x, y], piece)),
-        }
+            (_, grid) => octahedral_nodes(grid.sides().0, [x, y], piece),
+        };
+        let (moments, solid_angle) = integrated(&nodes);
+        (Texel { patch: moments.into(), solid_angle: solid_angle as f32 }, moments.centroid)
     }
 }
 
@@ -325,7 +371,8 @@ fn integrated(nodes: &Nodes) -> (Moments, f64) {
 }
 
 /// A piece of the texel in row `j` of a panorama whose middle has `longitude`.
-fn panorama_nodes([width, height]: [u32; 2], longitude: f64, j: u32, [low, high]: [DVec2; 2]) -> Nodes {
+fn panorama_nodes([width, height]: [u32; 2], longitude: f64, j: u32, piece: Piece) -> Nodes {
+    let [low, high] = piece.corners();
     let step = DVec2::new(TAU / f64::from(width), PI / f64::from(height));
     let extent = (high - low) * step;
     let top = (f64::from(j) + low.y) * step.y;
@@ -358,7 +405,8 @@ fn projected(point: DVec3, area: f64) -> (DVec3, f64) {
 
 /// A piece of the texel at `place` of a face of `size` x `size`, whose axes s, normal and t are the columns
 /// of `frame`.
-fn cube_nodes(size: u32, frame: DMat3, place: [u32; 2], [low, high]: [DVec2; 2]) -> Nodes {
+fn cube_nodes(size: u32, frame: DMat3, place: [u32; 2], piece: Piece) -> Nodes {
+    let [low, high] = piece.corners();
     let step = 2.0 / f64::from(size);
     let place = DVec2::from(place.map(f64::from));
     let extent = (high - low) * step;
@@ -373,7 +421,8 @@ fn cube_nodes(size: u32, frame: DMat3, place: [u32; 2], [low, high]: [DVec2; 2])
 }
 
 /// A piece of the texel at `place` of an octahedral square of `size` x `size`.
-fn octahedral_nodes(size: u32, place: [u32; 2], [low, high]: [DVec2; 2]) -> Nodes {
+fn octahedral_nodes(size: u32, place: [u32; 2], piece: Piece) -> Nodes {
+    let [low, high] = piece.corners();
     let half = f64::from(size / 2);
     // Texels from the axes, which no texel crosses.
     let axis = |k: u32, low: f64, high: f64| {
@@ -458,44 +507,38 @@ mod tests {
         for layout in LAYOUTS {
             let texels = SourceTexels::new(layout);
             for (x, y, _) in all(&texels).step_by(5) {
-                let (whole, solid_angle) = texels.piece(x, y, WHOLE);
+                let (Texel { patch: whole, solid_angle }, middle) = texels.piece(x, y, Piece::WHOLE);
+                let solid_angle = f64::from(solid_angle);
                 let Texel { patch, solid_angle: found } = texels.at(x, y);
                 let case = format!("{layout:?} ({x}, {y})");
                 assert!((f64::from(found) / solid_angle - 1.0).abs() < 1e-6, "{case}: solid angle");
-                let off = patch.centroid.as_dvec3().distance(whole.centroid);
+                let off = patch.centroid.as_dvec3().distance(middle);
                 assert!(off < 1.3e-7, "{case}: centroid off by {off:e}");
                 let scale = whole.diagonal.element_sum();
-                let off = patch.diagonal.as_dvec3().distance(whole.diagonal)
-                    + patch.mixed.as_dvec3().distance(whole.mixed);
+                let off = patch.diagonal.distance(whole.diagonal) + patch.mixed.distance(whole.mixed);
                 assert!(off < 1e-5 * scale, "{case}: covariance off by {off:e} of {scale:e}");
-                let reach = f64::from(patch.radius);
-                assert!((reach / whole.radius - 1.0).abs() < 1e-4, "{case}: reach {reach}");
+                assert!((patch.radius / whole.radius - 1.0).abs() < 1e-4, "{case}: reach {}", patch.radius);
 
-                // Quarters, each of quarters, have the moments of the whole.
-                let quarters = |[low, high]: [DVec2; 2]| {
-                    let half = (high - low) / 2.0;
-                    [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|k| {
-                        let low = low + k * half;
-                        [low, low + half]
-                    })
-                };
-                let pieces: Vec<_> = quarters(WHOLE)
-                    .into_iter()
-                    .flat_map(quarters)
-                    .map(|piece| texels.piece(x, y, piece))
-                    .collect();
-                let total: f64 = pieces.iter().map(|(_, solid_angle)| solid_angle).sum();
-                assert!((total / solid_angle - 1.0).abs() < 1e-6, "{case}: pieces cover {total}");
-                let mean = |get: &dyn Fn(&Moments) -> DVec3| {
-                    pieces.iter().map(|(moments, weight)| get(moments) * *weight).sum::<DVec3>() / total
-                };
-                let centroid = mean(&|moments| moments.centroid);
-                assert!(centroid.distance(whole.centroid) < 6e-8, "{case}: centroid of pieces");
-                let spread = mean(&|moments| moments.diagonal + (moments.centroid - centroid).powf(2.0));
-                assert!(spread.distance(whole.diagonal) < 2e-5 * scale, "{case}: spread of pieces");
-                for (moments, _) in &pieces {
-                    let reached = moments.centroid.distance(whole.centroid);
-                    assert!(reached < whole.radius, "{case}: a piece outside");
+                // Pieces have the moments of the whole, with tables and without.
+                let mut pieces = vec![Piece::WHOLE];
+                for _ in 0..=TABLED {
+                    pieces = pieces.into_iter().flat_map(Piece::quarters).collect();
+                    let parts: Vec<_> = pieces.iter().map(|piece| texels.piece(x, y, *piece)).collect();
+                    let total: f64 = parts.iter().map(|(part, _)| f64::from(part.solid_angle)).sum();
+                    assert!((total / solid_angle - 1.0).abs() < 1e-6, "{case}: pieces cover {total}");
+                    let mean = |get: &dyn Fn(&Patch, DVec3) -> DVec3| {
+                        let sum =
+                            |(part, at): &(Texel, DVec3)| get(&part.patch, *at) * f64::from(part.solid_angle);
+                        parts.iter().map(sum).sum::<DVec3>() / total
+                    };
+                    let centroid = mean(&|_, at| at);
+                    assert!(centroid.distance(middle) < 6e-8, "{case}: centroid of pieces");
+                    let spread = mean(&|patch, at| patch.diagonal.as_dvec3() + (at - centroid).powf(2.0));
+                    let off = spread.distance(whole.diagonal.as_dvec3());
+                    assert!(off < 2e-5 * f64::from(scale), "{case}: spread of pieces");
+                    let reach = f64::from(whole.radius);
+                    let within = |(_, at): &(Texel, DVec3)| at.distance(middle) < reach;
+                    assert!(parts.iter().all(within), "{case}: a piece outside");
                 }
             }
         }
