@@ -1,5 +1,7 @@
 //! Point queries: an environment is prepared once, then queried for any direction and roughness.
 
+mod tiles;
+
 use crate::analysis::oracle::Oracle;
 use crate::cpu::adaptive::Adaptive;
 use crate::cpu::box_filter::BoxFilter;
@@ -529,18 +531,12 @@ impl Lobes<'_> {
                     }
                     let packet = Packet::new(&turned[..group.len()]);
                     let first = answers.len();
-                    answers.extend(
-                        group.iter().map(|_| Answer { radiance: [0.0; 3], bound: Some(Bound::default()) }),
-                    );
+                    let none = Answer { radiance: [0.0; 3], bound: Some(Bound::default()) };
+                    answers.extend(group.iter().map(|_| none));
                     for part in [source, bilinear].into_iter().flatten() {
                         let shares = part.evaluate(&packet, &mut workspace.scratch);
                         workspace.leaves += shares.leaves as u64;
-                        for (lane, answer) in answers[first..].iter_mut().enumerate() {
-                            for (sum, value) in answer.radiance.iter_mut().zip(shares.radiance[lane]) {
-                                *sum += value;
-                            }
-                            answer.bound = answer.bound.map(|bound| bound + shares.bound[lane]);
-                        }
+                        tiles::add(&mut answers[first..], &shares);
                     }
                     workspace.packets += 1;
                     workspace.directions += group.len() as u64;

@@ -8,7 +8,7 @@ use crate::geometry::footprints::footprints_over;
 use crate::geometry::tiling::{Tile, Tiling};
 use crate::lobe::Lobe;
 use crate::names::named;
-use crate::reflector::{Lobes, Reflector, Workspace};
+use crate::reflector::{Reflector, Workspace};
 use crate::sphere::cube::Face;
 use rayon::prelude::*;
 
@@ -54,19 +54,6 @@ pub(crate) struct BakedLevel {
     pub(crate) leaves_per_texel: Option<f64>,
 }
 
-/// Evaluates the texels of `tile` into their `line`, by way of `answers`.
-pub(super) fn answer_tile(
-    lobes: &Lobes<'_>,
-    tile: &Tile,
-    workspace: &mut Workspace,
-    answers: &mut Vec<Answer>,
-    line: &mut [Answer],
-) {
-    answers.clear();
-    lobes.evaluate_units(&tile.directions, workspace, answers);
-    tile.resolve(answers, line);
-}
-
 /// Counts of quadrature leaves, packets and directions of a level.
 #[derive(Default)]
 pub(crate) struct LeafCounts {
@@ -107,7 +94,7 @@ pub(crate) fn bake_level(
                 let mut line = tiling.line(row);
                 let mut workspace = Workspace::default();
                 tiling.for_each_tile(row, tile, |tile| {
-                    answer_tile(&lobes, tile, &mut workspace, answers, &mut line);
+                    lobes.evaluate_tile(tile, &mut workspace, answers, &mut line);
                 });
                 advance(line.len() as u64)?;
                 Ok((line, workspace))

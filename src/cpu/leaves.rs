@@ -19,6 +19,10 @@ pub const LANES: usize = 16;
 pub struct Packet {
     pub(super) axis: DVec3,
     pub(super) radius: f32,
+    /// The greatest reach of a footprint around its direction, and the greatest trace of its covariance; 0 for
+    /// directions alone.
+    pub(super) reach: f32,
+    pub(super) trace: f32,
     /// Directions minus the axis: differences keep the precision that sharp lobes need.
     pub(super) x: [f32; LANES],
     pub(super) y: [f32; LANES],
@@ -43,6 +47,8 @@ impl Packet {
         Self {
             axis,
             radius: (radius * (1.0 + 1e-6)) as f32,
+            reach: 0.0,
+            trace: 0.0,
             x: std::array::from_fn(|k| offset(k).x as f32),
             y: std::array::from_fn(|k| offset(k).y as f32),
             z: std::array::from_fn(|k| offset(k).z as f32),
@@ -114,8 +120,31 @@ pub struct Scratch {
     pub(super) leaves: Vec<Leaf>,
     /// Certified widths, times the energy of each channel, of pieces without an exact centroid.
     pub(super) slack: [f64; 3],
-    pub(super) stack: Vec<(u8, u32, u32)>,
+    pub(super) stack: Vec<Visit>,
+    /// What a cut for footprints leaves to their directions.
+    pub(super) frontier: Vec<Visit>,
 }
+
+impl Scratch {
+    /// Removes what the last evaluation left behind.
+    pub(super) fn begin(&mut self) {
+        self.leaves.clear();
+        self.slack = [0.0; 3];
+    }
+}
+
+/// A quad to visit: that of the cell in column `i` of row `j` of the level above.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Visit {
+    pub(super) level: u8,
+    /// A bit for each of its cells that counts.
+    pub(super) cells: u8,
+    pub(super) i: u32,
+    pub(super) j: u32,
+}
+
+/// [`Visit::cells`] of all four.
+pub(super) const ALL: u8 = 0b1111;
 
 #[cfg(all(feature = "gpu", feature = "internals"))]
 impl Scratch {

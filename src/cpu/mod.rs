@@ -7,6 +7,7 @@ pub mod sat_scan;
 pub mod adaptive;
 pub mod box_filter;
 pub mod cells;
+pub(crate) mod footprints;
 pub mod mirror;
 mod range;
 pub mod reflection;

@@ -165,6 +165,19 @@ fn longest_edge(layout: Layout) -> f64 {
 }
 
 impl Tile {
+    /// Of each texel, its own of `directions`, which are those of the tile in another space, and their weights.
+    pub(crate) fn footprints<'a>(
+        &'a self,
+        directions: &'a [DVec3],
+    ) -> impl Iterator<Item = (&'a [DVec3], &'a [f32])> {
+        let mut first = 0;
+        self.texels.iter().map(move |(_, count)| {
+            let own = first..first + count;
+            first += count;
+            (&directions[own.clone()], &self.weights[own])
+        })
+    }
+
     /// Averages the answers of each texel's directions into `line`.
     pub(crate) fn resolve(&self, answers: &[Answer], line: &mut [Answer]) {
         let mut first = 0;
