@@ -65,7 +65,8 @@ impl<'a> Job<'a> {
             let mut chain = |lobe: Lobe, filter: Filter, sparse: bool| -> Vec<usize> {
                 specs.iter().map(|spec| index_of(LevelJob { spec: *spec, lobe, filter, sparse })).collect()
             };
-            let is_sparse = settings.lobe == Lobe::Charlie && !settings.bounds;
+            // Those of other lobes are kept.
+            let is_sparse = settings.lobe != Lobe::Charlie || !settings.bounds;
             let levels = chain(settings.lobe, settings.filter, is_sparse);
             let sheen = settings.sheen.then(|| chain(Lobe::Charlie, other_filter, true));
             let irradiance = settings.irradiance.map(|size| {

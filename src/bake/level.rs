@@ -29,7 +29,7 @@ pub(crate) struct LevelJob {
     pub(crate) spec: LevelSpec,
     pub(crate) lobe: Lobe,
     pub(crate) filter: Filter,
-    /// Whether texels may be interpolated, where that is as good; they then have no bounds.
+    /// Whether texels may be interpolated, where that is as good; those of sheen then have no bounds.
     pub(crate) sparse: bool,
 }
 

@@ -1,6 +1,7 @@
 //! Bakes prefiltered cube chains.
 
 pub mod dfg;
+pub(crate) mod interpolated;
 pub(crate) mod job;
 pub(crate) mod level;
 pub(crate) mod memory;
@@ -10,6 +11,7 @@ pub(crate) mod settings;
 pub(crate) mod solve;
 pub(crate) mod sparse;
 
+use self::interpolated::Interpolation;
 use crate::analysis::typical::{median, probes};
 use crate::chain::Chain;
 use crate::chain_lookup::ChainLookup;
@@ -85,17 +87,21 @@ pub(crate) trait Engine {
 
 impl Engine for Reflector<'_> {
     async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
-        match sparse::tolerance(level) {
-            Some(tolerance) => {
-                let lobes = &self.lobes(level.lobe, level.spec.roughness, Filter::Adaptive(tolerance))?;
-                let evaluate = async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| {
-                    sparse::evaluate(lobes, packets, done)
-                };
-                let inner = self.size().inner;
-                sparse::bake_sparsely(inner, level, tolerance, Processor::Cpu, evaluate, advance).await
-            }
-            None => level::bake_level(self, level, advance),
+        let lobes = |tolerance| self.lobes(level.lobe, level.spec.roughness, Filter::Adaptive(tolerance));
+        if let Some(interpolation) = Interpolation::of(level) {
+            let lobes = &lobes(interpolation.tolerance())?;
+            let evaluate =
+                async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| sparse::evaluate(lobes, packets, done);
+            return interpolation.bake(level, self.environment(), Processor::Cpu, evaluate, advance).await;
         }
+        if let Some(tolerance) = sparse::tolerance(level) {
+            let lobes = &lobes(tolerance)?;
+            let evaluate =
+                async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| sparse::evaluate(lobes, packets, done);
+            let inner = self.size().inner;
+            return sparse::bake_sparsely(inner, level, tolerance, Processor::Cpu, evaluate, advance).await;
+        }
+        level::bake_level(self, level, advance)
     }
 
     async fn oem(&self) -> Result<(OemSize, [f64; 3])> {

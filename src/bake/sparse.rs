@@ -68,7 +68,9 @@ fn stride(spec: LevelSpec, lobe: Lobe) -> u32 {
 /// Tolerance of a level that [`bake_sparsely`] bakes; `None` for others.
 pub(crate) fn tolerance(level: &LevelJob) -> Option<f64> {
     match level.filter {
-        Filter::Adaptive(error) if level.sparse && stride(level.spec, level.lobe) > 1 => {
+        Filter::Adaptive(error)
+            if level.sparse && level.lobe == Lobe::Charlie && stride(level.spec, level.lobe) > 1 =>
+        {
             // Tolerances are below 1.
             Some(if SEEN * error < 1.0 { SEEN * error } else { error })
         }
@@ -186,7 +188,7 @@ pub(crate) async fn bake_sparsely(
 
 impl Nodes {
     /// Nodes without light.
-    fn new(stride: u32, cells: u32) -> Self {
+    pub(super) fn new(stride: u32, cells: u32) -> Self {
         Self { stride, cells, radiance: vec![[0.0; 3]; (6 * (cells + 1) * (cells + 1)) as usize] }
     }
 
@@ -215,7 +217,7 @@ impl Nodes {
     }
 
     /// Indices of the nodes that are `wanted` by face, column and row, and packets of their directions.
-    fn gathered(&self, wanted: impl Fn(u32, u32, u32) -> bool + Sync) -> (Vec<usize>, Packets) {
+    pub(super) fn gathered(&self, wanted: impl Fn(u32, u32, u32) -> bool + Sync) -> (Vec<usize>, Packets) {
         let side = self.cells + 1;
         let blocks = side.div_ceil(BLOCK);
         let block = |k: u32| {
@@ -238,6 +240,11 @@ impl Nodes {
     /// Sets the nodes of indices `places`.
     fn take(&mut self, places: &[usize], answers: &[Answer]) {
         places.iter().zip(answers).for_each(|(k, answer)| self.radiance[*k] = answer.radiance);
+    }
+
+    /// Cells along an edge of a face.
+    pub(super) const fn cells(&self) -> u32 {
+        self.cells
     }
 
     /// Radiance of node (`i`, `j`) of `face`.
@@ -316,7 +323,7 @@ impl Nodes {
     }
 
     /// First node and weights of the cubic through four nodes, at `place` in distances of nodes.
-    fn weights(&self, place: f64) -> (u32, [f64; 4]) {
+    pub(super) fn weights(&self, place: f64) -> (u32, [f64; 4]) {
         let first = self.first((place as u32).min(self.cells - 1));
         let t = place - f64::from(first);
         let [a, b, c, d] = [t, t - 1.0, t - 2.0, t - 3.0];

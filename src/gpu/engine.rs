@@ -7,6 +7,7 @@ use super::device::readback;
 use super::pyramid::{self, PyramidMaps};
 use super::{Context, OemPlanes, SatPlanes, Stage};
 use super::{adaptive, box_filter, build_pyramid, cells, fixed_point, reparameterise, table_scan};
+use crate::bake::interpolated::Interpolation;
 use crate::bake::job::Job;
 use crate::bake::level::{Advance, BakedLevel, LeafCounts, LevelJob};
 use crate::bake::{self, Bake, BakeSettings, OnProgress, Processor, sparse};
@@ -386,17 +387,25 @@ impl bake::Engine for GpuReflector<'_> {
             advance(level.spec.layout.texel_count() as u64)?;
             return Ok(BakedLevel { processor: Processor::Gpu, ..BakedLevel::unbounded(texels) });
         }
+        let evaluate_nodes = async |packets: &[Vec<DVec3>], tolerance: f64, done: sparse::Part<'_>| {
+            if packets.is_empty() {
+                return Ok((Vec::new(), LeafCounts::default()));
+            }
+            let groups: Vec<&[DVec3]> = packets.iter().map(Vec::as_slice).collect();
+            let answers = self.evaluate(&groups, lobe, spec.roughness, Filter::Adaptive(tolerance)).await?;
+            let (packets, directions) = (groups.len() as u64, answers.lanes.len() as u64);
+            done(0, 1)?;
+            Ok((answers.lanes, LeafCounts { leaves: answers.leaves, packets, directions }))
+        };
+        if let Some(interpolation) = Interpolation::of(level) {
+            let evaluate = async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| {
+                evaluate_nodes(packets, interpolation.tolerance(), done).await
+            };
+            return interpolation.bake(level, self.environment, Processor::Gpu, evaluate, advance).await;
+        }
         if let Some(tolerance) = sparse::tolerance(level) {
             let evaluate = async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| {
-                if packets.is_empty() {
-                    return Ok((Vec::new(), LeafCounts::default()));
-                }
-                let groups: Vec<&[DVec3]> = packets.iter().map(Vec::as_slice).collect();
-                let answers =
-                    self.evaluate(&groups, lobe, spec.roughness, Filter::Adaptive(tolerance)).await?;
-                let (packets, directions) = (groups.len() as u64, answers.lanes.len() as u64);
-                done(0, 1)?;
-                Ok((answers.lanes, LeafCounts { leaves: answers.leaves, packets, directions }))
+                evaluate_nodes(packets, tolerance, done).await
             };
             let inner = self.planes.size().inner;
             return sparse::bake_sparsely(inner, level, tolerance, Processor::Gpu, evaluate, advance).await;

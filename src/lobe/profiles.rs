@@ -6,8 +6,8 @@ use crate::vector::{Extremes as _, Fused as _};
 /// peak (1 - 2 s) w^2, w = 1/(1 + steep s), peak = 1/(pi alpha^2), steep = (1 - alpha^2)/alpha^2.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ggx {
-    pub(super) peak: f32,
-    pub(super) steep: f32,
+    pub(crate) peak: f32,
+    pub(crate) steep: f32,
 }
 
 impl Radial for Ggx {
