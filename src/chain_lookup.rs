@@ -53,6 +53,10 @@ impl LevelLookup {
         };
         for (place, texel) in indices.iter_mut().enumerate() {
             let (face, row, column) = (place / (side * side), place / side % side, place % side);
+            if (1..=n).contains(&row) && (1..=n).contains(&column) {
+                *texel = ((face * n + row - 1) * n + column - 1) as u32;
+                continue;
+            }
             let point = cube_point(Face::ALL[face], centre(column), centre(row));
             let (face, s, t) = cube_from_direction(point);
             let line = |x: f64| (((x + 1.0) / 2.0 * n as f64) as usize).min(n - 1);

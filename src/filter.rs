@@ -124,6 +124,15 @@ pub fn parsed(text: &str) -> Result<Filter, String> {
 /// What names of the filter before [`Filter::Pyramid`] are answered with.
 pub(crate) const FITTED: &str = "fitted:K is no more; use pyramid";
 
+/// The index of the first of `values` that is negative or not finite.
+pub(crate) fn first_wrong(values: &[f32]) -> Option<usize> {
+    let is_wrong = |value: &f32| !(value.is_finite() && *value >= 0.0);
+    // Blocks without a branch are searched many values at a time.
+    let block =
+        values.chunks(1024).position(|block| block.iter().fold(false, |any, value| any | is_wrong(value)))?;
+    values[1024 * block..].iter().position(is_wrong).map(|k| 1024 * block + k)
+}
+
 impl std::ops::Add for Bound {
     type Output = Self;
 

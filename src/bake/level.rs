@@ -3,7 +3,7 @@
 use crate::chain::LevelSpec;
 use crate::environment::{Layout, Rgb};
 use crate::error::{Error, Result};
-use crate::filter::{Answer, Bound, Filter};
+use crate::filter::{Answer, Bound, Filter, first_wrong};
 use crate::geometry::footprints::footprints_over;
 use crate::geometry::tiling::{Tile, Tiling};
 use crate::lobe::Lobe;
@@ -117,7 +117,6 @@ impl BakedLevel {
     /// # Errors
     /// [`Error::NonFiniteResult`] naming the first texel that is NaN, infinite or negative.
     pub(crate) fn check(&self, level: &LevelJob) -> Result<()> {
-        let wrong = |value: f32| !(value.is_finite() && value >= 0.0);
         let fault = |at: usize, what: &str, value: f32| {
             let (columns, rows) = level.spec.layout.sides();
             let area = columns as usize * rows as usize;
@@ -134,15 +133,16 @@ impl BakedLevel {
             );
             Err(Error::NonFiniteResult { place, value: f64::from(value) })
         };
-        if let Some(at) = self.texels.as_flattened().iter().position(|value| wrong(*value)) {
+        if let Some(at) = first_wrong(self.texels.as_flattened()) {
             return fault(at / 3, "radiance", self.texels.as_flattened()[at]);
         }
         let bounds = self.bounds.as_deref().unwrap_or_default();
-        if let Some(at) = bounds.iter().position(|value| wrong(*value)) {
+        if let Some(at) = first_wrong(bounds) {
             return fault(at, "error bound", bounds[at]);
         }
-        match self.channel_bounds.into_iter().flatten().find(|value| wrong(*value)) {
-            Some(value) => fault(0, "a channel's greatest error bound, from", value),
+        let greatest = self.channel_bounds.unwrap_or_default();
+        match first_wrong(&greatest) {
+            Some(c) => fault(0, "a channel's greatest error bound, from", greatest[c]),
             None => Ok(()),
         }
     }

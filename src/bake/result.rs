@@ -4,6 +4,7 @@ use super::level::{BakedLevel, Processor};
 use crate::chain::{Chain, Level};
 use crate::environment::{Layout, Map};
 use crate::error::{Error, Result};
+use crate::filter::first_wrong;
 use crate::oem::OemSize;
 use crate::pyramid::BakedPyramid;
 use crate::sh::window::ShWindow;
@@ -105,8 +106,8 @@ impl Bake {
             if let Some(count) = counts.into_iter().flatten().find(|count| *count != needed) {
                 return wrong(format!("a level of {layout:?} has {count} texels or bounds, not {needed}"));
             }
-            let mut values = level.texels.as_flattened().iter().chain(level.bounds.iter().flatten());
-            if let Some(value) = values.find(|value| !(value.is_finite() && **value >= 0.0)) {
+            let values = [level.texels.as_flattened(), level.bounds.as_deref().unwrap_or_default()];
+            if let Some(value) = values.iter().find_map(|values| Some(values[first_wrong(values)?])) {
                 return wrong(format!(
                     "a level of {layout:?} holds {value}; it must be finite, not negative"
                 ));
