@@ -234,7 +234,10 @@ impl CubicError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bake::{Engine as _, ready};
+    use crate::chain::LevelSpec;
     use crate::lobe::Lobe;
+    use crate::reflector::{Reflector, ReflectorSettings, Workspace};
     use crate::sphere::cube::{Face, direction_from_cube};
 
     #[test]
@@ -276,6 +279,75 @@ mod tests {
             }
             let ratio = greatest / fourth_derivative(steep);
             assert!((0.03..1.0).contains(&ratio), "alpha {alpha}: {ratio} of the bound");
+        }
+    }
+
+    /// Coloured noise with lamps of one colour.
+    fn lamps() -> Environment {
+        let texel = |k: u32| -> crate::environment::Rgb {
+            let noise =
+                |turn: u32| f64::from(k.wrapping_mul(2_654_435_761).rotate_left(turn) >> 16) / 65536.0;
+            let lamp = |turn: u32| if noise(turn) > 0.999 { 3000.0 } else { 0.0 };
+            [0, 7, 19].map(|turn| (0.2 + noise(turn) + lamp(turn + 3)) as f32)
+        };
+        let layout = Layout::Panorama { width: 128, height: 64 };
+        Environment::new(layout, (0..128 * 64).map(texel).collect()).expect("a panorama")
+    }
+
+    #[test]
+    fn interpolated_levels_are_within_their_bounds() {
+        let environment = lamps();
+        let roughness = 0.24;
+        let reflector = Reflector::new(&environment, &ReflectorSettings::default()).expect("a reflector");
+        let spec = LevelSpec { layout: Layout::Cube { size: 256 }, roughness };
+        let level = LevelJob { spec, lobe: Lobe::Ggx, filter: Filter::Adaptive(0.005), sparse: true };
+        assert_eq!(Interpolation::of(&level).map(|interpolation| interpolation.stride), Some(2));
+        let baked = ready(reflector.bake_level(&level, &|_| Ok(()))).expect("a level");
+        let (bounds, greatest) = (baked.bounds.expect("bounds"), baked.channel_bounds.expect("bounds"));
+        let lobes = reflector.lobes(Lobe::Ggx, roughness, Filter::Adaptive(1e-4)).expect("lobes");
+        let (mut squares, mut sum, mut bound, mut worst) = ([0.0; 3], [0.0; 3], 0.0, 0.0_f64);
+        let step = 613;
+        for k in (0..baked.texels.len()).step_by(step) {
+            let (face, x, y) = (k / 65536, k as u32 % 256, k as u32 / 256 % 256);
+            let direction = spec.layout.direction_from_texel(face as u32, x, y);
+            let mut truth = Vec::new();
+            lobes.evaluate_units(&[direction], &mut Workspace::default(), &mut truth);
+            let own = truth[0].bound.expect("a bound");
+            let off: [f64; 3] =
+                std::array::from_fn(|c| f64::from(baked.texels[k][c]) - f64::from(truth[0].radiance[c]));
+            for c in 0..3 {
+                squares[c] += off[c] * off[c];
+                sum[c] += f64::from(truth[0].radiance[c]);
+                assert!(off[c].abs() <= f64::from(greatest[c] + own.channels[c]), "texel {k}, channel {c}");
+            }
+            worst = worst.max(exact_luminance(off).abs() / f64::from(bounds[k] + own.luminance));
+            bound += f64::from(bounds[k]);
+        }
+        assert!(worst <= 1.0, "off by {worst} of the bound");
+        let count = baked.texels.len().div_ceil(step) as f64;
+        let relative: [f64; 3] = std::array::from_fn(|c| (squares[c] * count).sqrt() / sum[c]);
+        assert!(relative.iter().all(|error| *error < 0.005), "relative RMS errors {relative:?}");
+        assert!(bound < 0.3 * exact_luminance(sum), "bounds of {bound} for {sum:?}");
+    }
+
+    #[test]
+    fn only_fine_levels_of_ggx_are_interpolated() {
+        let of = |size: u32, roughness: f64, lobe: Lobe, sparse: bool| {
+            let spec = LevelSpec { layout: Layout::Cube { size }, roughness };
+            let level = LevelJob { spec, lobe, filter: Filter::Adaptive(0.005), sparse };
+            Interpolation::of(&level).map(|interpolation| interpolation.stride)
+        };
+        assert_eq!([256, 512, 1024].map(|size| of(size, 0.24, Lobe::Ggx, true)), [Some(2), Some(4), Some(8)]);
+        for (size, roughness, lobe, sparse) in [
+            (512, 0.2, Lobe::Ggx, false),
+            (512, 0.2, Lobe::Phong, true),
+            (512, 0.2, Lobe::Charlie, true),
+            (511, 0.2, Lobe::Ggx, true),
+            (64, 0.2, Lobe::Ggx, true),
+            (512, 0.05, Lobe::Ggx, true),
+            (512, 0.0, Lobe::Ggx, true),
+        ] {
+            assert_eq!(of(size, roughness, lobe, sparse), None, "{size} {roughness} {lobe:?} {sparse}");
         }
     }
 }

@@ -26,6 +26,11 @@ fn settings(filter: Filter) -> BakeSettings {
     }
 }
 
+/// So fine that every texel has one direction: those of several the CPU evaluates together.
+fn fine(error: f64) -> BakeSettings {
+    BakeSettings { size: 64, ..settings(Filter::Adaptive(error)) }
+}
+
 fn environments() -> Vec<(&'static str, Environment)> {
     let names = ["sky", "studio", "labelled", "labelled-cube", "furnace"];
     names.map(|name| (name, synth(name).expect("a recipe").rotated_y(30.0).expect("an angle"))).into()
@@ -37,8 +42,8 @@ fn small_sky() -> Environment {
     environment(layout, texels(&mut Random::new(21), Look::Suns, layout)).rotated_y(40.0).expect("an angle")
 }
 
-fn on_the_cpu(environment: &Environment, filter: Filter) -> Bake {
-    bake(environment, &settings(filter)).expect("a small bake")
+fn on_the_cpu(environment: &Environment, settings: &BakeSettings) -> Bake {
+    bake(environment, settings).expect("a small bake")
 }
 
 /// Returns the levels of a bake, the irradiance cube last.
@@ -68,9 +73,8 @@ const TURN: f64 = 3e-5;
 
 impl Judge {
     fn new(environment: &Environment) -> Self {
-        let with = |error, turn| {
-            on_the_cpu(&environment.clone().rotated_y(turn).expect("an angle"), Filter::Adaptive(error))
-        };
+        let with =
+            |error, turn| on_the_cpu(&environment.clone().rotated_y(turn).expect("an angle"), &fine(error));
         let expected = with(ERROR, 0.0);
         let others = vec![
             with(ERROR * (1.0 - MARGIN), 0.0),
@@ -133,10 +137,7 @@ fn bakes_match_the_cpu() {
         .collect();
     with_passes("bakes", |context, passes| {
         for (name, environment, judge) in &cases {
-            let run = || {
-                let settings = settings(Filter::Adaptive(ERROR));
-                wait(context, bake_one(passes, environment, &settings))
-            };
+            let run = || wait(context, bake_one(passes, environment, &fine(ERROR)));
             let found = run();
             let (difference, [strict, all]) = judge.difference(&found);
             assert_eq!(difference, None, "{name} on {}", context.describe());
@@ -194,7 +195,7 @@ fn faults_in_bakes_are_detected() {
 #[test]
 fn bakes_by_boxes_match_the_cpu() {
     let (_, environment) = environments().swap_remove(1);
-    let expected = on_the_cpu(&environment, Filter::Box);
+    let expected = on_the_cpu(&environment, &settings(Filter::Box));
     // The spread of the studio's radiance. Rounding moves each of the four edges by 24 * 64 units of a texel,
     // and texels are up to 5.2 times heavier than others (see the boxes' test).
     let brightest = environment.texels().iter().flatten().copied().fold(0.0, f32::max);
@@ -258,7 +259,7 @@ const LEVELS_ALIKE: f64 = 0.002;
 #[test]
 fn levels_one_half_percent_brighter_differ() {
     let (_, environment) = environments().swap_remove(1);
-    let expected = on_the_cpu(&environment, Filter::Adaptive(ERROR));
+    let expected = on_the_cpu(&environment, &fine(ERROR));
     for level in &expected.chain.levels {
         let mut brighter = level.clone();
         brighter.texels.as_flattened_mut().iter_mut().for_each(|value| *value *= 1.005);
