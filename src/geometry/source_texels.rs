@@ -162,11 +162,11 @@ fn grid_of(layout: Layout) -> (Layout, [u32; 2]) {
     }
 }
 
-/// Cells along an edge for a source of `layout`, at most `most`: so many that each holds about a texel. They
-/// are subdivided down to texels, and most cells of a finer grid are empty.
+/// Cells along an edge for a source of `layout`, at most `most`: so many that each holds about two texels. They
+/// are subdivided down to texels, and cells of a finer grid cost more than they save.
 pub(crate) fn cells_across(layout: Layout, most: u32) -> u32 {
     let texels = grid_of(layout).0.texel_count();
-    ((texels as f64).sqrt().ceil() as u32).next_power_of_two().min(most)
+    ((texels as f64 / 2.0).sqrt().ceil() as u32).next_power_of_two().min(most)
 }
 
 /// The most runs of texels that cells of `width` x `width` hold for a source of `layout`: cells' edges cut a
