@@ -92,7 +92,7 @@ const IRRADIANCE = `
         vec3 lit = inverseTransformDirection(geometryNormal, viewMatrix);
         iblIrradiance = PI * octagloss_share * octagloss_irradiance(lit);
         material.dfg = octagloss_albedo(
-            dot(geometryNormal, geometryViewDir), material.roughness, octagloss_stretch);
+            max(dot(geometryNormal, geometryViewDir), 0.01), material.roughness, octagloss_stretch);
         radiance = vec3(0.0);
         clearcoatRadiance = vec3(0.0);
     }

@@ -64,7 +64,7 @@ fn row_albedo(alpha: vec2<f32>, cosine: f32, along: f32, more: vec2<f32>) -> vec
     let squares = alpha * alpha;
     let mean = sqrt(0.5 * (squares.x + squares.y));
     let seen = sqrt(mix(squares.y, squares.x, along));
-    let round = reflection_node(READS, sqrt(mix(seen, mean, cosine)), cosine).zw;
+    let round = round_albedo(cosine, sqrt(mix(seen, mean, cosine)));
     return max(round + more, vec2<f32>());
 }
 

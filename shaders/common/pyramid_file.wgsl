@@ -8,8 +8,9 @@ const MIRROR = 1i;
 const SHARP = 2i;
 
 // Texels of the tables: layers of nodes side by side, each with a column on either side and a row below that
-// repeat its edges, and four rows of weights. Samplers may round to a share of a texel.
-const TABLES = vec2<f32>(864.0, 31.0);
+// repeat its edges; four rows of weights; and the albedo, row after row. Samplers may round to a share of a
+// texel.
+const TABLES = vec2<f32>(864.0, 39.0);
 
 fn map_inner() -> f32 {
     return f32(textureDimensions(octagloss_maps).x) * (16.0 / 17.0);
@@ -48,6 +49,12 @@ fn read_cosine(probe: u32, at: vec2<f32>) -> vec3<f32> {
 fn read_reflections(layer: u32, at: vec2<f32>) -> vec4<f32> {
     let corner = vec2<f32>(1.0 + f32(layer) * (NODES.x + 2.0), 0.0);
     return textureSampleLevel(octagloss_tables, octagloss_linear, (at * NODES + corner) / TABLES, 0.0);
+}
+
+// A texel of the table of src/pyramid/albedo.rs.
+fn read_albedo(texel: u32) -> vec4<f32> {
+    let width = u32(TABLES.x);
+    return textureLoad(octagloss_tables, vec2<u32>(texel % width, 31u + texel / width), 0);
 }
 
 // The table of src/pyramid/anisotropic.rs, between texels.

@@ -3,15 +3,40 @@
 #include "common/pyramid.wgsl"
 
 const READS = 9u;
+// Texels of a node.
+const LAYERS = 18u;
 const NODES = vec2<f32>(46.0, 26.0);
 const LEAST_COSINE = 0.01f;
 
+// The table of src/pyramid/albedo.rs, and the dip that it leaves out.
+const ALBEDO_NODES = vec2<f32>(91.0, 75.0);
+const DIP = vec4<f32>(0.222, 0.634, 0.098, 0.3126);
+const LEAST_ALPHA = 1e-6f;
+
 // A layer of the table of src/pyramid/reads.rs at `roughness` and n.v of `cosine`.
 fn reflection_node(layer: u32, roughness: f32, cosine: f32) -> vec4<f32> {
-    // 1 / log2(11).
-    let place = vec2<f32>(log2(1.0 + 10.0 * roughness) * 0.289064826, sqrt(cosine));
+    // 1 / log2(11). The fourth root of 1 less the sine, without cancellation.
+    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    let place = vec2<f32>(log2(1.0 + 10.0 * roughness) * 0.289064826, sqrt(cosine * inverseSqrt(1.0 + sine)));
     let at = (place * (NODES - 1.0) + 0.5) / NODES;
     return read_reflections(layer, at);
+}
+
+// What an isotropic surface reflects of a white world, scale and bias of f0; `cosine` is n.v: `albedo_at` of
+// src/pyramid/albedo.rs.
+fn round_albedo(cosine: f32, roughness: f32) -> vec2<f32> {
+    let seen = clamp(cosine, 1e-4, 1.0);
+    // 1 / log2(31).
+    let places = vec2<f32>(log2(1.0 + 30.0 * roughness) * 0.201848706, (sqrt(sqrt(seen)) - 0.1) / 0.9);
+    let place = clamp(places, vec2<f32>(), vec2<f32>(1.0)) * (ALBEDO_NODES - 1.0);
+    let node = min(floor(place), ALBEDO_NODES - 2.0);
+    let share = place - node;
+    let first = u32(node.x + ALBEDO_NODES.x * node.y);
+    // Texels have a node and its neighbour over roughness.
+    let pair = mix(read_albedo(first), read_albedo(first + u32(ALBEDO_NODES.x)), share.y);
+    let t = seen / max(roughness * roughness, LEAST_ALPHA);
+    let left = 1.0 - DIP.x * t / (1.0 + t * (DIP.y + t * (DIP.z + t * DIP.w)));
+    return left * mix(pair.xy, pair.zw, share.x);
 }
 
 // A surface that is looked at, in the map's space.
@@ -136,6 +161,12 @@ fn suns_reflected(
     return sum;
 }
 
+// What weights that sum to `sums` are multiplied by, to sum to `albedo`.
+fn albedo_share(albedo: vec2<f32>, sums: vec2<f32>) -> vec2<f32> {
+    // Where nothing is reflected, shares mean nothing.
+    return (albedo + 1e-4) / (max(sums, vec2<f32>()) + 1e-4);
+}
+
 // Radiance reflected without a tangent.
 fn reflected_isotropic(
     probe: u32,
@@ -149,6 +180,10 @@ fn reflected_isotropic(
     // Offsets of reads have the length of its sine, so that nothing turns there.
     let along = surface.towards * surface.sine;
     let v = along + n * cosine;
+    let rest = reflection_node(READS, roughness, cosine);
+    let shares = albedo_share(round_albedo(cosine, roughness), rest.zw);
+    let scaled = f0 * shares.x;
+    let grazing = f90 * shares.y;
     var sum = vec3<f32>();
     var in_mirror = 0.0;
     for (var k = 0u; k < READS; k++) {
@@ -156,16 +191,15 @@ fn reflected_isotropic(
         let read = reflection_node(k, roughness, cosine);
         let half_vector = normalize(n + read.x * along);
         let direction = half_vector * (2.0 * dot(v, half_vector)) - v;
-        sum += (f0 * read.z + f90 * read.w) * between_levels(probe, direction, read.y);
+        sum += (scaled * read.z + grazing * read.w) * between_levels(probe, direction, read.y);
         in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
     }
-    let rest = reflection_node(READS, roughness, cosine);
-    sum += (f0 * rest.x + f90 * rest.y) * cosine_light(probe, n);
+    sum += (scaled * rest.x + grazing * rest.y) * cosine_light(probe, n);
     var pairs = array<vec4<f32>, 8>();
     for (var k = 0u; k < 8u; k++) {
         pairs[k] = reflection_node(READS + 1u + k, roughness, cosine);
     }
-    sum += harmonics_reflected(probe, surface, pairs, f0, f90);
+    sum += harmonics_reflected(probe, surface, pairs, scaled, grazing);
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
     let share = max(1.0 - in_mirror / (rest.z + rest.w), 0.0);
     let alpha = vec2<f32>(roughness * roughness);
@@ -198,9 +232,4 @@ fn octagloss_reflect_isotropic(
     f90: f32,
 ) -> vec3<f32> {
     return reflected_isotropic(0u, surface_of(0u, normal, view), roughness, f0, f90);
-}
-
-// What an isotropic surface reflects of a white world, scale and bias of f0; `cosine` is n.v.
-fn round_albedo(cosine: f32, roughness: f32) -> vec2<f32> {
-    return reflection_node(READS, roughness, clamp(cosine, LEAST_COSINE, 1.0)).zw;
 }

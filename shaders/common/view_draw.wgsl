@@ -1,7 +1,8 @@
 // Draws the viewer's pictures: linear and exposed, or the samples themselves. The including file declares
 // radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>, with `direction` in the
-// source's space, and shaded(found: Sample, diffuse: vec3<f32>, pixel: vec2<f32>) -> vec3<f32>, a surface
-// with this diffuse light.
+// source's space, shaded(found: Sample, diffuse: vec3<f32>, pixel: vec2<f32>) -> vec3<f32>, a surface with
+// this diffuse light, and judged(found: Sample, pixel: vec2<f32>) -> vec3<f32>, light of which errors are
+// shown.
 #include "common/luminance.wgsl"
 #include "common/view_scene.wgsl"
 
@@ -117,7 +118,7 @@ fn error_colour(error: f32) -> vec3<f32> {
 
 // The colour of the error, and the error.
 fn off(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
-    let given = dot(LUMINANCE, radiance(frame.source_from_world * found.direction, found.roughness, pixel));
+    let given = dot(LUMINANCE, judged(found, pixel));
     let expected = dot(LUMINANCE, textureLoad(truth, vec2<i32>(pixel), 0).rgb);
     let error = abs(given - expected) / max(expected, 1e-30);
     return vec4<f32>(error_colour(error), min(error, GREATEST));
@@ -144,4 +145,39 @@ fn cover_samples(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
 fn mesh_samples(surface: Surface) -> @location(0) vec4<f32> {
     let found = mesh_sample(surface);
     return vec4<f32>(found.direction, found.roughness);
+}
+
+// Normal and anisotropy of a surface; zero for the backdrop.
+fn normal_texel(found: Sample) -> vec4<f32> {
+    return vec4<f32>(found.normal, found.finish.anisotropy) * found.surface;
+}
+
+@fragment
+fn cover_normals(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return normal_texel(ball_sample(at.xy));
+}
+
+@fragment
+fn mesh_normals(surface: Surface) -> @location(0) vec4<f32> {
+    return normal_texel(mesh_sample(surface));
+}
+
+@fragment
+fn cover_tangents(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return vec4<f32>(ball_sample(at.xy).finish.tangent, 0.0);
+}
+
+@fragment
+fn mesh_tangents(surface: Surface) -> @location(0) vec4<f32> {
+    return vec4<f32>(mesh_sample(surface).finish.tangent, 0.0);
+}
+
+@fragment
+fn cover_reflectances(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return vec4<f32>(ball_sample(at.xy).f0, 0.0);
+}
+
+@fragment
+fn mesh_reflectances(surface: Surface) -> @location(0) vec4<f32> {
+    return vec4<f32>(mesh_sample(surface).f0, 0.0);
 }

@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 965cca9cfa2dbfd7.
+// Translated from pyramid.wgsl, FNV-1a aa6c309287777607.
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
     vec4 red;
@@ -46,9 +46,13 @@ const int octagloss_MIRROR = 1;
 const int octagloss_SHARP = 2;
 const int octagloss_LEVELS = 0;
 const uint octagloss_READS = 9u;
+const uint octagloss_LAYERS = 18u;
 const vec2 octagloss_NODES = vec2(46.0, 26.0);
 const float octagloss_LEAST_COSINE = 0.01;
-const vec2 octagloss_TABLES = vec2(864.0, 31.0);
+const vec2 octagloss_ALBEDO_NODES = vec2(91.0, 75.0);
+const vec4 octagloss_DIP = vec4(0.222, 0.634, 0.098, 0.3126);
+const float octagloss_LEAST_ALPHA = 1e-6;
+const vec2 octagloss_TABLES = vec2(864.0, 39.0);
 const vec4 octagloss_ROW_NODES = vec4(16.0, 10.0, 8.0, 7.0);
 const uint octagloss_ROW_MIDDLE = 7u;
 const uint octagloss_ROW_ALBEDO = 8u;
@@ -377,10 +381,31 @@ vec4 octagloss_read_reflections(uint layer, vec2 at_6) {
 }
 
 vec4 octagloss_reflection_node(uint layer_1, float roughness_2, float cosine) {
-    vec2 place_1 = vec2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt(cosine));
+    float sine = sqrt(max((1.0 - (cosine * cosine)), 0.0));
+    vec2 place_1 = vec2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * inversesqrt((1.0 + sine)))));
     vec2 at_8 = (((place_1 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
-    vec4 _e21 = octagloss_read_reflections(layer_1, at_8);
-    return _e21;
+    vec4 _e31 = octagloss_read_reflections(layer_1, at_8);
+    return _e31;
+}
+
+vec4 octagloss_read_albedo(uint texel) {
+    vec4 _e9 = texelFetch(octagloss_tables, ivec2(uvec2((texel % 864u), (31u + (texel / 864u)))), 0);
+    return _e9;
+}
+
+vec2 octagloss_round_albedo(float cosine_1, float roughness_3) {
+    float seen = clamp(cosine_1, 0.0001, 1.0);
+    vec2 places = vec2((log2((1.0 + (30.0 * roughness_3))) * 0.2018487), ((sqrt(sqrt(seen)) - 0.1) / 0.9));
+    vec2 place_2 = (clamp(places, vec2(0.0), vec2(1.0)) * vec2(90.0, 74.0));
+    vec2 node_2 = min(floor(place_2), vec2(89.0, 73.0));
+    vec2 share_1 = (place_2 - node_2);
+    uint first = uint((node_2.x + (91.0 * node_2.y)));
+    vec4 _e39 = octagloss_read_albedo(first);
+    vec4 _e42 = octagloss_read_albedo((first + 91u));
+    vec4 pair_2 = mix(_e39, _e42, share_1.y);
+    float t = (seen / max((roughness_3 * roughness_3), octagloss_LEAST_ALPHA));
+    float left = (1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126))))))));
+    return (left * mix(pair_2.xy, pair_2.zw, share_1.x));
 }
 
 vec3 octagloss_between_levels(uint probe_8, vec3 direction_4, float level_2) {
@@ -521,9 +546,9 @@ vec3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surface
                 }
                 {
                     uint _e52 = pair;
-                    vec4 texel_1 = texels[(_e52 / 2u)];
+                    vec4 texel_2 = texels[(_e52 / 2u)];
                     uint _e59 = pair;
-                    vec2 weights_2 = (((_e59 % 2u) == 0u) ? texel_1.xy : texel_1.zw);
+                    vec2 weights_2 = (((_e59 % 2u) == 0u) ? texel_2.xy : texel_2.zw);
                     vec3 _e65 = sum_3;
                     uint _e72 = order_2;
                     vec3 _e74 = orders[_e72];
@@ -608,7 +633,11 @@ vec3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1, v
     return _e111;
 }
 
-vec3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface_2, float roughness_3, vec3 f0_2, float f90_2) {
+vec2 octagloss_albedo_share(vec2 albedo, vec2 sums_1) {
+    return ((albedo + vec2(0.0001)) / (max(sums_1, vec2(0.0)) + vec2(0.0001)));
+}
+
+vec3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_2, float f90_2) {
     vec3 sum_5 = vec3(0.0);
     float in_mirror = 0.0;
     uint k_6 = 0u;
@@ -618,66 +647,70 @@ vec3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface
     float cosine_9 = surface_2.cosine;
     vec3 along_2 = (surface_2.towards * surface_2.sine);
     vec3 v_1 = (along_2 + (n_1 * cosine_9));
+    vec4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_9);
+    vec2 _e14 = octagloss_round_albedo(cosine_9, roughness_4);
+    vec2 _e16 = octagloss_albedo_share(_e14, _e13.zw);
+    vec3 scaled = (f0_2 * _e16.x);
+    float grazing = (f90_2 * _e16.y);
     bool loop_init_12 = true;
     while(true) {
         if (!loop_init_12) {
-            uint _e55 = k_6;
-            k_6 = (_e55 + 1u);
+            uint _e64 = k_6;
+            k_6 = (_e64 + 1u);
         }
         loop_init_12 = false;
-        uint _e18 = k_6;
-        if ((_e18 < octagloss_READS)) {
+        uint _e27 = k_6;
+        if ((_e27 < octagloss_READS)) {
         } else {
             break;
         }
         {
-            uint _e21 = k_6;
-            vec4 _e22 = octagloss_reflection_node(_e21, roughness_3, cosine_9);
-            vec3 half_vector_1 = normalize((n_1 + (_e22.x * along_2)));
+            uint _e30 = k_6;
+            vec4 _e31 = octagloss_reflection_node(_e30, roughness_4, cosine_9);
+            vec3 half_vector_1 = normalize((n_1 + (_e31.x * along_2)));
             vec3 direction_5 = ((half_vector_1 * (2.0 * dot(v_1, half_vector_1))) - v_1);
-            vec3 _e32 = sum_5;
-            vec3 _e40 = octagloss_between_levels(probe_13, direction_5, _e22.y);
-            sum_5 = (_e32 + (((f0_2 * _e22.z) + vec3((f90_2 * _e22.w))) * _e40));
-            float _e43 = in_mirror;
-            in_mirror = (_e43 + ((_e22.z + _e22.w) * max((1.0 - _e22.y), 0.0)));
+            vec3 _e41 = sum_5;
+            vec3 _e49 = octagloss_between_levels(probe_13, direction_5, _e31.y);
+            sum_5 = (_e41 + (((scaled * _e31.z) + vec3((grazing * _e31.w))) * _e49));
+            float _e52 = in_mirror;
+            in_mirror = (_e52 + ((_e31.z + _e31.w) * max((1.0 - _e31.y), 0.0)));
         }
     }
-    vec4 _e58 = octagloss_reflection_node(octagloss_READS, roughness_3, cosine_9);
-    vec3 _e59 = sum_5;
-    vec3 _e66 = octagloss_cosine_light(probe_13, n_1);
-    sum_5 = (_e59 + (((f0_2 * _e58.x) + vec3((f90_2 * _e58.y))) * _e66));
+    vec3 _e66 = sum_5;
+    vec3 _e73 = octagloss_cosine_light(probe_13, n_1);
+    sum_5 = (_e66 + (((scaled * _e13.x) + vec3((grazing * _e13.y))) * _e73));
     bool loop_init_13 = true;
     while(true) {
         if (!loop_init_13) {
-            uint _e83 = k_7;
-            k_7 = (_e83 + 1u);
+            uint _e90 = k_7;
+            k_7 = (_e90 + 1u);
         }
         loop_init_13 = false;
-        uint _e73 = k_7;
-        if ((_e73 < 8u)) {
+        uint _e80 = k_7;
+        if ((_e80 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e76 = k_7;
-            uint _e79 = k_7;
-            vec4 _e81 = octagloss_reflection_node((10u + _e79), roughness_3, cosine_9);
-            pairs_1[_e76] = _e81;
+            uint _e83 = k_7;
+            uint _e86 = k_7;
+            vec4 _e88 = octagloss_reflection_node((10u + _e86), roughness_4, cosine_9);
+            pairs_1[_e83] = _e88;
         }
     }
-    vec3 _e85 = sum_5;
-    vec4 _e86[8] = pairs_1;
-    vec3 _e87 = octagloss_harmonics_reflected(probe_13, surface_2, _e86, f0_2, f90_2);
-    sum_5 = (_e85 + _e87);
-    vec3 _e89 = sum_5;
-    float _e95 = octagloss_lights[probe_13].unscale;
-    sum_5 = (max(_e89, vec3(0.0)) * _e95);
-    float _e97 = in_mirror;
-    float share_1 = max((1.0 - (_e97 / (_e58.z + _e58.w))), 0.0);
-    vec2 alpha_9 = vec2((roughness_3 * roughness_3));
-    vec3 _e108 = sum_5;
-    vec3 _e112 = octagloss_suns_reflected(probe_13, surface_2, vec2(1.0, 0.0), alpha_9, f0_2, f90_2);
-    return (_e108 + (share_1 * _e112));
+    vec3 _e92 = sum_5;
+    vec4 _e93[8] = pairs_1;
+    vec3 _e94 = octagloss_harmonics_reflected(probe_13, surface_2, _e93, scaled, grazing);
+    sum_5 = (_e92 + _e94);
+    vec3 _e96 = sum_5;
+    float _e102 = octagloss_lights[probe_13].unscale;
+    sum_5 = (max(_e96, vec3(0.0)) * _e102);
+    float _e104 = in_mirror;
+    float share_2 = max((1.0 - (_e104 / (_e13.z + _e13.w))), 0.0);
+    vec2 alpha_9 = vec2((roughness_4 * roughness_4));
+    vec3 _e115 = sum_5;
+    vec3 _e119 = octagloss_suns_reflected(probe_13, surface_2, vec2(1.0, 0.0), alpha_9, f0_2, f90_2);
+    return (_e115 + (share_2 * _e119));
 }
 
 octagloss_SurfaceFrame octagloss_surface_of(uint probe_14, vec3 normal_2, vec3 view_1) {
@@ -697,15 +730,10 @@ octagloss_SurfaceFrame octagloss_surface_of(uint probe_14, vec3 normal_2, vec3 v
     return octagloss_SurfaceFrame(_e3, towards, cosine_10, sqrt((1.0 - (cosine_10 * cosine_10))));
 }
 
-vec3 octagloss_reflect_isotropic(vec3 normal_3, vec3 view_2, float roughness_4, vec3 f0_3, float f90_3) {
+vec3 octagloss_reflect_isotropic(vec3 normal_3, vec3 view_2, float roughness_5, vec3 f0_3, float f90_3) {
     octagloss_SurfaceFrame _e7 = octagloss_surface_of(0u, normal_3, view_2);
-    vec3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_4, f0_3, f90_3);
+    vec3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_5, f0_3, f90_3);
     return _e8;
-}
-
-vec2 octagloss_round_albedo(float cosine_1, float roughness_5) {
-    vec4 _e6 = octagloss_reflection_node(octagloss_READS, roughness_5, clamp(cosine_1, octagloss_LEAST_COSINE, 1.0));
-    return _e6.zw;
 }
 
 vec2 octagloss_row_alphas(float roughness_6, float anisotropy) {
@@ -720,13 +748,13 @@ float octagloss_row_share(vec2 alpha_2) {
 octagloss_RowPlace octagloss_row_place(vec2 alpha_3, float cosine_2, vec2 tangent_1) {
     float sharp = max(alpha_3.y, octagloss_ROW_SHARP);
     float azimuth = (atan(abs(tangent_1.y), abs(tangent_1.x)) * 0.63661975);
-    vec4 places = vec4((log2((1.0 + (5.0 * sqrt(alpha_3.y)))) * 0.3868528), sqrt(cosine_2), (1.0 - pow(max((1.0 - azimuth), 0.0), 0.6666667)), (log2((max(alpha_3.x, sharp) / sharp)) / -(log2(min(sharp, 0.999999)))));
-    vec4 place_2 = (clamp(places, vec4(0.0), vec4(1.0)) * vec4(15.0, 9.0, 7.0, 6.0));
-    float lower = min(floor(place_2.w), 5.0);
-    vec2 inside = clamp(place_2.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625)));
-    vec3 texel_2 = (vec3(inside.x, (inside.y + (10.0 * lower)), place_2.z) + vec3(0.5));
+    vec4 places_1 = vec4((log2((1.0 + (5.0 * sqrt(alpha_3.y)))) * 0.3868528), sqrt(cosine_2), (1.0 - pow(max((1.0 - azimuth), 0.0), 0.6666667)), (log2((max(alpha_3.x, sharp) / sharp)) / -(log2(min(sharp, 0.999999)))));
+    vec4 place_3 = (clamp(places_1, vec4(0.0), vec4(1.0)) * vec4(15.0, 9.0, 7.0, 6.0));
+    float lower = min(floor(place_3.w), 5.0);
+    vec2 inside = clamp(place_3.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625)));
+    vec3 texel_3 = (vec3(inside.x, (inside.y + (10.0 * lower)), place_3.z) + vec3(0.5));
     vec3 size_1 = vec3(352.0, 70.0, 8.0);
-    return octagloss_RowPlace((texel_2 / size_1), (place_2.w - lower));
+    return octagloss_RowPlace((texel_3 / size_1), (place_3.w - lower));
 }
 
 vec4 octagloss_read_rows(vec3 at_7) {
@@ -744,10 +772,9 @@ vec4 octagloss_row_node(uint layer_2, octagloss_RowPlace place) {
 vec2 octagloss_row_albedo(vec2 alpha_4, float cosine_3, float along, vec2 more) {
     vec2 squares_1 = (alpha_4 * alpha_4);
     float mean_1 = sqrt((0.5 * (squares_1.x + squares_1.y)));
-    float seen = sqrt(mix(squares_1.y, squares_1.x, along));
-    vec4 _e18 = octagloss_reflection_node(octagloss_READS, sqrt(mix(seen, mean_1, cosine_3)), cosine_3);
-    vec2 round_ = _e18.zw;
-    return max((round_ + more), vec2(0.0));
+    float seen_1 = sqrt(mix(squares_1.y, squares_1.x, along));
+    vec2 _e17 = octagloss_round_albedo(cosine_3, sqrt(mix(seen_1, mean_1, cosine_3)));
+    return max((_e17 + more), vec2(0.0));
 }
 
 float octagloss_row_number(vec4 terms[3], vec4 a, vec4 b, vec4 c_1) {
@@ -789,8 +816,8 @@ octagloss_Row octagloss_row_of(vec2 alpha_5, vec2 tangent_2, float cosine_4) {
 }
 
 vec2 octagloss_row_read(octagloss_Row row_1, uint read) {
-    float place_3 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
-    float slope = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_3))) / row_1.steps.y);
+    float place_4 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
+    float slope = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_4))) / row_1.steps.y);
     float wider = (((read % 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation));
     float growth = (row_1.steps.w * slope);
     float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
@@ -811,7 +838,7 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
     vec4 pairs_2[8] = vec4[8](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     uint k_8 = 0u;
     vec3 aside[4] = vec3[4](vec3(0.4620342, 0.54655075, -0.6984316), vec3(0.8966183, 0.38650447, 0.21607853), vec3(0.11814805, 0.3835753, 0.91592085), vec3(0.14011177, 0.8172301, -0.5590202));
-    vec4 texel = vec4(0.0);
+    vec4 texel_1 = vec4(0.0);
     uint pair_1 = 15u;
     uint k_9 = 0u;
     vec3 own_1[5] = vec3[5](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
@@ -825,8 +852,8 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
     vec3 axis_1 = ((surface_3.towards * _e18.axis.x) + (across_3 * _e18.axis.y));
     vec4 _e32 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
     vec2 _e34 = octagloss_row_albedo(alpha_6, surface_3.cosine, (tangent_3.x * tangent_3.x), _e32.xy);
-    vec3 scaled = (f0_4 * _e34.x);
-    float grazing = (f90_4 * _e34.y);
+    vec3 scaled_1 = (f0_4 * _e34.x);
+    float grazing_1 = (f90_4 * _e34.y);
     bool loop_init_14 = true;
     while(true) {
         if (!loop_init_14) {
@@ -848,7 +875,7 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
             if ((_e54 == 0u)) {
                 vec3 _e57 = sum_6;
                 vec3 _e64 = octagloss_cosine_light(probe_15, n_2);
-                sum_6 = (_e57 + (((scaled * _e49.z) + vec3((grazing * _e49.w))) * _e64));
+                sum_6 = (_e57 + (((scaled_1 * _e49.z) + vec3((grazing_1 * _e49.w))) * _e64));
             } else {
                 mean = (0.5 * (_e49.xy + _e49.zw));
                 skew = ((0.5 * _e18.skew) * (_e49.xy - _e49.zw));
@@ -882,7 +909,7 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
                     vec3 direction_6 = ((half_vector_2 * (2.0 * dot(v_2, half_vector_2))) - v_2);
                     vec3 _e118 = sum_6;
                     vec3 _e126 = octagloss_between_levels(probe_15, direction_6, _e108.y);
-                    sum_6 = (_e118 + (((scaled * weights_3.x) + vec3((grazing * weights_3.y))) * _e126));
+                    sum_6 = (_e118 + (((scaled_1 * weights_3.x) + vec3((grazing_1 * weights_3.y))) * _e126));
                     float _e129 = in_mirror_1;
                     in_mirror_1 = (_e129 + (dot(_e34, weights_3) * max((1.0 - _e108.y), 0.0)));
                 }
@@ -910,11 +937,11 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
     }
     vec3 _e160 = sum_6;
     vec4 _e161[8] = pairs_2;
-    vec3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled, grazing);
+    vec3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled_1, grazing_1);
     sum_6 = (_e160 + _e162);
     vec3 mirrored = (across_3 * (((tangent_3.x * tangent_3.y) < 0.0) ? -1.0 : 1.0));
     vec4 _e192 = pairs_2[7];
-    texel = _e192;
+    texel_1 = _e192;
     bool loop_init_17 = true;
     while(true) {
         if (!loop_init_17) {
@@ -960,10 +987,10 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
                     if (((_e236 % 2u) == 0u)) {
                         uint _e242 = pair_1;
                         vec4 _e246 = octagloss_row_node((9u + (_e242 / 2u)), _e16);
-                        texel = _e246;
+                        texel_1 = _e246;
                     }
-                    vec4 _e247 = texel;
-                    vec4 _e249 = texel;
+                    vec4 _e247 = texel_1;
+                    vec4 _e249 = texel_1;
                     uint _e251 = pair_1;
                     vec2 weights_4 = (((_e251 % 2u) == 0u) ? _e249.xy : _e247.zw);
                     vec3 _e257 = sum_6;
@@ -971,7 +998,7 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
                     vec3 _e266 = own_1[_e264];
                     uint _e267 = order_3;
                     vec3 _e269 = other[_e267];
-                    sum_6 = (_e257 + (((scaled * weights_4.x) + vec3((grazing * weights_4.y))) * (_e266 - _e269)));
+                    sum_6 = (_e257 + (((scaled_1 * weights_4.x) + vec3((grazing_1 * weights_4.y))) * (_e266 - _e269)));
                     uint _e274 = pair_1;
                     pair_1 = (_e274 + 1u);
                 }
@@ -982,10 +1009,10 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
     float _e288 = octagloss_lights[probe_15].unscale;
     sum_6 = (max(_e282, vec3(0.0)) * _e288);
     float _e290 = in_mirror_1;
-    float share_2 = max((1.0 - (_e290 / (_e34.x + _e34.y))), 0.0);
+    float share_3 = max((1.0 - (_e290 / (_e34.x + _e34.y))), 0.0);
     vec3 _e299 = sum_6;
     vec3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_3, alpha_6, f0_4, f90_4);
-    return (_e299 + (share_2 * _e300));
+    return (_e299 + (share_3 * _e300));
 }
 
 vec3 octagloss_reflect_of(uint probe_16, vec3 normal_4, vec3 view_3, vec3 tangent_4, float roughness_7, float anisotropy_1, vec3 f0_5, float f90_5) {
@@ -1017,8 +1044,8 @@ vec3 octagloss_reflect_of(uint probe_16, vec3 normal_4, vec3 view_3, vec3 tangen
     if ((_e37 == 1.0)) {
         return sum_7;
     }
-    float round_1 = sqrt(sqrt((_e36.x * _e36.y)));
-    vec3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round_1, f0_5, f90_5);
+    float round_ = sqrt(sqrt((_e36.x * _e36.y)));
+    vec3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round_, f0_5, f90_5);
     return (sum_7 + ((1.0 - _e37) * _e51));
 }
 
@@ -1039,12 +1066,12 @@ vec2 octagloss_albedo(float cosine_6, float roughness_9, float anisotropy_3) {
         return _e5;
     }
     vec2 _e8 = octagloss_row_alphas(roughness_9, min(anisotropy_3, 1.0));
-    float seen_1 = clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
-    octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_1, vec2(1.0, 0.0));
+    float seen_2 = clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
+    octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_2, vec2(1.0, 0.0));
     vec4 _e17 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
     vec2 more_1 = _e17.zw;
-    vec2 _e20 = octagloss_row_albedo(_e8, seen_1, 0.5, more_1);
-    vec2 _e21 = octagloss_faded_albedo(_e8, seen_1, _e20);
+    vec2 _e20 = octagloss_row_albedo(_e8, seen_2, 0.5, more_1);
+    vec2 _e21 = octagloss_faded_albedo(_e8, seen_2, _e20);
     return _e21;
 }
 
@@ -1054,12 +1081,12 @@ vec2 octagloss_albedo_along(float cosine_7, float along_1, float roughness_10, f
         return _e6;
     }
     vec2 _e9 = octagloss_row_alphas(roughness_10, min(anisotropy_4, 1.0));
-    float seen_2 = clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
-    float x_3 = min((abs(along_1) / max(sqrt((1.0 - (seen_2 * seen_2))), 0.0001)), 1.0);
-    octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_2, vec2(x_3, sqrt((1.0 - (x_3 * x_3)))));
+    float seen_3 = clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
+    float x_3 = min((abs(along_1) / max(sqrt((1.0 - (seen_3 * seen_3))), 0.0001)), 1.0);
+    octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_3, vec2(x_3, sqrt((1.0 - (x_3 * x_3)))));
     vec4 _e30 = octagloss_row_node(octagloss_ROW_ALBEDO, _e29);
     vec2 more_2 = _e30.xy;
-    vec2 _e33 = octagloss_row_albedo(_e9, seen_2, (x_3 * x_3), more_2);
-    vec2 _e34 = octagloss_faded_albedo(_e9, seen_2, _e33);
+    vec2 _e33 = octagloss_row_albedo(_e9, seen_3, (x_3 * x_3), more_2);
+    vec2 _e34 = octagloss_faded_albedo(_e9, seen_3, _e33);
     return _e34;
 }

@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 965cca9cfa2dbfd7.
+// Translated from pyramid.wgsl, FNV-1a aa6c309287777607.
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
     float4 red;
@@ -70,9 +70,13 @@ static const int octagloss_MIRROR = int(1);
 static const int octagloss_SHARP = int(2);
 static const int octagloss_LEVELS = int(0);
 static const uint octagloss_READS = 9u;
+static const uint octagloss_LAYERS = 18u;
 static const float2 octagloss_NODES = float2(46.0, 26.0);
 static const float octagloss_LEAST_COSINE = 0.01;
-static const float2 octagloss_TABLES = float2(864.0, 31.0);
+static const float2 octagloss_ALBEDO_NODES = float2(91.0, 75.0);
+static const float4 octagloss_DIP = float4(0.222, 0.634, 0.098, 0.3126);
+static const float octagloss_LEAST_ALPHA = 1e-6;
+static const float2 octagloss_TABLES = float2(864.0, 39.0);
 static const float4 octagloss_ROW_NODES = float4(16.0, 10.0, 8.0, 7.0);
 static const uint octagloss_ROW_MIDDLE = 7u;
 static const uint octagloss_ROW_ALBEDO = 8u;
@@ -481,10 +485,45 @@ float4 octagloss_read_reflections(uint layer, float2 at_5)
 
 float4 octagloss_reflection_node(uint layer_1, float roughness_2, float cosine)
 {
-    float2 place_1 = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt(cosine));
+    float sine = sqrt(max((1.0 - (cosine * cosine)), 0.0));
+    float2 place_1 = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * rsqrt((1.0 + sine)))));
     float2 at_7 = (((place_1 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
-    const float4 _e21 = octagloss_read_reflections(layer_1, at_7);
-    return _e21;
+    const float4 _e31 = octagloss_read_reflections(layer_1, at_7);
+    return _e31;
+}
+
+uint naga_mod(uint lhs, uint rhs) {
+    return lhs % (rhs == 0u ? 1u : rhs);
+}
+
+uint naga_div(uint lhs, uint rhs) {
+    return lhs / (rhs == 0u ? 1u : rhs);
+}
+
+float4 octagloss_read_albedo(uint texel)
+{
+    float4 _e9 = octagloss_tables.Load(int3(uint2(naga_mod(texel, 864u), (31u + naga_div(texel, 864u))), int(0)));
+    return _e9;
+}
+
+float2 ZeroValuefloat2() {
+    return (float2)0;
+}
+
+float2 octagloss_round_albedo(float cosine_1, float roughness_3)
+{
+    float seen = clamp(cosine_1, 0.0001, 1.0);
+    float2 places = float2((log2((1.0 + (30.0 * roughness_3))) * 0.2018487), ((sqrt(sqrt(seen)) - 0.1) / 0.9));
+    float2 place_2 = (clamp(places, ZeroValuefloat2(), (1.0).xx) * float2(90.0, 74.0));
+    float2 node_2 = min(floor(place_2), float2(89.0, 73.0));
+    float2 share_1 = (place_2 - node_2);
+    uint first = naga_f2u32((node_2.x + (91.0 * node_2.y)));
+    const float4 _e39 = octagloss_read_albedo(first);
+    const float4 _e42 = octagloss_read_albedo((first + 91u));
+    float4 pair_2 = lerp(_e39, _e42, share_1.y);
+    float t = (seen / max((roughness_3 * roughness_3), octagloss_LEAST_ALPHA));
+    float left = (1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126))))))));
+    return (left * lerp(pair_2.xy, pair_2.zw, share_1.x));
 }
 
 float3 octagloss_between_levels(uint probe_8, float3 direction_4, float level_2)
@@ -502,10 +541,6 @@ float3 octagloss_between_levels(uint probe_8, float3 direction_4, float level_2)
     const float3 _e17 = octagloss_read_mirror(probe_8, _e3);
     const float3 _e18 = octagloss_read_sharp(probe_8, _e3);
     return lerp(_e17, _e18, level_2);
-}
-
-float2 ZeroValuefloat2() {
-    return (float2)0;
 }
 
 float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha, float spread)
@@ -603,14 +638,6 @@ float3 octagloss_cosine_light(uint probe_10, float3 n)
     return _e4;
 }
 
-uint naga_div(uint lhs, uint rhs) {
-    return lhs / (rhs == 0u ? 1u : rhs);
-}
-
-uint naga_mod(uint lhs, uint rhs) {
-    return lhs % (rhs == 0u ? 1u : rhs);
-}
-
 typedef float2 ret_Constructarray5_float2_[5];
 ret_Constructarray5_float2_ Constructarray5_float2_(float2 arg0, float2 arg1, float2 arg2, float2 arg3, float2 arg4) {
     float2 ret[5] = { arg0, arg1, arg2, arg3, arg4 };
@@ -669,9 +696,9 @@ float3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surfa
                 }
                 {
                     uint _e52 = pair;
-                    float4 texel_1 = texels[min(uint(naga_div(_e52, 2u)), 7u)];
+                    float4 texel_2 = texels[min(uint(naga_div(_e52, 2u)), 7u)];
                     uint _e59 = pair;
-                    float2 weights_2 = ((naga_mod(_e59, 2u) == 0u) ? texel_1.xy : texel_1.zw);
+                    float2 weights_2 = ((naga_mod(_e59, 2u) == 0u) ? texel_2.xy : texel_2.zw);
                     float3 _e65 = sum_3;
                     uint _e72 = order_2;
                     float3 _e74 = orders[min(uint(_e72), 4u)];
@@ -776,13 +803,18 @@ float3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1,
     return _e111;
 }
 
+float2 octagloss_albedo_share(float2 albedo, float2 sums_1)
+{
+    return ((albedo + (0.0001).xx) / (max(sums_1, ZeroValuefloat2()) + (0.0001).xx));
+}
+
 typedef float4 ret_ZeroValuearray8_float4_[8];
 ret_ZeroValuearray8_float4_ ZeroValuearray8_float4_() {
     float4 zeros[8] = { (float4)0, (float4)0, (float4)0, (float4)0, (float4)0, (float4)0, (float4)0, (float4)0 };
     return zeros;
 }
 
-float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface_2, float roughness_3, float3 f0_2, float f90_2)
+float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_2, float f90_2)
 {
     float3 sum_5 = ZeroValuefloat3();
     float in_mirror = 0.0;
@@ -794,72 +826,76 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
     float cosine_9 = surface_2.cosine;
     float3 along_2 = (surface_2.towards * surface_2.sine);
     float3 v_1 = (along_2 + (n_1 * cosine_9));
+    const float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_9);
+    const float2 _e14 = octagloss_round_albedo(cosine_9, roughness_4);
+    const float2 _e16 = octagloss_albedo_share(_e14, _e13.zw);
+    float3 scaled = (f0_2 * _e16.x);
+    float grazing = (f90_2 * _e16.y);
     uint2 loop_bound_12 = uint2(4294967295u, 4294967295u);
     bool loop_init_12 = true;
     while(true) {
         if (all(loop_bound_12 == uint2(0u, 0u))) { break; }
         loop_bound_12 -= uint2(loop_bound_12.y == 0u, 1u);
         if (!loop_init_12) {
-            uint _e55 = k_6;
-            k_6 = (_e55 + 1u);
+            uint _e64 = k_6;
+            k_6 = (_e64 + 1u);
         }
         loop_init_12 = false;
-        uint _e18 = k_6;
-        if ((_e18 < octagloss_READS)) {
+        uint _e27 = k_6;
+        if ((_e27 < octagloss_READS)) {
         } else {
             break;
         }
         {
-            uint _e21 = k_6;
-            const float4 _e22 = octagloss_reflection_node(_e21, roughness_3, cosine_9);
-            float3 half_vector_1 = normalize((n_1 + (_e22.x * along_2)));
+            uint _e30 = k_6;
+            const float4 _e31 = octagloss_reflection_node(_e30, roughness_4, cosine_9);
+            float3 half_vector_1 = normalize((n_1 + (_e31.x * along_2)));
             float3 direction_5 = ((half_vector_1 * (2.0 * dot(v_1, half_vector_1))) - v_1);
-            float3 _e32 = sum_5;
-            const float3 _e40 = octagloss_between_levels(probe_13, direction_5, _e22.y);
-            sum_5 = (_e32 + (((f0_2 * _e22.z) + ((f90_2 * _e22.w)).xxx) * _e40));
-            float _e43 = in_mirror;
-            in_mirror = (_e43 + ((_e22.z + _e22.w) * max((1.0 - _e22.y), 0.0)));
+            float3 _e41 = sum_5;
+            const float3 _e49 = octagloss_between_levels(probe_13, direction_5, _e31.y);
+            sum_5 = (_e41 + (((scaled * _e31.z) + ((grazing * _e31.w)).xxx) * _e49));
+            float _e52 = in_mirror;
+            in_mirror = (_e52 + ((_e31.z + _e31.w) * max((1.0 - _e31.y), 0.0)));
         }
     }
-    const float4 _e58 = octagloss_reflection_node(octagloss_READS, roughness_3, cosine_9);
-    float3 _e59 = sum_5;
-    const float3 _e66 = octagloss_cosine_light(probe_13, n_1);
-    sum_5 = (_e59 + (((f0_2 * _e58.x) + ((f90_2 * _e58.y)).xxx) * _e66));
+    float3 _e66 = sum_5;
+    const float3 _e73 = octagloss_cosine_light(probe_13, n_1);
+    sum_5 = (_e66 + (((scaled * _e13.x) + ((grazing * _e13.y)).xxx) * _e73));
     uint2 loop_bound_13 = uint2(4294967295u, 4294967295u);
     bool loop_init_13 = true;
     while(true) {
         if (all(loop_bound_13 == uint2(0u, 0u))) { break; }
         loop_bound_13 -= uint2(loop_bound_13.y == 0u, 1u);
         if (!loop_init_13) {
-            uint _e83 = k_7;
-            k_7 = (_e83 + 1u);
+            uint _e90 = k_7;
+            k_7 = (_e90 + 1u);
         }
         loop_init_13 = false;
-        uint _e73 = k_7;
-        if ((_e73 < 8u)) {
+        uint _e80 = k_7;
+        if ((_e80 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e76 = k_7;
-            uint _e79 = k_7;
-            const float4 _e81 = octagloss_reflection_node((10u + _e79), roughness_3, cosine_9);
-            pairs_1[min(uint(_e76), 7u)] = _e81;
+            uint _e83 = k_7;
+            uint _e86 = k_7;
+            const float4 _e88 = octagloss_reflection_node((10u + _e86), roughness_4, cosine_9);
+            pairs_1[min(uint(_e83), 7u)] = _e88;
         }
     }
-    float3 _e85 = sum_5;
-    float4 _e86[8] = pairs_1;
-    const float3 _e87 = octagloss_harmonics_reflected(probe_13, surface_2, _e86, f0_2, f90_2);
-    sum_5 = (_e85 + _e87);
-    float3 _e89 = sum_5;
-    float _e95 = octagloss_lights[probe_13].unscale;
-    sum_5 = (max(_e89, ZeroValuefloat3()) * _e95);
-    float _e97 = in_mirror;
-    float share_1 = max((1.0 - (_e97 / (_e58.z + _e58.w))), 0.0);
-    float2 alpha_9 = ((roughness_3 * roughness_3)).xx;
-    float3 _e108 = sum_5;
-    const float3 _e112 = octagloss_suns_reflected(probe_13, surface_2, float2(1.0, 0.0), alpha_9, f0_2, f90_2);
-    return (_e108 + (share_1 * _e112));
+    float3 _e92 = sum_5;
+    float4 _e93[8] = pairs_1;
+    const float3 _e94 = octagloss_harmonics_reflected(probe_13, surface_2, _e93, scaled, grazing);
+    sum_5 = (_e92 + _e94);
+    float3 _e96 = sum_5;
+    float _e102 = octagloss_lights[probe_13].unscale;
+    sum_5 = (max(_e96, ZeroValuefloat3()) * _e102);
+    float _e104 = in_mirror;
+    float share_2 = max((1.0 - (_e104 / (_e13.z + _e13.w))), 0.0);
+    float2 alpha_9 = ((roughness_4 * roughness_4)).xx;
+    float3 _e115 = sum_5;
+    const float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, float2(1.0, 0.0), alpha_9, f0_2, f90_2);
+    return (_e115 + (share_2 * _e119));
 }
 
 octagloss_SurfaceFrame Constructoctagloss_SurfaceFrame(float3 arg0, float3 arg1, float arg2, float arg3) {
@@ -891,17 +927,11 @@ octagloss_SurfaceFrame octagloss_surface_of(uint probe_14, float3 normal_2, floa
     return octagloss_surfaceframe;
 }
 
-float3 octagloss_reflect_isotropic(float3 normal_3, float3 view_2, float roughness_4, float3 f0_3, float f90_3)
+float3 octagloss_reflect_isotropic(float3 normal_3, float3 view_2, float roughness_5, float3 f0_3, float f90_3)
 {
     const octagloss_SurfaceFrame _e7 = octagloss_surface_of(0u, normal_3, view_2);
-    const float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_4, f0_3, f90_3);
+    const float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_5, f0_3, f90_3);
     return _e8;
-}
-
-float2 octagloss_round_albedo(float cosine_1, float roughness_5)
-{
-    const float4 _e6 = octagloss_reflection_node(octagloss_READS, roughness_5, clamp(cosine_1, octagloss_LEAST_COSINE, 1.0));
-    return _e6.zw;
 }
 
 float2 octagloss_row_alphas(float roughness_6, float anisotropy)
@@ -930,13 +960,13 @@ octagloss_RowPlace octagloss_row_place(float2 alpha_3, float cosine_2, float2 ta
 {
     float sharp = max(alpha_3.y, octagloss_ROW_SHARP);
     float azimuth = (atan2(abs(tangent_1.y), abs(tangent_1.x)) * 0.63661975);
-    float4 places = float4((log2((1.0 + (5.0 * sqrt(alpha_3.y)))) * 0.3868528), sqrt(cosine_2), (1.0 - pow(max((1.0 - azimuth), 0.0), 0.6666667)), (log2((max(alpha_3.x, sharp) / sharp)) / -(log2(min(sharp, 0.999999)))));
-    float4 place_2 = (clamp(places, ZeroValuefloat4(), (1.0).xxxx) * float4(15.0, 9.0, 7.0, 6.0));
-    float lower = min(floor(place_2.w), 5.0);
-    float2 inside = clamp(place_2.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx));
-    float3 texel_2 = (float3(inside.x, (inside.y + (10.0 * lower)), place_2.z) + (0.5).xxx);
+    float4 places_1 = float4((log2((1.0 + (5.0 * sqrt(alpha_3.y)))) * 0.3868528), sqrt(cosine_2), (1.0 - pow(max((1.0 - azimuth), 0.0), 0.6666667)), (log2((max(alpha_3.x, sharp) / sharp)) / -(log2(min(sharp, 0.999999)))));
+    float4 place_3 = (clamp(places_1, ZeroValuefloat4(), (1.0).xxxx) * float4(15.0, 9.0, 7.0, 6.0));
+    float lower = min(floor(place_3.w), 5.0);
+    float2 inside = clamp(place_3.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx));
+    float3 texel_3 = (float3(inside.x, (inside.y + (10.0 * lower)), place_3.z) + (0.5).xxx);
     float3 size_1 = float3(352.0, 70.0, 8.0);
-    const octagloss_RowPlace octagloss_rowplace = Constructoctagloss_RowPlace((texel_2 / size_1), (place_2.w - lower));
+    const octagloss_RowPlace octagloss_rowplace = Constructoctagloss_RowPlace((texel_3 / size_1), (place_3.w - lower));
     return octagloss_rowplace;
 }
 
@@ -958,10 +988,9 @@ float2 octagloss_row_albedo(float2 alpha_4, float cosine_3, float along, float2 
 {
     float2 squares_1 = (alpha_4 * alpha_4);
     float mean_1 = sqrt((0.5 * (squares_1.x + squares_1.y)));
-    float seen = sqrt(lerp(squares_1.y, squares_1.x, along));
-    const float4 _e18 = octagloss_reflection_node(octagloss_READS, sqrt(lerp(seen, mean_1, cosine_3)), cosine_3);
-    float2 round_ = _e18.zw;
-    return max((round_ + more), ZeroValuefloat2());
+    float seen_1 = sqrt(lerp(squares_1.y, squares_1.x, along));
+    const float2 _e17 = octagloss_round_albedo(cosine_3, sqrt(lerp(seen_1, mean_1, cosine_3)));
+    return max((_e17 + more), ZeroValuefloat2());
 }
 
 float octagloss_row_number(float4 terms[3], float4 a, float4 b, float4 c_1)
@@ -1019,8 +1048,8 @@ octagloss_Row octagloss_row_of(float2 alpha_5, float2 tangent_2, float cosine_4)
 
 float2 octagloss_row_read(octagloss_Row row_1, uint read)
 {
-    float place_3 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
-    float slope = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_3))) / row_1.steps.y);
+    float place_4 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
+    float slope = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_4))) / row_1.steps.y);
     float wider = ((naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation));
     float growth = (row_1.steps.w * slope);
     float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
@@ -1048,7 +1077,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     float4 pairs_2[8] = ZeroValuearray8_float4_();
     uint k_8 = 0u;
     float3 aside[4] = Constructarray4_float3_(float3(0.4620342, 0.54655075, -0.6984316), float3(0.8966183, 0.38650447, 0.21607853), float3(0.11814805, 0.3835753, 0.91592085), float3(0.14011177, 0.8172301, -0.5590202));
-    float4 texel = (float4)0;
+    float4 texel_1 = (float4)0;
     uint pair_1 = 15u;
     uint k_9 = 0u;
     float3 own_1[5] = { (float3)0, (float3)0, (float3)0, (float3)0, (float3)0 };
@@ -1063,8 +1092,8 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     float3 axis_1 = ((surface_3.towards * _e18.axis.x) + (across_3 * _e18.axis.y));
     const float4 _e32 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
     const float2 _e34 = octagloss_row_albedo(alpha_6, surface_3.cosine, (tangent_3.x * tangent_3.x), _e32.xy);
-    float3 scaled = (f0_4 * _e34.x);
-    float grazing = (f90_4 * _e34.y);
+    float3 scaled_1 = (f0_4 * _e34.x);
+    float grazing_1 = (f90_4 * _e34.y);
     uint2 loop_bound_14 = uint2(4294967295u, 4294967295u);
     bool loop_init_14 = true;
     while(true) {
@@ -1089,7 +1118,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
             if ((_e54 == 0u)) {
                 float3 _e57 = sum_6;
                 const float3 _e64 = octagloss_cosine_light(probe_15, n_2);
-                sum_6 = (_e57 + (((scaled * _e49.z) + ((grazing * _e49.w)).xxx) * _e64));
+                sum_6 = (_e57 + (((scaled_1 * _e49.z) + ((grazing_1 * _e49.w)).xxx) * _e64));
             } else {
                 mean = (0.5 * (_e49.xy + _e49.zw));
                 skew = ((0.5 * _e18.skew) * (_e49.xy - _e49.zw));
@@ -1126,7 +1155,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
                     float3 direction_6 = ((half_vector_2 * (2.0 * dot(v_2, half_vector_2))) - v_2);
                     float3 _e118 = sum_6;
                     const float3 _e126 = octagloss_between_levels(probe_15, direction_6, _e108.y);
-                    sum_6 = (_e118 + (((scaled * weights_3.x) + ((grazing * weights_3.y)).xxx) * _e126));
+                    sum_6 = (_e118 + (((scaled_1 * weights_3.x) + ((grazing_1 * weights_3.y)).xxx) * _e126));
                     float _e129 = in_mirror_1;
                     in_mirror_1 = (_e129 + (dot(_e34, weights_3) * max((1.0 - _e108.y), 0.0)));
                 }
@@ -1157,11 +1186,11 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     }
     float3 _e160 = sum_6;
     float4 _e161[8] = pairs_2;
-    const float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled, grazing);
+    const float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled_1, grazing_1);
     sum_6 = (_e160 + _e162);
     float3 mirrored = (across_3 * (((tangent_3.x * tangent_3.y) < 0.0) ? -1.0 : 1.0));
     float4 _e192 = pairs_2[7];
-    texel = _e192;
+    texel_1 = _e192;
     uint2 loop_bound_17 = uint2(4294967295u, 4294967295u);
     bool loop_init_17 = true;
     while(true) {
@@ -1213,10 +1242,10 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
                     if ((naga_mod(_e236, 2u) == 0u)) {
                         uint _e242 = pair_1;
                         const float4 _e246 = octagloss_row_node((9u + naga_div(_e242, 2u)), _e16);
-                        texel = _e246;
+                        texel_1 = _e246;
                     }
-                    float4 _e247 = texel;
-                    float4 _e249 = texel;
+                    float4 _e247 = texel_1;
+                    float4 _e249 = texel_1;
                     uint _e251 = pair_1;
                     float2 weights_4 = ((naga_mod(_e251, 2u) == 0u) ? _e249.xy : _e247.zw);
                     float3 _e257 = sum_6;
@@ -1224,7 +1253,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
                     float3 _e266 = own_1[min(uint(_e264), 4u)];
                     uint _e267 = order_3;
                     float3 _e269 = other[min(uint(_e267), 4u)];
-                    sum_6 = (_e257 + (((scaled * weights_4.x) + ((grazing * weights_4.y)).xxx) * (_e266 - _e269)));
+                    sum_6 = (_e257 + (((scaled_1 * weights_4.x) + ((grazing_1 * weights_4.y)).xxx) * (_e266 - _e269)));
                     uint _e274 = pair_1;
                     pair_1 = (_e274 + 1u);
                 }
@@ -1235,10 +1264,10 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     float _e288 = octagloss_lights[probe_15].unscale;
     sum_6 = (max(_e282, ZeroValuefloat3()) * _e288);
     float _e290 = in_mirror_1;
-    float share_2 = max((1.0 - (_e290 / (_e34.x + _e34.y))), 0.0);
+    float share_3 = max((1.0 - (_e290 / (_e34.x + _e34.y))), 0.0);
     float3 _e299 = sum_6;
     const float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_3, alpha_6, f0_4, f90_4);
-    return (_e299 + (share_2 * _e300));
+    return (_e299 + (share_3 * _e300));
 }
 
 float3 octagloss_reflect_of(uint probe_16, float3 normal_4, float3 view_3, float3 tangent_4, float roughness_7, float anisotropy_1, float3 f0_5, float f90_5)
@@ -1272,8 +1301,8 @@ float3 octagloss_reflect_of(uint probe_16, float3 normal_4, float3 view_3, float
     if ((_e37 == 1.0)) {
         return sum_7;
     }
-    float round_1 = sqrt(sqrt((_e36.x * _e36.y)));
-    const float3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round_1, f0_5, f90_5);
+    float round_ = sqrt(sqrt((_e36.x * _e36.y)));
+    const float3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round_, f0_5, f90_5);
     return (sum_7 + ((1.0 - _e37) * _e51));
 }
 
@@ -1297,12 +1326,12 @@ float2 octagloss_albedo(float cosine_6, float roughness_9, float anisotropy_3)
         return _e5;
     }
     const float2 _e8 = octagloss_row_alphas(roughness_9, min(anisotropy_3, 1.0));
-    float seen_1 = clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
-    const octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_1, float2(1.0, 0.0));
+    float seen_2 = clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
+    const octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_2, float2(1.0, 0.0));
     const float4 _e17 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
     float2 more_1 = _e17.zw;
-    const float2 _e20 = octagloss_row_albedo(_e8, seen_1, 0.5, more_1);
-    const float2 _e21 = octagloss_faded_albedo(_e8, seen_1, _e20);
+    const float2 _e20 = octagloss_row_albedo(_e8, seen_2, 0.5, more_1);
+    const float2 _e21 = octagloss_faded_albedo(_e8, seen_2, _e20);
     return _e21;
 }
 
@@ -1313,12 +1342,12 @@ float2 octagloss_albedo_along(float cosine_7, float along_1, float roughness_10,
         return _e6;
     }
     const float2 _e9 = octagloss_row_alphas(roughness_10, min(anisotropy_4, 1.0));
-    float seen_2 = clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
-    float x_3 = min((abs(along_1) / max(sqrt((1.0 - (seen_2 * seen_2))), 0.0001)), 1.0);
-    const octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_2, float2(x_3, sqrt((1.0 - (x_3 * x_3)))));
+    float seen_3 = clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
+    float x_3 = min((abs(along_1) / max(sqrt((1.0 - (seen_3 * seen_3))), 0.0001)), 1.0);
+    const octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_3, float2(x_3, sqrt((1.0 - (x_3 * x_3)))));
     const float4 _e30 = octagloss_row_node(octagloss_ROW_ALBEDO, _e29);
     float2 more_2 = _e30.xy;
-    const float2 _e33 = octagloss_row_albedo(_e9, seen_2, (x_3 * x_3), more_2);
-    const float2 _e34 = octagloss_faded_albedo(_e9, seen_2, _e33);
+    const float2 _e33 = octagloss_row_albedo(_e9, seen_3, (x_3 * x_3), more_2);
+    const float2 _e34 = octagloss_faded_albedo(_e9, seen_3, _e33);
     return _e34;
 }

@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 965cca9cfa2dbfd7.
+// Translated from pyramid.wgsl, FNV-1a aa6c309287777607.
 // Metal; the resources are arguments of each function.
 // language: metal1.0
 #include <metal_stdlib>
@@ -94,9 +94,13 @@ constant int octagloss_MIRROR = 1;
 constant int octagloss_SHARP = 2;
 constant int octagloss_LEVELS = 0;
 constant uint octagloss_READS = 9u;
+constant uint octagloss_LAYERS = 18u;
 constant metal::float2 octagloss_NODES = metal::float2(46.0, 26.0);
 constant float octagloss_LEAST_COSINE = 0.01;
-constant metal::float2 octagloss_TABLES = metal::float2(864.0, 31.0);
+constant metal::float2 octagloss_ALBEDO_NODES = metal::float2(91.0, 75.0);
+constant metal::float4 octagloss_DIP = metal::float4(0.222, 0.634, 0.098, 0.3126);
+constant float octagloss_LEAST_ALPHA = 0.000001;
+constant metal::float2 octagloss_TABLES = metal::float2(864.0, 39.0);
 constant metal::float4 octagloss_ROW_NODES = metal::float4(16.0, 10.0, 8.0, 7.0);
 constant uint octagloss_ROW_MIDDLE = 7u;
 constant uint octagloss_ROW_ALBEDO = 8u;
@@ -523,10 +527,46 @@ metal::float4 octagloss_reflection_node(
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
-    metal::float2 place_1 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine));
+    float sine = metal::sqrt(metal::max(1.0 - (cosine * cosine), 0.0));
+    metal::float2 place_1 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
     metal::float2 at_7 = ((place_1 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
-    metal::float4 _e21 = octagloss_read_reflections(layer_1, at_7, octagloss_tables, octagloss_linear);
-    return _e21;
+    metal::float4 _e31 = octagloss_read_reflections(layer_1, at_7, octagloss_tables, octagloss_linear);
+    return _e31;
+}
+
+uint naga_mod(uint lhs, uint rhs) {
+    return lhs % metal::select(rhs, 1u, rhs == 0u);
+}
+
+uint naga_div(uint lhs, uint rhs) {
+    return lhs / metal::select(rhs, 1u, rhs == 0u);
+}
+
+metal::float4 octagloss_read_albedo(
+    uint texel,
+    metal::texture2d<float, metal::access::sample> octagloss_tables
+) {
+    metal::float4 _e9 = octagloss_tables.read(metal::uint2(metal::uint2(naga_mod(texel, 864u), 31u + naga_div(texel, 864u))), 0);
+    return _e9;
+}
+
+metal::float2 octagloss_round_albedo(
+    float cosine_1,
+    float roughness_3,
+    metal::texture2d<float, metal::access::sample> octagloss_tables
+) {
+    float seen = metal::clamp(cosine_1, 0.0001, 1.0);
+    metal::float2 places = metal::float2(metal::log2(1.0 + (30.0 * roughness_3)) * 0.2018487, (metal::sqrt(metal::sqrt(seen)) - 0.1) / 0.9);
+    metal::float2 place_2 = metal::clamp(places, metal::float2 {}, metal::float2(1.0)) * metal::float2(90.0, 74.0);
+    metal::float2 node_2 = metal::min(metal::floor(place_2), metal::float2(89.0, 73.0));
+    metal::float2 share_1 = place_2 - node_2;
+    uint first = naga_f2u32(node_2.x + (91.0 * node_2.y));
+    metal::float4 _e39 = octagloss_read_albedo(first, octagloss_tables);
+    metal::float4 _e42 = octagloss_read_albedo(first + 91u, octagloss_tables);
+    metal::float4 pair_2 = metal::mix(_e39, _e42, share_1.y);
+    float t = seen / metal::max(roughness_3 * roughness_3, octagloss_LEAST_ALPHA);
+    float left = 1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126)))))));
+    return left * metal::mix(pair_2.xy, pair_2.zw, share_1.x);
 }
 
 metal::float3 octagloss_between_levels(
@@ -649,14 +689,6 @@ metal::float3 octagloss_cosine_light(
     return _e4;
 }
 
-uint naga_div(uint lhs, uint rhs) {
-    return lhs / metal::select(rhs, 1u, rhs == 0u);
-}
-
-uint naga_mod(uint lhs, uint rhs) {
-    return lhs % metal::select(rhs, 1u, rhs == 0u);
-}
-
 metal::float3 octagloss_harmonics_reflected(
     uint probe_11,
     octagloss_SurfaceFrame surface,
@@ -714,9 +746,9 @@ metal::float3 octagloss_harmonics_reflected(
                 }
                 {
                     uint _e52 = pair;
-                    metal::float4 texel_1 = texels.inner[naga_div(_e52, 2u)];
+                    metal::float4 texel_2 = texels.inner[naga_div(_e52, 2u)];
                     uint _e59 = pair;
-                    metal::float2 weights_2 = (naga_mod(_e59, 2u) == 0u) ? texel_1.xy : texel_1.zw;
+                    metal::float2 weights_2 = (naga_mod(_e59, 2u) == 0u) ? texel_2.xy : texel_2.zw;
                     metal::float3 _e65 = sum_3;
                     uint _e72 = order_2;
                     metal::float3 _e74 = orders.inner[_e72];
@@ -816,10 +848,17 @@ metal::float3 octagloss_suns_reflected(
     return _e111;
 }
 
+metal::float2 octagloss_albedo_share(
+    metal::float2 albedo,
+    metal::float2 sums_1
+) {
+    return (albedo + metal::float2(0.0001)) / (metal::max(sums_1, metal::float2 {}) + metal::float2(0.0001));
+}
+
 metal::float3 octagloss_reflected_isotropic(
     uint probe_13,
     octagloss_SurfaceFrame surface_2,
-    float roughness_3,
+    float roughness_4,
     metal::float3 f0_2,
     float f90_2,
     constant type_7& octagloss_lights,
@@ -836,72 +875,76 @@ metal::float3 octagloss_reflected_isotropic(
     float cosine_9 = surface_2.cosine;
     metal::float3 along_2 = surface_2.towards * surface_2.sine;
     metal::float3 v_1 = along_2 + (n_1 * cosine_9);
+    metal::float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_9, octagloss_tables, octagloss_linear);
+    metal::float2 _e14 = octagloss_round_albedo(cosine_9, roughness_4, octagloss_tables);
+    metal::float2 _e16 = octagloss_albedo_share(_e14, _e13.zw);
+    metal::float3 scaled = f0_2 * _e16.x;
+    float grazing = f90_2 * _e16.y;
     uint2 loop_bound_12 = uint2(4294967295u);
     bool loop_init_12 = true;
     while(true) {
         if (metal::all(loop_bound_12 == uint2(0u))) { break; }
         loop_bound_12 -= uint2(loop_bound_12.y == 0u, 1u);
         if (!loop_init_12) {
-            uint _e55 = k_6;
-            k_6 = _e55 + 1u;
+            uint _e64 = k_6;
+            k_6 = _e64 + 1u;
         }
         loop_init_12 = false;
-        uint _e18 = k_6;
-        if (_e18 < octagloss_READS) {
+        uint _e27 = k_6;
+        if (_e27 < octagloss_READS) {
         } else {
             break;
         }
         {
-            uint _e21 = k_6;
-            metal::float4 _e22 = octagloss_reflection_node(_e21, roughness_3, cosine_9, octagloss_tables, octagloss_linear);
-            metal::float3 half_vector_1 = metal::normalize(n_1 + (_e22.x * along_2));
+            uint _e30 = k_6;
+            metal::float4 _e31 = octagloss_reflection_node(_e30, roughness_4, cosine_9, octagloss_tables, octagloss_linear);
+            metal::float3 half_vector_1 = metal::normalize(n_1 + (_e31.x * along_2));
             metal::float3 direction_5 = (half_vector_1 * (2.0 * metal::dot(v_1, half_vector_1))) - v_1;
-            metal::float3 _e32 = sum_5;
-            metal::float3 _e40 = octagloss_between_levels(probe_13, direction_5, _e22.y, octagloss_maps, octagloss_linear);
-            sum_5 = _e32 + (((f0_2 * _e22.z) + metal::float3(f90_2 * _e22.w)) * _e40);
-            float _e43 = in_mirror;
-            in_mirror = _e43 + ((_e22.z + _e22.w) * metal::max(1.0 - _e22.y, 0.0));
+            metal::float3 _e41 = sum_5;
+            metal::float3 _e49 = octagloss_between_levels(probe_13, direction_5, _e31.y, octagloss_maps, octagloss_linear);
+            sum_5 = _e41 + (((scaled * _e31.z) + metal::float3(grazing * _e31.w)) * _e49);
+            float _e52 = in_mirror;
+            in_mirror = _e52 + ((_e31.z + _e31.w) * metal::max(1.0 - _e31.y, 0.0));
         }
     }
-    metal::float4 _e58 = octagloss_reflection_node(octagloss_READS, roughness_3, cosine_9, octagloss_tables, octagloss_linear);
-    metal::float3 _e59 = sum_5;
-    metal::float3 _e66 = octagloss_cosine_light(probe_13, n_1, octagloss_maps, octagloss_linear);
-    sum_5 = _e59 + (((f0_2 * _e58.x) + metal::float3(f90_2 * _e58.y)) * _e66);
+    metal::float3 _e66 = sum_5;
+    metal::float3 _e73 = octagloss_cosine_light(probe_13, n_1, octagloss_maps, octagloss_linear);
+    sum_5 = _e66 + (((scaled * _e13.x) + metal::float3(grazing * _e13.y)) * _e73);
     uint2 loop_bound_13 = uint2(4294967295u);
     bool loop_init_13 = true;
     while(true) {
         if (metal::all(loop_bound_13 == uint2(0u))) { break; }
         loop_bound_13 -= uint2(loop_bound_13.y == 0u, 1u);
         if (!loop_init_13) {
-            uint _e83 = k_7;
-            k_7 = _e83 + 1u;
+            uint _e90 = k_7;
+            k_7 = _e90 + 1u;
         }
         loop_init_13 = false;
-        uint _e73 = k_7;
-        if (_e73 < 8u) {
+        uint _e80 = k_7;
+        if (_e80 < 8u) {
         } else {
             break;
         }
         {
-            uint _e76 = k_7;
-            uint _e79 = k_7;
-            metal::float4 _e81 = octagloss_reflection_node(10u + _e79, roughness_3, cosine_9, octagloss_tables, octagloss_linear);
-            pairs_1.inner[_e76] = _e81;
+            uint _e83 = k_7;
+            uint _e86 = k_7;
+            metal::float4 _e88 = octagloss_reflection_node(10u + _e86, roughness_4, cosine_9, octagloss_tables, octagloss_linear);
+            pairs_1.inner[_e83] = _e88;
         }
     }
-    metal::float3 _e85 = sum_5;
-    type_20 _e86 = pairs_1;
-    metal::float3 _e87 = octagloss_harmonics_reflected(probe_13, surface_2, _e86, f0_2, f90_2, octagloss_lights);
-    sum_5 = _e85 + _e87;
-    metal::float3 _e89 = sum_5;
-    float _e95 = octagloss_lights.inner[probe_13].unscale;
-    sum_5 = metal::max(_e89, metal::float3 {}) * _e95;
-    float _e97 = in_mirror;
-    float share_1 = metal::max(1.0 - (_e97 / (_e58.z + _e58.w)), 0.0);
-    metal::float2 alpha_9 = metal::float2(roughness_3 * roughness_3);
-    metal::float3 _e108 = sum_5;
-    metal::float3 _e112 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_9, f0_2, f90_2, octagloss_lights, octagloss_maps);
-    return _e108 + (share_1 * _e112);
+    metal::float3 _e92 = sum_5;
+    type_20 _e93 = pairs_1;
+    metal::float3 _e94 = octagloss_harmonics_reflected(probe_13, surface_2, _e93, scaled, grazing, octagloss_lights);
+    sum_5 = _e92 + _e94;
+    metal::float3 _e96 = sum_5;
+    float _e102 = octagloss_lights.inner[probe_13].unscale;
+    sum_5 = metal::max(_e96, metal::float3 {}) * _e102;
+    float _e104 = in_mirror;
+    float share_2 = metal::max(1.0 - (_e104 / (_e13.z + _e13.w)), 0.0);
+    metal::float2 alpha_9 = metal::float2(roughness_4 * roughness_4);
+    metal::float3 _e115 = sum_5;
+    metal::float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_9, f0_2, f90_2, octagloss_lights, octagloss_maps);
+    return _e115 + (share_2 * _e119);
 }
 
 octagloss_SurfaceFrame octagloss_surface_of(
@@ -929,7 +972,7 @@ octagloss_SurfaceFrame octagloss_surface_of(
 metal::float3 octagloss_reflect_isotropic(
     metal::float3 normal_3,
     metal::float3 view_2,
-    float roughness_4,
+    float roughness_5,
     metal::float3 f0_3,
     float f90_3,
     constant type_7& octagloss_lights,
@@ -938,18 +981,8 @@ metal::float3 octagloss_reflect_isotropic(
     metal::sampler octagloss_linear
 ) {
     octagloss_SurfaceFrame _e7 = octagloss_surface_of(0u, normal_3, view_2, octagloss_lights);
-    metal::float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_4, f0_3, f90_3, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    metal::float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_5, f0_3, f90_3, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
     return _e8;
-}
-
-metal::float2 octagloss_round_albedo(
-    float cosine_1,
-    float roughness_5,
-    metal::texture2d<float, metal::access::sample> octagloss_tables,
-    metal::sampler octagloss_linear
-) {
-    metal::float4 _e6 = octagloss_reflection_node(octagloss_READS, roughness_5, metal::clamp(cosine_1, octagloss_LEAST_COSINE, 1.0), octagloss_tables, octagloss_linear);
-    return _e6.zw;
 }
 
 metal::float2 octagloss_row_alphas(
@@ -973,13 +1006,13 @@ octagloss_RowPlace octagloss_row_place(
 ) {
     float sharp = metal::max(alpha_3.y, octagloss_ROW_SHARP);
     float azimuth = metal::atan2(metal::abs(tangent_1.y), metal::abs(tangent_1.x)) * 0.63661975;
-    metal::float4 places = metal::float4(metal::log2(1.0 + (5.0 * metal::sqrt(alpha_3.y))) * 0.3868528, metal::sqrt(cosine_2), 1.0 - metal::pow(metal::max(1.0 - azimuth, 0.0), 0.6666667), metal::log2(metal::max(alpha_3.x, sharp) / sharp) / -(metal::log2(metal::min(sharp, 0.999999))));
-    metal::float4 place_2 = metal::clamp(places, metal::float4 {}, metal::float4(1.0)) * metal::float4(15.0, 9.0, 7.0, 6.0);
-    float lower = metal::min(metal::floor(place_2.w), 5.0);
-    metal::float2 inside = metal::clamp(place_2.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
-    metal::float3 texel_2 = metal::float3(inside.x, inside.y + (10.0 * lower), place_2.z) + metal::float3(0.5);
+    metal::float4 places_1 = metal::float4(metal::log2(1.0 + (5.0 * metal::sqrt(alpha_3.y))) * 0.3868528, metal::sqrt(cosine_2), 1.0 - metal::pow(metal::max(1.0 - azimuth, 0.0), 0.6666667), metal::log2(metal::max(alpha_3.x, sharp) / sharp) / -(metal::log2(metal::min(sharp, 0.999999))));
+    metal::float4 place_3 = metal::clamp(places_1, metal::float4 {}, metal::float4(1.0)) * metal::float4(15.0, 9.0, 7.0, 6.0);
+    float lower = metal::min(metal::floor(place_3.w), 5.0);
+    metal::float2 inside = metal::clamp(place_3.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
+    metal::float3 texel_3 = metal::float3(inside.x, inside.y + (10.0 * lower), place_3.z) + metal::float3(0.5);
     metal::float3 size_1 = metal::float3(352.0, 70.0, 8.0);
-    return octagloss_RowPlace {texel_2 / size_1, place_2.w - lower};
+    return octagloss_RowPlace {texel_3 / size_1, place_3.w - lower};
 }
 
 metal::float4 octagloss_read_rows(
@@ -1008,15 +1041,13 @@ metal::float2 octagloss_row_albedo(
     float cosine_3,
     float along,
     metal::float2 more,
-    metal::texture2d<float, metal::access::sample> octagloss_tables,
-    metal::sampler octagloss_linear
+    metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
     metal::float2 squares_1 = alpha_4 * alpha_4;
     float mean_1 = metal::sqrt(0.5 * (squares_1.x + squares_1.y));
-    float seen = metal::sqrt(metal::mix(squares_1.y, squares_1.x, along));
-    metal::float4 _e18 = octagloss_reflection_node(octagloss_READS, metal::sqrt(metal::mix(seen, mean_1, cosine_3)), cosine_3, octagloss_tables, octagloss_linear);
-    metal::float2 round = _e18.zw;
-    return metal::max(round + more, metal::float2 {});
+    float seen_1 = metal::sqrt(metal::mix(squares_1.y, squares_1.x, along));
+    metal::float2 _e17 = octagloss_round_albedo(cosine_3, metal::sqrt(metal::mix(seen_1, mean_1, cosine_3)), octagloss_tables);
+    return metal::max(_e17 + more, metal::float2 {});
 }
 
 float octagloss_row_number(
@@ -1071,8 +1102,8 @@ metal::float2 octagloss_row_read(
     uint read,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps
 ) {
-    float place_3 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
-    float slope = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_3)) / row_1.steps.y;
+    float place_4 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
+    float slope = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_4)) / row_1.steps.y;
     float wider = (naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation);
     float growth = row_1.steps.w * slope;
     float width = ((wider * row_1.steps.z) * metal::sqrt(1.0 + (growth * growth))) * row_1.extent;
@@ -1105,7 +1136,7 @@ metal::float3 octagloss_reflect_in_row(
     type_20 pairs_2 = type_20 {};
     uint k_8 = 0u;
     type_24 aside = type_24 {{metal::float3(0.4620342, 0.54655075, -0.6984316), metal::float3(0.8966183, 0.38650447, 0.21607853), metal::float3(0.11814805, 0.3835753, 0.91592085), metal::float3(0.14011177, 0.8172301, -0.5590202)}};
-    metal::float4 texel = {};
+    metal::float4 texel_1 = {};
     uint pair_1 = 15u;
     uint k_9 = 0u;
     type_19 own_1 = {};
@@ -1118,9 +1149,9 @@ metal::float3 octagloss_reflect_in_row(
     octagloss_Row _e18 = octagloss_row_of(alpha_6, tangent_3, surface_3.cosine);
     metal::float3 axis_1 = (surface_3.towards * _e18.axis.x) + (across_3 * _e18.axis.y);
     metal::float4 _e32 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16, octagloss_linear, octagloss_rows);
-    metal::float2 _e34 = octagloss_row_albedo(alpha_6, surface_3.cosine, tangent_3.x * tangent_3.x, _e32.xy, octagloss_tables, octagloss_linear);
-    metal::float3 scaled = f0_4 * _e34.x;
-    float grazing = f90_4 * _e34.y;
+    metal::float2 _e34 = octagloss_row_albedo(alpha_6, surface_3.cosine, tangent_3.x * tangent_3.x, _e32.xy, octagloss_tables);
+    metal::float3 scaled_1 = f0_4 * _e34.x;
+    float grazing_1 = f90_4 * _e34.y;
     uint2 loop_bound_14 = uint2(4294967295u);
     bool loop_init_14 = true;
     while(true) {
@@ -1145,7 +1176,7 @@ metal::float3 octagloss_reflect_in_row(
             if (_e54 == 0u) {
                 metal::float3 _e57 = sum_6;
                 metal::float3 _e64 = octagloss_cosine_light(probe_15, n_2, octagloss_maps, octagloss_linear);
-                sum_6 = _e57 + (((scaled * _e49.z) + metal::float3(grazing * _e49.w)) * _e64);
+                sum_6 = _e57 + (((scaled_1 * _e49.z) + metal::float3(grazing_1 * _e49.w)) * _e64);
             } else {
                 mean = 0.5 * (_e49.xy + _e49.zw);
                 skew = (0.5 * _e18.skew) * (_e49.xy - _e49.zw);
@@ -1182,7 +1213,7 @@ metal::float3 octagloss_reflect_in_row(
                     metal::float3 direction_6 = (half_vector_2 * (2.0 * metal::dot(v_2, half_vector_2))) - v_2;
                     metal::float3 _e118 = sum_6;
                     metal::float3 _e126 = octagloss_between_levels(probe_15, direction_6, _e108.y, octagloss_maps, octagloss_linear);
-                    sum_6 = _e118 + (((scaled * weights_3.x) + metal::float3(grazing * weights_3.y)) * _e126);
+                    sum_6 = _e118 + (((scaled_1 * weights_3.x) + metal::float3(grazing_1 * weights_3.y)) * _e126);
                     float _e129 = in_mirror_1;
                     in_mirror_1 = _e129 + (metal::dot(_e34, weights_3) * metal::max(1.0 - _e108.y, 0.0));
                 }
@@ -1213,11 +1244,11 @@ metal::float3 octagloss_reflect_in_row(
     }
     metal::float3 _e160 = sum_6;
     type_20 _e161 = pairs_2;
-    metal::float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled, grazing, octagloss_lights);
+    metal::float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled_1, grazing_1, octagloss_lights);
     sum_6 = _e160 + _e162;
     metal::float3 mirrored = across_3 * (((tangent_3.x * tangent_3.y) < 0.0) ? -1.0 : 1.0);
     metal::float4 _e192 = pairs_2.inner[7];
-    texel = _e192;
+    texel_1 = _e192;
     uint2 loop_bound_17 = uint2(4294967295u);
     bool loop_init_17 = true;
     while(true) {
@@ -1269,10 +1300,10 @@ metal::float3 octagloss_reflect_in_row(
                     if (naga_mod(_e236, 2u) == 0u) {
                         uint _e242 = pair_1;
                         metal::float4 _e246 = octagloss_row_node(9u + naga_div(_e242, 2u), _e16, octagloss_linear, octagloss_rows);
-                        texel = _e246;
+                        texel_1 = _e246;
                     }
-                    metal::float4 _e247 = texel;
-                    metal::float4 _e249 = texel;
+                    metal::float4 _e247 = texel_1;
+                    metal::float4 _e249 = texel_1;
                     uint _e251 = pair_1;
                     metal::float2 weights_4 = (naga_mod(_e251, 2u) == 0u) ? _e249.xy : _e247.zw;
                     metal::float3 _e257 = sum_6;
@@ -1280,7 +1311,7 @@ metal::float3 octagloss_reflect_in_row(
                     metal::float3 _e266 = own_1.inner[_e264];
                     uint _e267 = order_3;
                     metal::float3 _e269 = other.inner[_e267];
-                    sum_6 = _e257 + (((scaled * weights_4.x) + metal::float3(grazing * weights_4.y)) * (_e266 - _e269));
+                    sum_6 = _e257 + (((scaled_1 * weights_4.x) + metal::float3(grazing_1 * weights_4.y)) * (_e266 - _e269));
                     uint _e274 = pair_1;
                     pair_1 = _e274 + 1u;
                 }
@@ -1291,10 +1322,10 @@ metal::float3 octagloss_reflect_in_row(
     float _e288 = octagloss_lights.inner[probe_15].unscale;
     sum_6 = metal::max(_e282, metal::float3 {}) * _e288;
     float _e290 = in_mirror_1;
-    float share_2 = metal::max(1.0 - (_e290 / (_e34.x + _e34.y)), 0.0);
+    float share_3 = metal::max(1.0 - (_e290 / (_e34.x + _e34.y)), 0.0);
     metal::float3 _e299 = sum_6;
     metal::float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_3, alpha_6, f0_4, f90_4, octagloss_lights, octagloss_maps);
-    return _e299 + (share_2 * _e300);
+    return _e299 + (share_3 * _e300);
 }
 
 metal::float3 octagloss_reflect_of(
@@ -1340,8 +1371,8 @@ metal::float3 octagloss_reflect_of(
     if (_e37 == 1.0) {
         return sum_7;
     }
-    float round_1 = metal::sqrt(metal::sqrt(_e36.x * _e36.y));
-    metal::float3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round_1, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    float round = metal::sqrt(metal::sqrt(_e36.x * _e36.y));
+    metal::float3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
     return sum_7 + ((1.0 - _e37) * _e51);
 }
 
@@ -1367,10 +1398,9 @@ metal::float2 octagloss_faded_albedo(
     metal::float2 alpha_7,
     float cosine_5,
     metal::float2 own_2,
-    metal::texture2d<float, metal::access::sample> octagloss_tables,
-    metal::sampler octagloss_linear
+    metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
-    metal::float2 _e8 = octagloss_round_albedo(cosine_5, metal::sqrt(metal::sqrt(alpha_7.x * alpha_7.y)), octagloss_tables, octagloss_linear);
+    metal::float2 _e8 = octagloss_round_albedo(cosine_5, metal::sqrt(metal::sqrt(alpha_7.x * alpha_7.y)), octagloss_tables);
     float _e9 = octagloss_row_share(alpha_7);
     return metal::mix(_e8, own_2, _e9);
 }
@@ -1384,16 +1414,16 @@ metal::float2 octagloss_albedo(
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
     if (anisotropy_3 <= 0.0) {
-        metal::float2 _e5 = octagloss_round_albedo(cosine_6, roughness_9, octagloss_tables, octagloss_linear);
+        metal::float2 _e5 = octagloss_round_albedo(cosine_6, roughness_9, octagloss_tables);
         return _e5;
     }
     metal::float2 _e8 = octagloss_row_alphas(roughness_9, metal::min(anisotropy_3, 1.0));
-    float seen_1 = metal::clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
-    octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_1, metal::float2(1.0, 0.0));
+    float seen_2 = metal::clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
+    octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_2, metal::float2(1.0, 0.0));
     metal::float4 _e17 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16, octagloss_linear, octagloss_rows);
     metal::float2 more_1 = _e17.zw;
-    metal::float2 _e20 = octagloss_row_albedo(_e8, seen_1, 0.5, more_1, octagloss_tables, octagloss_linear);
-    metal::float2 _e21 = octagloss_faded_albedo(_e8, seen_1, _e20, octagloss_tables, octagloss_linear);
+    metal::float2 _e20 = octagloss_row_albedo(_e8, seen_2, 0.5, more_1, octagloss_tables);
+    metal::float2 _e21 = octagloss_faded_albedo(_e8, seen_2, _e20, octagloss_tables);
     return _e21;
 }
 
@@ -1407,16 +1437,16 @@ metal::float2 octagloss_albedo_along(
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
     if (anisotropy_4 <= 0.0) {
-        metal::float2 _e6 = octagloss_round_albedo(cosine_7, roughness_10, octagloss_tables, octagloss_linear);
+        metal::float2 _e6 = octagloss_round_albedo(cosine_7, roughness_10, octagloss_tables);
         return _e6;
     }
     metal::float2 _e9 = octagloss_row_alphas(roughness_10, metal::min(anisotropy_4, 1.0));
-    float seen_2 = metal::clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
-    float x_3 = metal::min(metal::abs(along_1) / metal::max(metal::sqrt(1.0 - (seen_2 * seen_2)), 0.0001), 1.0);
-    octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_2, metal::float2(x_3, metal::sqrt(1.0 - (x_3 * x_3))));
+    float seen_3 = metal::clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
+    float x_3 = metal::min(metal::abs(along_1) / metal::max(metal::sqrt(1.0 - (seen_3 * seen_3)), 0.0001), 1.0);
+    octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_3, metal::float2(x_3, metal::sqrt(1.0 - (x_3 * x_3))));
     metal::float4 _e30 = octagloss_row_node(octagloss_ROW_ALBEDO, _e29, octagloss_linear, octagloss_rows);
     metal::float2 more_2 = _e30.xy;
-    metal::float2 _e33 = octagloss_row_albedo(_e9, seen_2, x_3 * x_3, more_2, octagloss_tables, octagloss_linear);
-    metal::float2 _e34 = octagloss_faded_albedo(_e9, seen_2, _e33, octagloss_tables, octagloss_linear);
+    metal::float2 _e33 = octagloss_row_albedo(_e9, seen_3, x_3 * x_3, more_2, octagloss_tables);
+    metal::float2 _e34 = octagloss_faded_albedo(_e9, seen_3, _e33, octagloss_tables);
     return _e34;
 }

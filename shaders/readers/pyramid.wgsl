@@ -202,15 +202,40 @@ fn octagloss_irradiance_of(probe: u32, normal: vec3<f32>) -> vec3<f32> {
 }
 
 const octagloss_READS = 9u;
+// Texels of a node.
+const octagloss_LAYERS = 18u;
 const octagloss_NODES = vec2<f32>(46.0, 26.0);
 const octagloss_LEAST_COSINE = 0.01f;
 
+// The table of src/pyramid/albedo.rs, and the dip that it leaves out.
+const octagloss_ALBEDO_NODES = vec2<f32>(91.0, 75.0);
+const octagloss_DIP = vec4<f32>(0.222, 0.634, 0.098, 0.3126);
+const octagloss_LEAST_ALPHA = 1e-6f;
+
 // A layer of the table of src/pyramid/reads.rs at `roughness` and n.v of `cosine`.
 fn octagloss_reflection_node(layer: u32, roughness: f32, cosine: f32) -> vec4<f32> {
-    // 1 / log2(11).
-    let place = vec2<f32>(log2(1.0 + 10.0 * roughness) * 0.289064826, sqrt(cosine));
+    // 1 / log2(11). The fourth root of 1 less the sine, without cancellation.
+    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    let place = vec2<f32>(log2(1.0 + 10.0 * roughness) * 0.289064826, sqrt(cosine * inverseSqrt(1.0 + sine)));
     let at = (place * (octagloss_NODES - 1.0) + 0.5) / octagloss_NODES;
     return octagloss_read_reflections(layer, at);
+}
+
+// What an isotropic surface reflects of a white world, scale and bias of f0; `cosine` is n.v: `albedo_at` of
+// src/pyramid/albedo.rs.
+fn octagloss_round_albedo(cosine: f32, roughness: f32) -> vec2<f32> {
+    let seen = clamp(cosine, 1e-4, 1.0);
+    // 1 / log2(31).
+    let places = vec2<f32>(log2(1.0 + 30.0 * roughness) * 0.201848706, (sqrt(sqrt(seen)) - 0.1) / 0.9);
+    let place = clamp(places, vec2<f32>(), vec2<f32>(1.0)) * (octagloss_ALBEDO_NODES - 1.0);
+    let node = min(floor(place), octagloss_ALBEDO_NODES - 2.0);
+    let share = place - node;
+    let first = u32(node.x + octagloss_ALBEDO_NODES.x * node.y);
+    // Texels have a node and its neighbour over roughness.
+    let pair = mix(octagloss_read_albedo(first), octagloss_read_albedo(first + u32(octagloss_ALBEDO_NODES.x)), share.y);
+    let t = seen / max(roughness * roughness, octagloss_LEAST_ALPHA);
+    let left = 1.0 - octagloss_DIP.x * t / (1.0 + t * (octagloss_DIP.y + t * (octagloss_DIP.z + t * octagloss_DIP.w)));
+    return left * mix(pair.xy, pair.zw, share.x);
 }
 
 // A surface that is looked at, in the map's space.
@@ -335,6 +360,12 @@ fn octagloss_suns_reflected(
     return sum;
 }
 
+// What weights that sum to `sums` are multiplied by, to sum to `albedo`.
+fn octagloss_albedo_share(albedo: vec2<f32>, sums: vec2<f32>) -> vec2<f32> {
+    // Where nothing is reflected, shares mean nothing.
+    return (albedo + 1e-4) / (max(sums, vec2<f32>()) + 1e-4);
+}
+
 // Radiance reflected without a tangent.
 fn octagloss_reflected_isotropic(
     probe: u32,
@@ -348,6 +379,10 @@ fn octagloss_reflected_isotropic(
     // Offsets of reads have the length of its sine, so that nothing turns there.
     let along = surface.towards * surface.sine;
     let v = along + n * cosine;
+    let rest = octagloss_reflection_node(octagloss_READS, roughness, cosine);
+    let shares = octagloss_albedo_share(octagloss_round_albedo(cosine, roughness), rest.zw);
+    let scaled = f0 * shares.x;
+    let grazing = f90 * shares.y;
     var sum = vec3<f32>();
     var in_mirror = 0.0;
     for (var k = 0u; k < octagloss_READS; k++) {
@@ -355,16 +390,15 @@ fn octagloss_reflected_isotropic(
         let read = octagloss_reflection_node(k, roughness, cosine);
         let half_vector = normalize(n + read.x * along);
         let direction = half_vector * (2.0 * dot(v, half_vector)) - v;
-        sum += (f0 * read.z + f90 * read.w) * octagloss_between_levels(probe, direction, read.y);
+        sum += (scaled * read.z + grazing * read.w) * octagloss_between_levels(probe, direction, read.y);
         in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
     }
-    let rest = octagloss_reflection_node(octagloss_READS, roughness, cosine);
-    sum += (f0 * rest.x + f90 * rest.y) * octagloss_cosine_light(probe, n);
+    sum += (scaled * rest.x + grazing * rest.y) * octagloss_cosine_light(probe, n);
     var pairs = array<vec4<f32>, 8>();
     for (var k = 0u; k < 8u; k++) {
         pairs[k] = octagloss_reflection_node(octagloss_READS + 1u + k, roughness, cosine);
     }
-    sum += octagloss_harmonics_reflected(probe, surface, pairs, f0, f90);
+    sum += octagloss_harmonics_reflected(probe, surface, pairs, scaled, grazing);
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
     let share = max(1.0 - in_mirror / (rest.z + rest.w), 0.0);
     let alpha = vec2<f32>(roughness * roughness);
@@ -397,11 +431,6 @@ fn octagloss_reflect_isotropic(
     f90: f32,
 ) -> vec3<f32> {
     return octagloss_reflected_isotropic(0u, octagloss_surface_of(0u, normal, view), roughness, f0, f90);
-}
-
-// What an isotropic surface reflects of a white world, scale and bias of f0; `cosine` is n.v.
-fn octagloss_round_albedo(cosine: f32, roughness: f32) -> vec2<f32> {
-    return octagloss_reflection_node(octagloss_READS, roughness, clamp(cosine, octagloss_LEAST_COSINE, 1.0)).zw;
 }
 
 const octagloss_ROW_NODES = vec4<f32>(16.0, 10.0, 8.0, 7.0);
@@ -466,7 +495,7 @@ fn octagloss_row_albedo(alpha: vec2<f32>, cosine: f32, along: f32, more: vec2<f3
     let squares = alpha * alpha;
     let mean = sqrt(0.5 * (squares.x + squares.y));
     let seen = sqrt(mix(squares.y, squares.x, along));
-    let round = octagloss_reflection_node(octagloss_READS, sqrt(mix(seen, mean, cosine)), cosine).zw;
+    let round = octagloss_round_albedo(cosine, sqrt(mix(seen, mean, cosine)));
     return max(round + more, vec2<f32>());
 }
 
@@ -729,8 +758,9 @@ const octagloss_MIRROR = 1i;
 const octagloss_SHARP = 2i;
 
 // Texels of the tables: layers of nodes side by side, each with a column on either side and a row below that
-// repeat its edges, and four rows of weights. Samplers may round to a share of a texel.
-const octagloss_TABLES = vec2<f32>(864.0, 31.0);
+// repeat its edges; four rows of weights; and the albedo, row after row. Samplers may round to a share of a
+// texel.
+const octagloss_TABLES = vec2<f32>(864.0, 39.0);
 
 fn octagloss_map_inner() -> f32 {
     return f32(textureDimensions(octagloss_maps).x) * (16.0 / 17.0);
@@ -769,6 +799,12 @@ fn octagloss_read_cosine(probe: u32, at: vec2<f32>) -> vec3<f32> {
 fn octagloss_read_reflections(layer: u32, at: vec2<f32>) -> vec4<f32> {
     let corner = vec2<f32>(1.0 + f32(layer) * (octagloss_NODES.x + 2.0), 0.0);
     return textureSampleLevel(octagloss_tables, octagloss_linear, (at * octagloss_NODES + corner) / octagloss_TABLES, 0.0);
+}
+
+// A texel of the table of src/pyramid/albedo.rs.
+fn octagloss_read_albedo(texel: u32) -> vec4<f32> {
+    let width = u32(octagloss_TABLES.x);
+    return textureLoad(octagloss_tables, vec2<u32>(texel % width, 31u + texel / width), 0);
 }
 
 // The table of src/pyramid/anisotropic.rs, between texels.

@@ -14,6 +14,21 @@ fn radiance(direction: vec3<f32>, roughness: f32, pixel: vec2<f32>) -> vec3<f32>
     return octagloss_radiance(direction, roughness);
 }
 
+// Errors are those of what a surface reflects, without its coat and light that is scattered again.
+fn judged(found: Sample, pixel: vec2<f32>) -> vec3<f32> {
+    if found.surface == 0.0 {
+        return radiance(frame.source_from_world * found.direction, found.roughness, pixel);
+    }
+    return octagloss_reflect(
+        frame.source_from_world * found.normal,
+        frame.source_from_world * found.view,
+        frame.source_from_world * found.finish.tangent,
+        found.roughness,
+        found.finish.anisotropy,
+        found.f0,
+        1.0);
+}
+
 fn shaded(found: Sample, diffuse: vec3<f32>, pixel: vec2<f32>) -> vec3<f32> {
     if found.surface == 0.0 {
         return radiance(frame.source_from_world * found.direction, found.roughness, pixel) * found.factor;
@@ -22,7 +37,8 @@ fn shaded(found: Sample, diffuse: vec3<f32>, pixel: vec2<f32>) -> vec3<f32> {
     let view = frame.source_from_world * found.view;
     let tangent = frame.source_from_world * found.finish.tangent;
     let anisotropy = found.finish.anisotropy;
-    let cosine = dot(normal, view);
+    // Reflections are those of views turned up to this.
+    let cosine = max(dot(normal, view), LEAST_COSINE);
     let albedo = octagloss_albedo(cosine, found.roughness, anisotropy);
     // Multiple scattering as in surface_sample.
     let again = 1.0 + found.f0 * (1.0 / (albedo.x + albedo.y) - 1.0);

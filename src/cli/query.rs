@@ -10,7 +10,7 @@ use super::values::EngineArg;
 use crate::analysis::oracle::Oracle;
 use crate::analysis::oracle::reflection::reflection;
 use crate::bake::query::Query;
-use crate::cpu::reflection::ReflectedLight;
+use crate::cpu::reflection::{LEAST_ROUGHNESS, ReflectedLight};
 use crate::environment::Rgb;
 use crate::filter::{Answer, Bound, Filter};
 use crate::io::npy;
@@ -168,15 +168,13 @@ fn reflected(
         Filter::Adaptive(error) => {
             let environment = source.open(&args.input, console)?.environment;
             let light = ReflectedLight::new(&environment);
-            let reflect = |asked: &AskedFrame| light.reflect(&asked.frame, roughness, anisotropy, f0, error);
+            let reflect =
+                |asked: &AskedFrame| light.reflect(&asked.frame, roughness, anisotropy, [f0; 3], error);
             Ok(frames.asked.par_iter().map(reflect).collect())
         }
         Filter::Box => usage("--frames has no --filter box; use adaptive:E, pyramid or reference"),
     }
 }
-
-/// Least roughness that the reference reflects: lobes are two hundredths of a degree wide.
-const LEAST_ROUGHNESS: f64 = 0.01;
 
 /// Form of an output file.
 #[derive(Clone, Copy)]

@@ -26,11 +26,12 @@ use crate::filter::{Answer, Bound};
 use crate::frame::Frame;
 use crate::geometry::exact::patch::{Patch, Sample, finest_rule};
 use crate::geometry::exact::{ExactTexels, cube_texel, for_each_octahedral_piece, panorama_texel};
-use crate::lobe::reflectance;
+use crate::pyramid::albedo::albedo_at;
 use crate::pyramid::brdf::alphas;
 use crate::reflector::source_oem_size;
 use crate::sphere::octahedral::oct_from_direction;
 use glam::{DMat3, DVec3};
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 /// Most cells along an edge of the finest level.
@@ -42,6 +43,9 @@ const SHARE: f64 = 0.03;
 
 /// Levels of splitting within a texel, at most.
 const DEPTH: u32 = 20;
+
+/// Least roughness that is reflected: lobes are two hundredths of a degree wide.
+pub(crate) const LEAST_ROUGHNESS: f64 = 0.01;
 
 /// Rounding of sums in double precision, and of the answer to single precision.
 const ROUNDING: f64 = 2e-7;
@@ -93,7 +97,7 @@ impl Light {
 /// The light of an environment as a quadtree over its octahedral square, down to texels.
 #[derive(Debug)]
 pub struct ReflectedLight<'a> {
-    environment: &'a Environment,
+    environment: Cow<'a, Environment>,
     texels: ExactTexels,
     /// Levels from the root to the finest.
     levels: Vec<Vec<Light>>,
@@ -108,8 +112,19 @@ impl<'a> ReflectedLight<'a> {
     /// The light of `environment`.
     #[must_use]
     pub fn new(environment: &'a Environment) -> Self {
+        Self::over(Cow::Borrowed(environment))
+    }
+
+    /// The light of `environment`, which it keeps.
+    #[cfg(feature = "view")]
+    pub(crate) fn owning(environment: Environment) -> ReflectedLight<'static> {
+        ReflectedLight::over(Cow::Owned(environment))
+    }
+
+    fn over(environment: Cow<'a, Environment>) -> Self {
         let (layout, texels) = (environment.layout(), ExactTexels::new(environment.layout()));
         let width = source_oem_size(layout).next_power_of_two().clamp(2, MAX_WIDTH);
+        let count = layout.texel_count();
         let mut light = Self {
             environment,
             texels,
@@ -118,8 +133,8 @@ impl<'a> ReflectedLight<'a> {
             members: Vec::new(),
             means: [0.0; 3],
         };
-        let lit: Vec<(u32, u32)> = (0..layout.texel_count())
-            .filter(|index| environment.texels()[*index] != [0.0; 3])
+        let lit: Vec<(u32, u32)> = (0..count)
+            .filter(|index| light.environment.texels()[*index] != [0.0; 3])
             .map(|index| (cell_of(light.texel(index).mean[0], width), index as u32))
             .collect();
         for (cell, _) in &lit {
@@ -181,11 +196,18 @@ impl<'a> ReflectedLight<'a> {
         Light::uniform(back * texel.centre, texel.radius, self.environment.texels()[index], moments)
     }
 
-    /// Radiance that a surface of `roughness` in (0, 1], `anisotropy` in [0, 1] and reflectance `f0` (1 at
-    /// grazing incidence) reflects to the viewer of `frame` (in the world), to a relRMSE of `error`. A frame
-    /// without a tangent reflects isotropically.
+    /// Radiance that a surface of `roughness` from [`LEAST_ROUGHNESS`] to 1, `anisotropy` in [0, 1] and reflectance `f0` of each
+    /// channel (1 at grazing incidence) reflects to the viewer of `frame` (in the world), to a relRMSE of
+    /// `error`. A frame without a tangent reflects isotropically.
     #[must_use]
-    pub fn reflect(&self, frame: &Frame, roughness: f64, anisotropy: f64, f0: f64, error: f64) -> Answer {
+    pub fn reflect(
+        &self,
+        frame: &Frame,
+        roughness: f64,
+        anisotropy: f64,
+        f0: [f64; 3],
+        error: f64,
+    ) -> Answer {
         let anisotropy = if frame.has_tangent { anisotropy } else { 0.0 };
         let lobe = Lobe::new(
             self.environment.source_from_world() * frame.axes,
@@ -194,10 +216,9 @@ impl<'a> ReflectedLight<'a> {
             anisotropy,
             f0,
         );
-        let [scale, bias] = reflectance::ggx_albedo(frame.view.z, roughness);
-        let tolerance = SHARE * error * (f0 * scale + bias).max(1e-3);
-        let mut sum =
-            Sum { limits: self.means.map(|mean| tolerance * mean), light: [0.0; 3], error: [0.0; 3] };
+        let [scale, bias] = albedo_at(roughness as f32, frame.view.z as f32).map(f64::from);
+        let limit = |c: usize| SHARE * error * (f0[c] * scale + bias).max(1e-3) * self.means[c];
+        let mut sum = Sum { limits: [0, 1, 2].map(limit), light: [0.0; 3], error: [0.0; 3] };
         self.add_cell(&lobe, 0, 0, &mut sum);
         let radiance = sum.light.map(|light| light as f32);
         let channels: Rgb =
@@ -292,8 +313,8 @@ impl Sum {
         if light.energy == [0.0; 3] {
             return true;
         }
-        let Some(range) = lobe.range(light.centre, light.radius) else { return true };
-        let bounds = bounds(&range, light);
+        let Some(ranges) = lobe.ranges(light.centre, light.radius) else { return true };
+        let bounds = bounds(&ranges, light);
         // NaN is none.
         if !(0..3).all(|c| bounds[c] <= self.limits[c]) {
             return false;
@@ -304,15 +325,15 @@ impl Sum {
 
     /// Adds `light`, whatever its bounds.
     fn add(&mut self, lobe: &Lobe, light: &Light) {
-        if let Some(range) = lobe.range(light.centre, light.radius) {
-            self.add_bounded(lobe, light, bounds(&range, light));
+        if let Some(ranges) = lobe.ranges(light.centre, light.radius) {
+            self.add_bounded(lobe, light, bounds(&ranges, light));
         }
     }
 
     fn add_bounded(&mut self, lobe: &Lobe, light: &Light, bounds: [f64; 3]) {
         for c in 0..3 {
             if light.energy[c] > 0.0 {
-                self.light[c] += light.energy[c] * lobe.at(light.mean[c]);
+                self.light[c] += light.energy[c] * lobe.at(light.mean[c], c);
                 self.error[c] += bounds[c];
             }
         }
@@ -320,8 +341,9 @@ impl Sum {
 }
 
 /// Bounds of the error of the value at the centroid of `light`, for each channel.
-fn bounds(range: &Range, light: &Light) -> [f64; 3] {
+fn bounds(ranges: &[Range; 3], light: &Light) -> [f64; 3] {
     std::array::from_fn(|c| {
+        let range = &ranges[c];
         // Of infinite derivatives only the values count; NaN is infinite times 0.
         let by_bend = 0.5 * range.bend * light.spread[c];
         let by_values = range.high - range.low;
@@ -336,7 +358,8 @@ struct Lobe {
     normal: DVec3,
     view: DVec3,
     alpha: [f64; 2],
-    f0: f64,
+    /// Of each channel.
+    f0: [f64; 3],
     /// n.v, and |v|_G.
     cosine: f64,
     masking: f64,
@@ -345,7 +368,7 @@ struct Lobe {
 }
 
 impl Lobe {
-    fn new(axes: DMat3, view: DVec3, roughness: f64, anisotropy: f64, f0: f64) -> Self {
+    fn new(axes: DMat3, view: DVec3, roughness: f64, anisotropy: f64, f0: [f64; 3]) -> Self {
         let alpha = alphas(roughness, anisotropy).to_array();
         let DMat3 { x_axis: tangent, y_axis: bitangent, z_axis: normal } = axes;
         Self {
@@ -373,8 +396,8 @@ impl Lobe {
         DVec3::new(along * l.dot(self.tangent), across * l.dot(self.bitangent), l.dot(self.normal)).length()
     }
 
-    /// f at `light`, a unit vector or a mean of some.
-    fn at(&self, light: DVec3) -> f64 {
+    /// f of `channel` at `light`, a unit vector or a mean of some.
+    fn at(&self, light: DVec3, channel: usize) -> f64 {
         let towards = light.dot(self.normal);
         if towards <= 0.0 {
             return 0.0;
@@ -383,11 +406,11 @@ impl Lobe {
         let bend = self.slope_norm(light + self.view).powi(2);
         let masked = towards / (towards * self.masking + self.cosine * self.masking_norm(light));
         let grazing = (1.0 - (0.5 * half).sqrt()).max(0.0).powi(5);
-        self.factor * (half / bend).powi(2) * masked * (self.f0 + (1.0 - self.f0) * grazing)
+        self.factor * (half / bend).powi(2) * masked * (self.f0[channel] + (1.0 - self.f0[channel]) * grazing)
     }
 
-    /// The range of f over a ball; `None` if all of it is below the horizon.
-    fn range(&self, centre: DVec3, radius: f64) -> Option<Range> {
+    /// The range of f over a ball, of each channel; `None` if all of it is below the horizon.
+    fn ranges(&self, centre: DVec3, radius: f64) -> Option<[Range; 3]> {
         let height = centre.dot(self.normal);
         if height + radius <= 0.0 {
             return None;
@@ -407,8 +430,16 @@ impl Lobe {
             Range { low: 0.0, high, slope: f64::INFINITY, bend: f64::INFINITY }
         };
         let grazing = half.scaled(0.5).root().complement();
-        let fresnel = grazing.squared().squared().times(grazing).scaled(1.0 - self.f0);
-        let fresnel = Range { low: fresnel.low + self.f0, high: fresnel.high + self.f0, ..fresnel };
-        Some(distribution.times(masked).times(fresnel).scaled(self.factor))
+        let grazing = grazing.squared().squared().times(grazing);
+        let unreflected = distribution.times(masked).scaled(self.factor);
+        let channel = |f0: f64| {
+            let fresnel = grazing.scaled(1.0 - f0);
+            unreflected.times(Range { low: fresnel.low + f0, high: fresnel.high + f0, ..fresnel })
+        };
+        let [red, green, blue] = self.f0;
+        if red == green && green == blue {
+            return Some([channel(red); 3]);
+        }
+        Some(self.f0.map(channel))
     }
 }

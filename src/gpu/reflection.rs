@@ -5,7 +5,7 @@ use super::device::resources::{SAMPLER, UNIFORM, group, group_layout, texture_bi
 use super::device::shader;
 use super::pyramid::{PyramidMaps, RESOURCES};
 use crate::pyramid::reads::{LAYERS, NODES, table};
-use crate::pyramid::{Octaves, anisotropic};
+use crate::pyramid::{Octaves, albedo, anisotropic};
 use half::f16;
 
 /// Surfaces that shaders ask for. The table of anisotropic ones takes seconds to fit.
@@ -17,12 +17,15 @@ pub enum Surfaces {
     Any,
 }
 
-/// The table as a texture: a layer for each texel of a node.
+/// The tables as a texture: a layer for each texel of a node, then the albedo, row after row.
 fn texture(context: &Context, octaves: Octaves) -> wgpu::Texture {
     let [width, height] = NODES.map(|nodes| nodes as u32);
     let nodes = table(octaves);
-    let texels: Vec<_> = (0..LAYERS).flat_map(|layer| nodes.iter().map(move |node| node[layer])).collect();
-    filled(context, wgpu::TextureDimension::D2, [width, height, LAYERS as u32], &texels)
+    let reads = (0..LAYERS).flat_map(|layer| nodes.iter().map(move |node| node[layer]));
+    let mut texels: Vec<_> = reads.chain(albedo::texels()).collect();
+    let depth = texels.len().div_ceil(nodes.len());
+    texels.resize(depth * nodes.len(), [0.0; 4]);
+    filled(context, wgpu::TextureDimension::D2, [width, height, depth as u32], &texels)
 }
 
 /// The anisotropic table; a black texel if nothing is to be read there.

@@ -7,7 +7,7 @@
 //!
 //! The tables, the same for all environments of one size, are half floats: the layers of the table of
 //! reflections stand side by side, with a column on either side and a row below that repeat their edges, for
-//! samplers that round; then come four rows with the weights of radiance.
+//! samplers that round; then come four rows with the weights of radiance, then the albedo, row after row.
 //!
 //! Reflections along a tangent have a table of their own, of three dimensions.
 
@@ -21,7 +21,7 @@ use crate::format::{Pixel, push_halves};
 use crate::pyramid::fit::{self, WEIGHTS};
 use crate::pyramid::levels::Map;
 use crate::pyramid::reads::{LAYERS, NODES, table};
-use crate::pyramid::{BakedPyramid, COARSEST, Octaves, anisotropic};
+use crate::pyramid::{BakedPyramid, COARSEST, Octaves, albedo, anisotropic};
 use ktx2::Format;
 
 /// Key of the light in the maps' metadata, and a version that changes with the layout of the files.
@@ -105,8 +105,12 @@ pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
     let ([across, rows], side) = (NODES, NODES[0] + 2);
     let (nodes, weights) = (table(octaves), fit::table(octaves));
     let width = side * LAYERS;
-    let mut texels = vec![[0.0; 4]; width * (rows + 1 + WEIGHT_ROWS)];
-    let (reflections, radiance) = texels.split_at_mut(width * (rows + 1));
+    let albedo = albedo::texels();
+    let height = rows + 1 + WEIGHT_ROWS + albedo.len().div_ceil(width);
+    let mut texels = vec![[0.0; 4]; width * height];
+    let (reflections, rest) = texels.split_at_mut(width * (rows + 1));
+    let (radiance, white) = rest.split_at_mut(width * WEIGHT_ROWS);
+    white[..albedo.len()].copy_from_slice(&albedo);
     for (k, texel) in reflections.iter_mut().enumerate() {
         let (x, y) = (k % width, k / width);
         let column = (x % side).clamp(1, across) - 1;
@@ -122,7 +126,7 @@ pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
     let shape = TextureShape {
         format: Format::R16G16B16A16_SFLOAT,
         width: width as u32,
-        height: (rows + 1 + WEIGHT_ROWS) as u32,
+        height: height as u32,
         depth: 0,
         layers: 0,
         faces: 1,

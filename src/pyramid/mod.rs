@@ -13,6 +13,7 @@
 //! the texels halve, down to s = .35 at 32 x 32. The weights are a table over roughness ([`fit`]). CPU and
 //! GPU build the levels by the same algorithm ([`levels`]), `shaders/pyramid/`.
 
+pub mod albedo;
 pub mod anisotropic;
 mod baked;
 pub mod brdf;

@@ -27,12 +27,15 @@ pub const HARMONICS: usize = 15;
 
 /// Texels of a node: the reads' slope, level and two weights; two weights of the cosine, and the albedo; two
 /// weights of every harmonic.
-pub const LAYERS: usize = READS + 1 + HARMONICS.div_ceil(2);
+pub const LAYERS: usize = 18;
+
+const _: () = assert!(LAYERS == READS + 1 + HARMONICS.div_ceil(2), "pairs of harmonics");
 
 /// A node of the table. First weights are for f0, second for f90.
 pub type Node = [[f32; 4]; LAYERS];
 
-/// Nodes over roughness, evenly in log(1 + 10 r), and over n.v, evenly in its root.
+/// Nodes over roughness, evenly in log(1 + 10 r), and over n.v, evenly in the fourth root of 1 less the sine
+/// of the view's angle: dense at grazing views, and even in that angle around the normal.
 pub const NODES: [usize; 2] = [46, 26];
 
 /// Functions of the fit: reads, cosine, harmonics.
@@ -93,14 +96,22 @@ fn roughness_of(node: usize) -> f64 {
 
 /// n.v of a node.
 fn cosine_of(node: usize) -> f64 {
-    (node as f64 / (NODES[1] - 1) as f64).powi(2).max(LEAST_COSINE)
+    let sine = 1.0 - (node as f64 / (NODES[1] - 1) as f64).powi(4);
+    (1.0 - sine * sine).sqrt().max(LEAST_COSINE)
+}
+
+/// The place of n.v between the first node and the last.
+fn view_place(cosine: f32) -> f32 {
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    // 1 less the sine without cancellation.
+    (cosine / (1.0 + sine).sqrt()).sqrt()
 }
 
 /// The node at `roughness` in [0, 1] and n.v of `cosine`, between those of [`table`].
 #[must_use]
 pub fn node_at(octaves: Octaves, roughness: f32, cosine: f32) -> Node {
     let table = table(octaves);
-    let places = [(1.0 + 10.0 * roughness).log2() / 11_f32.log2(), cosine.sqrt()];
+    let places = [(1.0 + 10.0 * roughness).log2() / 11_f32.log2(), view_place(cosine)];
     let [(x, right), (y, up)] = [0, 1].map(|axis| {
         let place = places[axis] * (NODES[axis] - 1) as f32;
         let node = (place as usize).min(NODES[axis] - 2);

@@ -1,6 +1,7 @@
 //! Looks reflections of the true BRDF up: [`Pyramid::reflect`].
 
 use super::Pyramid;
+use super::albedo::albedo_at;
 use super::anisotropic::{self, ALBEDO, ASIDE, MIDDLE, Row, aside};
 use super::brdf::{Brdf, alphas};
 use super::fit::smooth;
@@ -39,6 +40,14 @@ fn mean_roughness(alpha: DVec2) -> f32 {
     (alpha.x * alpha.y).powf(0.25) as f32
 }
 
+/// Scale and bias of f0 for `alpha` along the tangent and across it, which exceed those of the lobe of
+/// [`anisotropic::round_roughness`] by `more`.
+fn beside_round(alpha: DVec2, cosine: f64, along: f64, more: [f32; 2]) -> [f32; 2] {
+    let roughness = anisotropic::round_roughness(alpha, cosine, along);
+    let [a, b] = albedo_at(roughness as f32, cosine as f32);
+    [(a + more[0]).max(0.0), (b + more[1]).max(0.0)]
+}
+
 impl Pyramid {
     /// Radiance that a surface of `roughness` and `anisotropy` in [0, 1] reflects to the viewer of `frame`
     /// (in the map's space).
@@ -62,8 +71,14 @@ impl Pyramid {
     }
 
     fn isotropic(&self, frame: &Frame, roughness: f32, f0: Vec3A, f90: f32) -> Vec3A {
-        let coloured = |[a, b]: [f32; 2]| f0 * a + f90 * b;
         let node = node_at(self.octaves, roughness, frame.view.z as f32);
+        let albedo = albedo_at(roughness, frame.view.z as f32);
+        // Weights sum to the albedo at nodes and near it between them. Where nothing is reflected, shares
+        // mean nothing.
+        let [scale, bias] = [0, 1].map(|k| (albedo[k] + 1e-4) / (node[READS][2 + k].max(0.0) + 1e-4));
+        let sunlit = (f0, f90);
+        let (f0, f90) = (f0 * scale, f90 * bias);
+        let coloured = |[a, b]: [f32; 2]| f0 * a + f90 * b;
         let (view, normal) = (frame.axes * frame.view, frame.axes.z_axis);
         let along = frame.axes * frame.view.with_z(0.0);
         let mut sum = Vec3A::ZERO;
@@ -80,7 +95,8 @@ impl Pyramid {
         let sum = self.unscaled(sum.max(Vec3A::ZERO));
         let [.., a, b] = node[READS];
         let alpha = DVec2::splat(f64::from(roughness).powi(2));
-        sum + (1.0 - in_mirror / (a + b)).max(0.0) * self.suns_reflected(frame, alpha, f0, f90)
+        let share = (1.0 - in_mirror / (a + b)).max(0.0);
+        sum + share * self.suns_reflected(frame, alpha, sunlit.0, sunlit.1)
     }
 
     /// With `alpha` along the tangent and across it.
@@ -93,7 +109,7 @@ impl Pyramid {
         // From axes of the plane of incidence to those of the tangent.
         let axis = level_view * row.axis.x + level_view.perp() * row.axis.y;
         let [scale, bias] =
-            self.albedo_at(alpha, frame.view.z, tangent.x * tangent.x, [node[ALBEDO][0], node[ALBEDO][1]]);
+            beside_round(alpha, frame.view.z, tangent.x * tangent.x, [node[ALBEDO][0], node[ALBEDO][1]]);
         let sunlit = (f0, f90);
         let (f0, f90) = (f0 * scale, f90 * bias);
         let coloured = |[a, b]: [f32; 2]| f0 * a + f90 * b;
@@ -134,14 +150,6 @@ impl Pyramid {
         let sum = self.unscaled(sum.max(Vec3A::ZERO));
         let share = (1.0 - in_mirror / (scale + bias)).max(0.0);
         sum + share * self.suns_reflected(frame, alpha, sunlit.0, sunlit.1)
-    }
-
-    /// Scale and bias of f0 for `alpha` along the tangent and across it, which exceed those of the lobe of
-    /// [`anisotropic::round_roughness`] by `more`.
-    fn albedo_at(&self, alpha: DVec2, cosine: f64, along: f64, more: [f32; 2]) -> [f32; 2] {
-        let roughness = anisotropic::round_roughness(alpha, cosine, along);
-        let [.., a, b] = node_at(self.octaves, roughness as f32, cosine as f32)[READS];
-        [(a + more[0]).max(0.0), (b + more[1]).max(0.0)]
     }
 
     /// The harmonics with the weights of `pairs`.
@@ -190,7 +198,7 @@ impl Pyramid {
     #[cfg(any(test, feature = "internals"))]
     #[must_use]
     pub fn albedo(&self, cosine: f32, roughness: f32, anisotropy: f32) -> [f32; 2] {
-        self.albedo_of(cosine, roughness, anisotropy, 0.5, |alpha, cosine| {
+        Self::albedo_of(cosine, roughness, anisotropy, 0.5, |alpha, cosine| {
             let [.., a, b] = anisotropic::node_at(self.octaves, alpha, cosine, 0.0)[ALBEDO];
             [a, b]
         })
@@ -202,7 +210,7 @@ impl Pyramid {
     pub fn albedo_along(&self, cosine: f32, along: f32, roughness: f32, anisotropy: f32) -> [f32; 2] {
         let sine = (1.0 - f64::from(cosine).powi(2)).max(0.0).sqrt().max(1e-4);
         let level = (f64::from(along).abs() / sine).min(1.0);
-        self.albedo_of(cosine, roughness, anisotropy, level * level, |alpha, cosine| {
+        Self::albedo_of(cosine, roughness, anisotropy, level * level, |alpha, cosine| {
             let [a, b, ..] = anisotropic::node_at(self.octaves, alpha, cosine, level.acos())[ALBEDO];
             [a, b]
         })
@@ -212,26 +220,21 @@ impl Pyramid {
     /// one exceeds a round one by; `along` is that of [`anisotropic::round_roughness`].
     #[cfg(any(test, feature = "internals"))]
     fn albedo_of(
-        &self,
         cosine: f32,
         roughness: f32,
         anisotropy: f32,
         along: f64,
         more: impl Fn(DVec2, f64) -> [f32; 2],
     ) -> [f32; 2] {
-        let cosine = cosine.max(LEAST_COSINE as f32).min(1.0);
-        let round = |roughness: f32| {
-            let [.., a, b] = node_at(self.octaves, roughness, cosine)[READS];
-            [a, b]
-        };
         if anisotropy == 0.0 {
-            return round(roughness);
+            return albedo_at(roughness, cosine);
         }
+        let cosine = cosine.max(LEAST_COSINE as f32).min(1.0);
         let alpha = alphas(f64::from(roughness), f64::from(anisotropy));
         let share = row_share(alpha);
         let cosine = f64::from(cosine);
-        let own = self.albedo_at(alpha, cosine, along, more(alpha, cosine));
-        let round = round(mean_roughness(alpha));
+        let own = beside_round(alpha, cosine, along, more(alpha, cosine));
+        let round = albedo_at(mean_roughness(alpha), cosine as f32);
         [0, 1].map(|k| round[k] + share * (own[k] - round[k]))
     }
 }

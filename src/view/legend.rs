@@ -77,10 +77,15 @@ pub fn legend_scene(look: &Look, OemSize { inner, border }: OemSize, ev: f64, sh
         Show::Error => {
             let (mean, greatest) = (percent(mean), percent(greatest));
             let lines = vec![
-                "of luminance, against adaptive:1e-4".to_owned(),
+                format!("of luminance, against adaptive:{:e}", look.tolerance()),
                 format!("mean {mean}, greatest {greatest}"),
             ];
-            Some(plate(&format!("Relative error of {}", look.filter), &lines, Some([least, shown.greatest])))
+            let title = if look.judges_reflections() {
+                "Relative error of true reflections".to_owned()
+            } else {
+                format!("Relative error of {}", look.filter)
+            };
+            Some(plate(&title, &lines, Some([least, shown.greatest])))
         }
         Show::Oem => {
             let around = if border > 0 { format!(", border {border} not shown") } else { String::new() };

@@ -83,7 +83,8 @@ pub enum Show {
     Oem,
     /// Its SAT: the mean radiance of the box from the table's upper left corner to each texel.
     Sat,
-    /// The filter's relative error against the certified tier, in false colour.
+    /// The filter's relative error against the certified tier, in false colour: that of lobes around the
+    /// mirrored view, or of true reflections.
     Error,
 }
 
@@ -115,12 +116,6 @@ impl Show {
     /// Whether its colours are display colours, which tone mapping must not change.
     pub(super) const fn is_false_colour(self) -> bool {
         matches!(self, Self::Error)
-    }
-
-    /// The relRMSE of the certified tier in it: for pictures a fifth of the bake default, well below the
-    /// visible threshold; for errors the least value with a distinct colour.
-    pub(super) const fn tolerance(self) -> f64 {
-        if self.is_false_colour() { 1e-4 } else { 1e-3 }
     }
 }
 
@@ -318,6 +313,18 @@ impl Look {
             Show::Error => true,
             Show::Oem | Show::Sat => false,
         }
+    }
+
+    /// Whether errors are those of true reflections.
+    pub(super) fn judges_reflections(&self) -> bool {
+        self.show == Show::Error && self.filter == Technique::Reflect
+    }
+
+    /// The relRMSE of the certified tier in the picture: for pictures a fifth of the bake default, well below
+    /// the visible threshold; for errors of lobes the least value with a distinct colour; for those of true
+    /// reflections, which cost more, ten times that. Their errors are hundredths of it.
+    pub(super) fn tolerance(&self) -> f64 {
+        if self.show.is_false_colour() && !self.judges_reflections() { 1e-4 } else { 1e-3 }
     }
 
     /// Whether the picture reads a summed-area table.

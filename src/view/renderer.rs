@@ -60,14 +60,39 @@ impl RadianceSource {
 enum PassOutput {
     /// The content of a picture.
     Shown(Show),
+    /// What is asked for.
+    Samples(Asked),
+}
+
+/// A texel of the query of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Asked {
     /// World direction and roughness.
-    Samples,
+    Lobe,
+    /// The surface's normal and anisotropy.
+    Normal,
+    /// Its tangent.
+    Tangent,
+    /// Its reflectance at normal incidence.
+    Reflectance,
+}
+
+impl Asked {
+    /// Entry points of `shaders/common/view_draw.wgsl`.
+    const fn entry_points(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Lobe => ("cover_samples", "mesh_samples"),
+            Self::Normal => ("cover_normals", "mesh_normals"),
+            Self::Tangent => ("cover_tangents", "mesh_tangents"),
+            Self::Reflectance => ("cover_reflectances", "mesh_reflectances"),
+        }
+    }
 }
 
 impl PassOutput {
     const fn format(self) -> wgpu::TextureFormat {
         match self {
-            Self::Samples => SAMPLES,
+            Self::Samples(_) => SAMPLES,
             Self::Shown(_) => PICTURE,
         }
     }
@@ -75,7 +100,10 @@ impl PassOutput {
     /// Entry points of the triangle that covers the picture and of meshes, if they are drawn.
     const fn entry_points(self) -> (&'static str, Option<&'static str>) {
         match self {
-            Self::Samples => ("cover_samples", Some("mesh_samples")),
+            Self::Samples(asked) => {
+                let (cover, mesh) = asked.entry_points();
+                (cover, Some(mesh))
+            }
             Self::Shown(show) => show.entry_points(),
         }
     }
@@ -228,7 +256,7 @@ impl Renderer {
         self.context.check()
     }
 
-    /// Reads back the query of every pixel: world direction and roughness.
+    /// Reads back the query of every pixel.
     ///
     /// # Errors
     /// Those of [`Renderer::draw`].
@@ -241,11 +269,33 @@ impl Renderer {
     ) -> Result<impl Future<Output = Result<Vec<PixelQuery>>> + use<>> {
         look.check()?;
         self.make_next((width, height))?;
-        let texture = target(&self.context, "samples", PassOutput::Samples.format(), [width, height]);
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        self.draw_into(&view, RadianceSource::Truth, PassOutput::Samples, look, light, 0..height)?;
+        let mut draw = |asked: Asked| -> Result<wgpu::Texture> {
+            let output = PassOutput::Samples(asked);
+            let texture = target(&self.context, "samples", output.format(), [width, height]);
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            self.draw_into(&view, RadianceSource::Truth, output, look, light, 0..height)?;
+            Ok(texture)
+        };
+        let lobes = draw(Asked::Lobe)?;
+        let parts = [Asked::Normal, Asked::Tangent, Asked::Reflectance];
+        let surfaces = if look.judges_reflections() { parts.map(&mut draw).into() } else { Vec::new() };
+        let surfaces: Vec<wgpu::Texture> = surfaces.into_iter().collect::<Result<_>>()?;
         let context = self.context.clone();
-        Ok(async move { readback::read_texture(&context, &texture).await })
+        Ok(async move {
+            let lobes: Vec<[f32; 4]> = readback::read_texture(&context, &lobes).await?;
+            let mut texels: Vec<Vec<[f32; 4]>> = Vec::new();
+            for texture in &surfaces {
+                texels.push(readback::read_texture(&context, texture).await?);
+            }
+            let [normals, tangents, reflectances] = &texels[..] else {
+                return Ok(lobes.into_iter().map(PixelQuery::of_lobe).collect());
+            };
+            let surfaces = normals.iter().zip(tangents).zip(reflectances);
+            let query = |(lobe, ((normal, tangent), reflectance)): (_, ((&_, &_), &_))| {
+                PixelQuery::of_surface(lobe, [*normal, *tangent, *reflectance])
+            };
+            Ok(lobes.into_iter().zip(surfaces).map(query).collect())
+        })
     }
 
     /// Seconds of every stage of the light and of a picture of `width` x `height` samples; runs each once

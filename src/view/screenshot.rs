@@ -39,7 +39,7 @@ pub async fn screenshot(
         let asked = renderer.samples(look, light, columns, rows)?.await?;
         let truth = truth.expect("the caller gives what the look asks for");
         let source_from_world = light.source_from_world(look.turn);
-        let answers = truth.answers(&asked, columns as usize, source_from_world, look.show.tolerance())?;
+        let answers = truth.answers(&asked, columns as usize, source_from_world, look.tolerance())?;
         renderer.set_truth(&answers, columns);
     }
     renderer.draw(look, light, columns, rows)?;

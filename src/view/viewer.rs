@@ -339,10 +339,11 @@ impl Viewer {
         let width = work.size.0 as usize;
         let source_from_world = self.light.source_from_world(work.look.turn);
         while work.answers.len() < asked.len() {
-            // Whole rows of tiles.
-            let end = (work.answers.len() + 16 * width).min(asked.len());
+            // Whole rows of tiles; true reflections take milliseconds each.
+            let many = if work.look.judges_reflections() { 128 } else { 16 * width };
+            let end = (work.answers.len() + many).min(asked.len());
             let band = &asked[work.answers.len()..end];
-            work.answers.extend(truth.answers(band, width, source_from_world, work.look.show.tolerance())?);
+            work.answers.extend(truth.answers(band, width, source_from_world, work.look.tolerance())?);
             if start.elapsed() > SLICE {
                 break;
             }

@@ -65,16 +65,16 @@ pub(crate) fn reflections(seed: u64, index: u64) -> Reflections {
         let frame = Frame::new(normal, view, random.direction()).expect("a frame");
         let roughness = random.between(0.1, 1.0);
         let anisotropy = if random.below(2) == 0 { 0.0 } else { random.between(0.0, 0.95) };
-        let f0 = [1.0, 0.04, 0.5][random.below(3) as usize];
+        let f0 = [[1.0; 3], [0.04; 3], [0.5, 0.9, 0.02]][random.below(3) as usize];
         let error = [0.05, 0.005][random.below(2) as usize];
         let answer = adaptive.reflect(&frame, roughness, anisotropy, f0, error);
         let [all, grazing] = reflection(&oracle, &frame, roughness, anisotropy);
-        let truth = [0, 1, 2].map(|c| f0 * all[c] + (1.0 - f0) * grazing[c]);
+        let truth = [0, 1, 2].map(|c| f0[c] * all[c] + (1.0 - f0[c]) * grazing[c]);
         found.compared += 1;
         if let Some(c) = beyond(&answer, truth) {
             found.violations.push(format!(
                 "seed {seed}, environment {index}: channel {c} of {truth:?} is {answer:?}: {layout:?}, \
-                 {look:?}, {frame:?}, roughness {roughness}, anisotropy {anisotropy}, f0 {f0}, error {error}"
+                 {look:?}, {frame:?}, roughness {roughness}, anisotropy {anisotropy}, f0 {f0:?}, error {error}"
             ));
         }
         // Twice the bound away is seen.

@@ -4,10 +4,12 @@ use super::{PerAdapter, block_on, in_full, wait};
 use crate::support::common::{self, Random, texels};
 use glam::{DMat3, DVec2, DVec3};
 use octagloss::internals::bake::dfg;
+use octagloss::internals::cpu::reflection::ReflectedLight;
 use octagloss::internals::frame::Frame;
 use octagloss::internals::gpu::Context;
 use octagloss::internals::gpu::device::readback;
 use octagloss::internals::gpu::lamp::Lamp;
+use octagloss::internals::image::drawing::scale::RELATIVE_ERROR;
 use octagloss::internals::image::exposure::Exposure;
 use octagloss::internals::lobe::Lobe;
 use octagloss::internals::pyramid::Pyramid;
@@ -469,6 +471,65 @@ fn errors_are_black_where_there_are_none() {
         let bright = shot(context, &look, &synth("sky").expect("a recipe"));
         let off = bright.iter().filter(|pixel| pixel[0] > 100).count();
         assert!(off > 100, "errors of a sky must be visible: {off} pixels");
+    });
+}
+
+/// Errors of true reflections, of a metal of three reflectances, brushed or not: those of the CPU's look-ups
+/// against the certified tier, pixel by pixel.
+#[test]
+fn errors_of_reflections_are_against_the_surfaces_own() {
+    let layout = Layout::Panorama { width: 64, height: 32 };
+    let environment = common::environment(layout, texels(&mut Random::new(14), common::Look::Suns, layout));
+    let look = Look {
+        show: Show::Error,
+        filter: Technique::Reflect,
+        roughness: 0.3,
+        turn: 40.0,
+        metal: [1.0, 0.5, 0.1],
+        ..Look::default()
+    };
+    let brushed =
+        Look { finish: Finish { anisotropy: 0.5, direction: 20.0, ..Finish::NONE }, ..look.clone() };
+    let light = ReflectedLight::new(&environment);
+    let pyramid = Pyramid::build(&environment, OEM).expect("a size");
+    let source_from_world = DMat3::from_rotation_y(look.turn.to_radians()).transpose();
+    let error = |look: &Look, index: u32| {
+        let at = DVec2::new(f64::from(index % WIDTH) + 0.5, f64::from(index / WIDTH) + 0.5);
+        let [normal, view, _] = look_along(look, at, None, 0.1).surface?;
+        let around = DVec3::Y.cross(normal);
+        let tangent = DMat3::from_axis_angle(normal, look.finish.direction.to_radians()) * around;
+        let [normal, view, tangent] = [normal, view, tangent].map(|d| source_from_world * d);
+        let frame = Frame::new(normal, view, tangent).expect("a frame");
+        let anisotropy = look.finish.anisotropy;
+        let truth =
+            light.reflect(&frame, look.roughness, anisotropy, look.metal.map(f64::from), 1e-3).radiance;
+        let given = pyramid.reflect(&frame, look.roughness as f32, anisotropy as f32, look.metal, 1.0);
+        let luminance = |[r, g, b]: [f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        Some(f64::from((luminance(given) / luminance(truth) - 1.0).abs()))
+    };
+    let looks = [look, brushed];
+    let expected: Vec<Vec<Option<f64>>> = looks
+        .iter()
+        .map(|look| (0..WIDTH * HEIGHT).into_par_iter().map(|index| error(look, index)).collect())
+        .collect();
+    in_full("view errors of reflections", |context| {
+        for (look, expected) in looks.iter().zip(&expected) {
+            let found = shot(context, look, &environment);
+            let far = |(found, error): (&[u8; 3], &Option<f64>)| {
+                let Some(error) = error else { return false };
+                // GPU and CPU differ by less than a hundredth: errors of that size may be any.
+                let colours = (0..=40).map(|k| {
+                    let error = error + 0.004 * (f64::from(k) / 20.0 - 1.0);
+                    RELATIVE_ERROR.colour(error.abs().max(1e-6))
+                });
+                !colours.into_iter().any(|colour| (0..3).all(|c| colour[c].abs_diff(found[c]) <= 8))
+            };
+            let surface = expected.iter().flatten().count();
+            let off = found.iter().zip(expected).filter(|pair| far(*pair)).count();
+            assert!(surface > 500 && off * 50 < surface, "{off} of {surface} pixels are off: {look:?}");
+            let seen = expected.iter().flatten().filter(|error| **error > 0.01).count();
+            assert!(seen * 20 > surface, "errors must be visible: {seen} of {surface}");
+        }
     });
 }
 

@@ -26,6 +26,8 @@ fn legends_name_what_is_shown_its_unit_and_its_range() {
     for words in ["Relative error of pyramid", "mean 1.2 %", "greatest 152040 %", "0.01 %", "100 %"] {
         assert!(error.contains(words), "{words}: {error}");
     }
+    let error = texts(Show::Error, Technique::Reflect, 0).join(" ");
+    assert!(error.contains("true reflections") && error.contains("against adaptive:1e-3"), "{error}");
     let oem = texts(Show::Oem, Technique::Box, 16).join(" ");
     for words in
         ["Octahedral map", "512 \u{d7} 512 texels, border 16", "0 to 1520", "mean 0.0123", "\u{2212}1.25"]
