@@ -23,7 +23,7 @@ use crate::recipe::{Recipe, fields};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{name, order_text};
 use crate::sphere::cube::Face;
-use crate::target::{Content, Naming, READERS, TargetPlan, flipped, flipped_chain};
+use crate::target::{Content, Naming, TargetPlan, flipped, flipped_chain, reader};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
@@ -114,10 +114,7 @@ fn file_of(
             let bytes = tables_bytes(baked_pyramid(bake)?.octaves())?;
             CubeFile { bytes, clamped: Vec::new() }
         }
-        Content::Reader => {
-            let (_, code) = READERS.iter().find(|(name, _)| *name == path).expect("a reader of that name");
-            text((*code).to_owned())
-        }
+        Content::Reader => text(reader(path).expect("a reader of that name").into_owned()),
         Content::Panorama => {
             let level = levels.first().ok_or_else(|| missing("a panorama"))?;
             CubeFile { bytes: panorama(plan, level, path, metadata)?, clamped: Vec::new() }

@@ -8,8 +8,6 @@
 //! The texture is the renderer's, or the octahedral map that [`LiveEnvironment::draw`] draws into.
 
 use super::build_pyramid;
-use super::device::names::named;
-use super::device::shader;
 use super::direct::{Surroundings, view_layout};
 use super::pyramid::{PyramidMaps, wgsl};
 use super::reflection::{self, Surfaces};
@@ -19,6 +17,7 @@ use crate::environment::{Environment, Layout};
 use crate::error::{Error, Result};
 use crate::oem::OemSize;
 use crate::pyramid::Octaves;
+use crate::shader::{self, names::named};
 use glam::{DMat3, DVec3};
 
 /// Glossy reflections of any roughness out of a texture that changes, for the caller's own shaders.

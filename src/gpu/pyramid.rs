@@ -2,7 +2,6 @@
 
 use super::device::readback;
 use super::device::resources::{SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding};
-use super::device::shader;
 use super::device::stage::{Dispatch, in_rows};
 use super::{Context, Stage};
 use crate::error::{Error, Result};
@@ -10,6 +9,7 @@ use crate::oem::OemSize;
 use crate::pyramid::fit::{self, INTERVALS, WEIGHTS};
 use crate::pyramid::light::OctaglossLight;
 use crate::pyramid::{COARSEST, Octaves, cells, suns};
+use crate::shader;
 use glam::DVec3;
 
 /// Invocations of a workgroup over queries.

@@ -6,11 +6,11 @@
 
 use super::Context;
 use super::device::resources::{DEPTH, UNIFORM, group, group_layout, texture_binding};
-use super::device::shader;
 use super::direct::{OctantDraws, cleared_depth, depth_texture, view_layout};
 use super::live::draw_wgsl;
 use crate::direct::DirectMap;
 use crate::error::{Error, Result};
+use crate::shader;
 use glam::DVec3;
 
 /// Bias at first.

@@ -17,7 +17,9 @@ use crate::ladder::{Ladder, UNITY_LEVELS};
 use crate::lobe::Lobe;
 use crate::names::named;
 use crate::sh::scale::ShScale;
+use crate::shader::reader_wgsl;
 use crate::sphere::cube::Face;
+use std::borrow::Cow;
 
 /// Content of a target's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +46,7 @@ pub enum Content {
     PyramidLight,
     /// The tables of pyramids of its size.
     PyramidTables,
-    /// The entry of [`READERS`] named by its path.
+    /// The [`reader`] named by its path.
     Reader,
     /// Level 0 as one image; the path's extension selects the format.
     Panorama,
@@ -61,15 +63,23 @@ pub enum Content {
 }
 
 /// Shader code for reading octahedral maps and pyramids, by file name.
-pub const READERS: [(&str, &str); 7] = [
+pub const READERS: [(&str, &str); 6] = [
     ("oem.wgsl", include_str!("../../shaders/readers/oem.wgsl")),
     ("oem.glsl", include_str!("../../shaders/readers/oem.glsl")),
     ("oem.hlsl", include_str!("../../shaders/readers/oem.hlsl")),
-    ("pyramid.wgsl", include_str!("../../shaders/readers/pyramid.wgsl")),
     ("pyramid.glsl", include_str!("../../shaders/readers/pyramid.glsl")),
     ("pyramid.hlsl", include_str!("../../shaders/readers/pyramid.hlsl")),
     ("pyramid.metal", include_str!("../../shaders/readers/pyramid.metal")),
 ];
+
+/// The file of that name of [`READERS`], or `pyramid.wgsl`, which is made of the shaders.
+#[must_use]
+pub fn reader(name: &str) -> Option<Cow<'static, str>> {
+    if name == "pyramid.wgsl" {
+        return Some(reader_wgsl().into());
+    }
+    READERS.iter().find(|(own, _)| *own == name).map(|(_, code)| (*code).into())
+}
 
 /// A file of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

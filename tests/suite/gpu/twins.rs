@@ -2,7 +2,7 @@
 //! sources: no list has to be kept, but for what has another name or no twin.
 
 use super::reflection::{Shader, files};
-use octagloss::internals::gpu::device::shader;
+use octagloss::internals::shader;
 use octagloss::{LiveEnvironment, ShadowMap};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
