@@ -68,7 +68,6 @@ pub const FILES: &[(&str, &str)] = &files![
     "pyramid/cells.wgsl",
     "pyramid/levels.wgsl",
     "pyramid/query.wgsl",
-    "pyramid/reflect_query.wgsl",
     "pyramid/suns.wgsl",
     "reparameterise.wgsl",
     "sat_f32.wgsl",

@@ -1,6 +1,6 @@
 //! Renames what a shader source declares, so that the source can stand in one shader several times.
 
-#[cfg(feature = "gpu")]
+#[cfg(any(feature = "gpu", test))]
 use crate::error::{Error, Result};
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ const OURS: &str = "octagloss_";
 /// # Errors
 /// [`Error::Parameter`] if `name` does not begin with an ASCII letter, or has characters other than ASCII
 /// letters, digits and single underscores.
-#[cfg(feature = "gpu")]
+#[cfg(any(feature = "gpu", test))]
 pub(crate) fn named(source: &str, name: &str) -> Result<String> {
     let is_word = name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
@@ -78,7 +78,7 @@ fn declared(line: &str) -> Option<&str> {
     Some(&named[..named.find(|c| !is_part(c)).unwrap_or(named.len())])
 }
 
-#[cfg(all(test, feature = "gpu"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 

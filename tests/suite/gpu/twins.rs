@@ -54,7 +54,6 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("pyramid/cells.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
     ("pyramid/levels.wgsl", "EDGE", "build_pyramid::EDGE"),
     ("pyramid/query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
-    ("pyramid/reflect_query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
     ("pyramid/suns.wgsl", "GROUP_SIZE", "build_pyramid::SUNS_GROUP_SIZE"),
 ];
 
