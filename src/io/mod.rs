@@ -334,15 +334,24 @@ pub(crate) fn pyramid_irradiance(path: &Path) -> Result<Option<Level>> {
     if !path.is_file() {
         return Ok(None);
     }
+    decoded_if(path, Format::Ktx2, |source| {
+        let texture = ktx2::read::open(source)?;
+        pyramid_read::is_pyramid(&texture).then(|| pyramid_read::decode_irradiance(&texture)).transpose()
+    })
+}
+
+/// What `decode` makes of the file `path`; `None` if it is no `format`.
+fn decoded_if<T>(
+    path: &Path,
+    format: Format,
+    decode: impl FnOnce(&Source<'_>) -> Result<Option<T>>,
+) -> Result<Option<T>> {
     let bytes = read_regular(path, DEFAULT_MEMORY_LIMIT)?;
-    if Format::sniff(&bytes) != Some(Format::Ktx2) {
+    if Format::sniff(&bytes) != Some(format) {
         return Ok(None);
     }
     let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
-    catching_panics(path, || {
-        let texture = ktx2::read::open(&source)?;
-        pyramid_read::is_pyramid(&texture).then(|| pyramid_read::decode_irradiance(&texture)).transpose()
-    })
+    catching_panics(path, || decode(&source))
 }
 
 /// Undoes the flip of a chain as it is stored.
@@ -378,12 +387,7 @@ pub(crate) fn target_panorama(path: &Path) -> Result<Option<LoadedChain>> {
 /// # Errors
 /// As [`read_chain`].
 pub(crate) fn filament_harmonics(path: &Path) -> Result<Option<String>> {
-    let bytes = read_regular(path, DEFAULT_MEMORY_LIMIT)?;
-    if Format::sniff(&bytes) != Some(Format::Ktx1) {
-        return Ok(None);
-    }
-    let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
-    catching_panics(path, || ktx1::read::harmonics(&source))
+    decoded_if(path, Format::Ktx1, ktx1::read::harmonics)
 }
 
 /// The file or level folder that [`read`] reads for `path`: for a target's folder, the file with its levels.

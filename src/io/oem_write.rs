@@ -83,16 +83,7 @@ pub fn oem_bytes(
         Container::Ktx2 => {
             let roughness = roughness_text(levels.iter().map(|level| level.roughness));
             pairs.push((ROUGHNESS_KEY, &roughness));
-            let side = sizes[0].bordered();
-            let shape = TextureShape {
-                format: format_of(pixel)?,
-                width: side,
-                height: side,
-                depth: 0,
-                layers: 0,
-                faces: 1,
-                levels: levels.len(),
-            };
+            let shape = TextureShape::flat(format_of(pixel)?, [sizes[0].bordered(); 2], levels.len());
             ktx2_file(&shape, &pairs, |index| texel_bytes(sizes[index].bordered(), &bordered[index], pixel))?
         }
         Container::Exr => {

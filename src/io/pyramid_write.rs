@@ -12,12 +12,12 @@
 //! Reflections along a tangent have a table of their own, of three dimensions.
 
 use super::cube_file::CubeFile;
-use super::ktx2::file::{TextureShape, ktx2_file};
+use super::ktx2::file::{TextureShape, halves_file, ktx2_file};
 use super::ktx2::write::format_of;
 use crate::environment::Rgb;
 use crate::error::{Error, Result};
+use crate::format::Pixel;
 use crate::format::texel_bytes::texel_bytes;
-use crate::format::{Pixel, push_halves};
 use crate::pyramid::fit::{self, WEIGHTS};
 use crate::pyramid::levels::Map;
 use crate::pyramid::reads::{LAYERS, NODES, table};
@@ -66,16 +66,8 @@ pub(crate) fn maps_bytes(
                 .collect()
         })
         .collect();
-    let side = octaves.size(0).bordered();
-    let shape = TextureShape {
-        format: format_of(pixel)?,
-        width: side,
-        height: side,
-        depth: 0,
-        layers: SQUARES as u32,
-        faces: 1,
-        levels: levels.len(),
-    };
+    let flat = TextureShape::flat(format_of(pixel)?, [octaves.size(0).bordered(); 2], levels.len());
+    let shape = TextureShape { layers: SQUARES as u32, ..flat };
     let pairs: Vec<(&str, &str)> = metadata.iter().map(|(key, value)| (&key[..], &value[..])).collect();
     let bytes = ktx2_file(&shape, &pairs, |mip| {
         texel_bytes(octaves.size(mip as u32).bordered(), &bordered[mip], pixel)
@@ -117,19 +109,9 @@ pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
             radiance[row * width + k] = *texel;
         }
     }
-    let mut data = Vec::with_capacity(8 * texels.len());
-    push_halves(texels.as_flattened(), &mut data);
-    let shape = TextureShape {
-        format: Format::R16G16B16A16_SFLOAT,
-        width: width as u32,
-        height: (rows + 1 + WEIGHT_ROWS) as u32,
-        depth: 0,
-        layers: 0,
-        faces: 1,
-        levels: 1,
-    };
+    let sides = [width as u32, (rows + 1 + WEIGHT_ROWS) as u32, 0];
     let content = format!("tables of pyramids over maps of {}", octaves.inner());
-    ktx2_file(&shape, &[("octaglossContent", &content)], |_| data.clone())
+    halves_file(Format::R16G16B16A16_SFLOAT, sides, texels.as_flattened(), &content)
 }
 
 /// The KTX2 file that shaders of `--target pyramid` read as `octagloss_rows`: the table of reflections along
@@ -140,11 +122,7 @@ pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
 /// [`Error::Parameter`] for a `size` that is not a power of two from 64 to 2048.
 pub fn anisotropic_table(size: u32) -> Result<Vec<u8>> {
     check_size(size)?;
-    let mut data = Vec::new();
-    push_halves(anisotropic::texels(Octaves::over(size)?).as_flattened(), &mut data);
-    let [width, height, depth] = anisotropic::TEXTURE;
-    let format = Format::R16G16B16A16_SFLOAT;
-    let shape = TextureShape { format, width, height, depth, layers: 0, faces: 1, levels: 1 };
+    let texels = anisotropic::texels(Octaves::over(size)?);
     let content = format!("table of anisotropic reflections from pyramids over maps of {size}");
-    ktx2_file(&shape, &[("octaglossContent", &content)], |_| data.clone())
+    halves_file(Format::R16G16B16A16_SFLOAT, anisotropic::TEXTURE, texels.as_flattened(), &content)
 }

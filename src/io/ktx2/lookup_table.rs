@@ -1,8 +1,7 @@
 //! Look-up tables as 2D KTX2 files: RG16F or RGBA16F, one level, Zstandard.
 
-use super::file::{TextureShape, ktx2_file};
+use super::file::halves_file;
 use crate::error::{Error, Result};
-use crate::format::push_halves;
 use ktx2::Format;
 
 /// Channels of a table.
@@ -32,8 +31,5 @@ pub fn table_bytes(size: u32, texels: &[[f32; 3]], channels: Channels, descripti
             (Format::R16G16B16A16_SFLOAT, texels.iter().flat_map(|[r, g, b]| [*r, *g, *b, 1.0]).collect())
         }
     };
-    let mut data = Vec::with_capacity(values.len() * 2);
-    push_halves(&values, &mut data);
-    let shape = TextureShape { format, width: size, height: size, depth: 0, layers: 0, faces: 1, levels: 1 };
-    ktx2_file(&shape, &[("octaglossContent", description)], |_| data.clone())
+    halves_file(format, [size, size, 0], &values, description)
 }
