@@ -114,6 +114,11 @@ pub fn with_settings(text: &str, named: &dyn Fn(&str) -> String) -> String {
 /// Result with this library's [`Error`] by default.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
+/// Fails with [`Error::Parameter`].
+pub(crate) fn wrong<T>(message: impl Into<String>) -> Result<T> {
+    Err(Error::Parameter(message.into()))
+}
+
 impl Error {
     /// An [`Error::Io`] at `path`.
     pub fn io(path: &Path, error: std::io::Error) -> Self {

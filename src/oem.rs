@@ -2,7 +2,7 @@
 //! angle w.
 
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::lobe::Lobe;
 use crate::smoothstep::smoothstep;
 use crate::sphere::octahedral::wrap_texel;
@@ -148,15 +148,15 @@ impl Oem {
 /// Sizes of the levels of a map of `size` x `size` texels, the sharpest first.
 ///
 /// # Errors
-/// [`Error::Parameter`] if `levels` is 0, or `size` is not divisible by 2 that often.
+/// [`crate::Error::Parameter`] if `levels` is 0, or `size` is not divisible by 2 that often.
 pub fn level_sizes(size: u32, levels: u32) -> Result<Vec<OemSize>> {
     let halvings = levels.saturating_sub(1);
     if levels == 0 || halvings > 14 || size == 0 || !size.is_multiple_of(1 << halvings) {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "octahedral `size` {size} cannot be halved {halvings} times; choose a multiple of {} or fewer \
              `levels`",
             1_u32 << halvings.min(14)
-        )));
+        ));
     }
     Ok((0..levels).map(|l| OemSize { inner: size >> l, border: 1 << (halvings - l) }).collect())
 }

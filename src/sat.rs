@@ -5,7 +5,7 @@
 //! as long as the box itself fits, and since addition modulo 2^64 is associative and commutative every scan
 //! gives the same bits.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::oem::{Oem, OemSize};
 use glam::DVec2;
 use std::fmt::{self, Display, Formatter};
@@ -35,11 +35,11 @@ impl Scan {
     /// Checks the radix.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a radix other than [`Scan::RADICES`].
+    /// [`crate::Error::Parameter`] for a radix other than [`Scan::RADICES`].
     pub fn check(self) -> Result<()> {
         match self {
             Self::Hensley { radix } if !Self::RADICES.contains(&radix) => {
-                Err(Error::Parameter(format!("`scan` {self}: the samples of a pass must be 2, 4, 8 or 16")))
+                wrong(format!("`scan` {self}: the samples of a pass must be 2, 4, 8 or 16"))
             }
             _ => Ok(()),
         }

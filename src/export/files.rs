@@ -4,7 +4,7 @@ use super::{babylon, gltf, playcanvas, pyramid};
 use crate::bake::Bake;
 use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::format::container::Container;
 use crate::format::{LevelName, Pixel, Shown};
 use crate::io::cube_file::CubeFile;
@@ -49,9 +49,7 @@ pub fn files(plan: &TargetPlan, name: &str, bake: &Bake, metadata: &[(String, St
     plan.check()?;
     if plan.is_targeted() && bake.sh.len() < 9 {
         let count = bake.sh.len();
-        return Err(Error::Parameter(format!(
-            "a bake of {count} spherical harmonics; targets need 9 or more"
-        )));
+        return wrong(format!("a bake of {count} spherical harmonics; targets need 9 or more"));
     }
     let levels = &bake.chain.levels;
     let bounded: Vec<u32> = (0..).zip(levels).filter(|(_, l)| l.bounds.is_some()).map(|(k, _)| k).collect();
@@ -200,10 +198,10 @@ fn image_file(
 fn panorama(plan: &TargetPlan, level: &Level, path: &str, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let (width, height) = level.layout.sides();
     if !width.is_multiple_of(4) {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "target {}: `size` {height} is not even, so its panorama cannot be shifted by quarters",
             plan.target.name
-        )));
+        ));
     }
     let shift = (plan.target.quarter_turns * width / 4) as usize;
     let texels: Vec<Rgb> = level

@@ -2,7 +2,7 @@
 
 use crate::chain::Level;
 use crate::environment::{LUMINANCE, Layout, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::Pixel;
 use crate::names::named;
 use crate::sphere::cube::Face;
@@ -67,7 +67,7 @@ impl Overflow {
     /// the writers perform.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.
+    /// [`crate::Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.
     pub(crate) fn apply(self, index: usize, level: &mut Level, pixel: Pixel) -> Result<u64> {
         let (width, height) = level.layout.sides();
         let (width, area) = (width as usize, width as usize * height as usize);
@@ -99,13 +99,13 @@ impl Overflow {
                 }
                 Ok(count)
             }
-            Self::Error => Err(Error::Parameter(format!(
+            Self::Error => wrong(format!(
                 "{} is {:?} and {} holds up to {most}; `pixel` f32 keeps it, `overflow` compress scales it \
                  down",
                 place(first),
                 texels[first],
                 pixel.name()
-            ))),
+            )),
         }
     }
 }

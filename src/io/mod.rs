@@ -54,7 +54,7 @@ pub use source::DEFAULT_MEMORY_LIMIT;
 
 use crate::chain::{Chain, Level};
 use crate::environment::{Environment, Layout, Rgb, of_sound};
-use crate::error::{Error, Result, printable};
+use crate::error::{Error, Result, printable, wrong};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use crate::sphere::registry::NamedMap;
@@ -243,7 +243,7 @@ pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Res
 /// As [`read`]; [`Error::Parameter`] unless there are six files, and for contradicting names.
 pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     if !matches!(options.layout, InputLayout::Auto | InputLayout::Faces) {
-        return Err(Error::Parameter("six files are one cube; use `layout` faces".to_owned()));
+        return wrong("six files are one cube; use `layout` faces");
     }
     let ordered = face_names::in_face_order(paths)?;
     let (picture, repaired) = read_square_faces(&ordered, options)?;
@@ -515,7 +515,7 @@ fn finish(path: &Path, mut picture: Picture, options: &ReadOptions) -> Result<Lo
 /// Multiplies radiance by `scale`; returns warnings.
 fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>> {
     if !(scale.is_finite() && scale > 0.0) {
-        return Err(Error::Parameter(format!("`scale` {scale} must be finite and above 0")));
+        return wrong(format!("`scale` {scale} must be finite and above 0"));
     }
     if scale == 1.0 {
         return Ok(None);

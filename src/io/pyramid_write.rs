@@ -15,7 +15,7 @@ use super::cube_file::CubeFile;
 use super::ktx2::file::{TextureShape, halves_file, ktx2_file};
 use super::ktx2::write::format_of;
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::Pixel;
 use crate::format::texel_bytes::texel_bytes;
 use crate::pyramid::fit::{self, WEIGHTS};
@@ -40,8 +40,8 @@ const WEIGHT_ROWS: usize = WEIGHTS / 4;
 /// Encodes the maps of `baked`. `metadata` are text key/value pairs.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a map of less than 64 texels, for pixels that KTX2 cannot hold or that end below
-/// the light of half floats, and for keys that it cannot hold.
+/// [`crate::Error::Parameter`] for a map of less than 64 texels, for pixels that KTX2 cannot hold or that end
+/// below the light of half floats, and for keys that it cannot hold.
 pub(crate) fn maps_bytes(
     baked: &BakedPyramid,
     pixel: Pixel,
@@ -78,21 +78,21 @@ pub(crate) fn maps_bytes(
 /// Checks that a map of `inner` texels along an edge can be written.
 ///
 /// # Errors
-/// [`Error::Parameter`] if it has no pyramid, or one of a single level.
+/// [`crate::Error::Parameter`] if it has no pyramid, or one of a single level.
 pub(crate) fn check_size(inner: u32) -> Result<()> {
     match Octaves::over(inner) {
         Ok(_) if inner >= LEAST => Ok(()),
-        _ => Err(Error::Parameter(format!(
+        _ => wrong(format!(
             "a `size` of {inner} has no pyramid to write; choose a power of two from {LEAST} to {}",
             Octaves::LARGEST
-        ))),
+        )),
     }
 }
 
 /// Encodes the tables for pyramids of `octaves`.
 ///
 /// # Errors
-/// [`Error::Parameter`] if compression fails.
+/// [`crate::Error::Parameter`] if compression fails.
 pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
     let ([across, rows], side) = (NODES, NODES[0] + 2);
     let (nodes, weights) = (table(octaves), fit::table(octaves));
@@ -119,7 +119,7 @@ pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
 /// RGBA16F, 1.6 MB, which takes three seconds of one core.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a `size` that is not a power of two from 64 to 2048.
+/// [`crate::Error::Parameter`] for a `size` that is not a power of two from 64 to 2048.
 pub fn anisotropic_table(size: u32) -> Result<Vec<u8>> {
     check_size(size)?;
     let texels = anisotropic::texels(Octaves::over(size)?);

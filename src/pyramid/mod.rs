@@ -32,7 +32,7 @@ use crate::cpu::reparameterise::oem_from_environment;
 #[cfg(any(test, feature = "internals"))]
 use crate::environment::Environment;
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::oem::{Oem, OemSize};
 use crate::sh::basis;
 pub use baked::BakedPyramid;
@@ -77,16 +77,16 @@ impl Octaves {
     /// The levels over a map of `inner` texels along an edge.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048.
+    /// [`crate::Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048.
     pub fn over(inner: u32) -> Result<Self> {
         if Self::sizes().any(|size| size == inner) {
             return Ok(Self(inner.ilog2() - COARSEST.ilog2() + 1));
         }
-        Err(Error::Parameter(format!(
+        wrong(format!(
             "an OEM of {inner} texels has no pyramid; choose a power of two from {COARSEST} to {} as \
              `oem_size`",
             Self::LARGEST
-        )))
+        ))
     }
 
     /// The number of levels, without the sharp ones.
@@ -142,7 +142,7 @@ impl Pyramid {
     /// Builds the pyramid of `oem`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if its size is not a power of two from 32 to 2048.
+    /// [`crate::Error::Parameter`] if its size is not a power of two from 32 to 2048.
     pub fn of_oem(oem: &Oem) -> Result<Self> {
         let octaves = Octaves::over(oem.size().inner)?;
         let suns = Suns::of(oem);
@@ -207,7 +207,8 @@ impl Pyramid {
     /// to 2048.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for another size, [`Error::Limit`] if the overlaps of texels exceed the memory.
+    /// [`crate::Error::Parameter`] for another size, [`crate::Error::Limit`] if the overlaps of texels exceed
+    /// the memory.
     pub fn build(environment: &Environment, size: u32) -> Result<Self> {
         Octaves::over(size)?;
         Self::of_oem(&oem_from_environment(environment, OemSize { inner: size, border: 0 })?)

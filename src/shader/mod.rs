@@ -1,4 +1,5 @@
-//! Shader sources, with or without a GPU: plain WGSL files. A line `#include "common/name.wgsl"` inserts that file, once per shader.
+//! Shader sources, with or without a GPU: plain WGSL files. A line `#include "common/name.wgsl"` inserts that
+//! file, once per shader.
 
 pub(crate) mod names;
 

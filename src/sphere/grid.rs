@@ -1,7 +1,7 @@
 //! A map of the sphere divided into texels.
 
 use super::map::{Component, Place, SphereMap, Texel};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use glam::DVec2;
 
 /// A map whose images are divided into texels. Texels are numbered component by component, row by row.
@@ -18,10 +18,10 @@ impl Grid {
     /// `map` with `size` texels along the shorter side of each component, 1 to [`MAX_SIZE`].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for another size.
+    /// [`crate::Error::Parameter`] for another size.
     pub fn new(map: &'static dyn SphereMap, size: u32) -> Result<Self> {
         if size == 0 || size > MAX_SIZE {
-            return Err(Error::Parameter(format!("a map of {size} texels a side; use 1 to {MAX_SIZE}")));
+            return wrong(format!("a map of {size} texels a side; use 1 to {MAX_SIZE}"));
         }
         Ok(Self { map, size })
     }

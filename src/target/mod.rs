@@ -10,7 +10,7 @@ pub use flip::{Flip, flipped, flipped_chain};
 
 use crate::chain::ChainKind;
 use crate::environment::Map;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::container::Container;
 use crate::format::{LevelName, OutputLayout, Pixel, Shown};
 use crate::ladder::{Ladder, UNITY_LEVELS};
@@ -459,7 +459,6 @@ impl Target {
         if self.name == GENERIC.name {
             return Ok(());
         }
-        let wrong = |message: String| Err(Error::Parameter(message));
         if ladder != self.ladder {
             let (own, other) = (self.ladder.name(), ladder.name());
             return wrong(format!("its reader looks levels up by the ladder {own}; omit `ladder` {other}"));
@@ -473,8 +472,7 @@ impl Target {
         if self.map != Map::Panorama && levels < 2 {
             return wrong(
                 "its reader looks roughness up between levels, and one level is a mirror; choose a greater \
-                 `size`, or `levels` of at least 2"
-                    .to_owned(),
+                 `size`, or `levels` of at least 2",
             );
         }
         Ok(())
@@ -562,7 +560,7 @@ impl TargetPlan {
     /// Checks that the container can hold the pixel format.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if it cannot.
+    /// [`crate::Error::Parameter`] if it cannot.
     pub fn check(&self) -> Result<()> {
         // Images use floats if half floats are insufficient.
         let is_chosen_later = self.pixel == Pixel::Auto && !self.is_single();
@@ -571,18 +569,18 @@ impl TargetPlan {
         }
         let target =
             if self.is_targeted() { format!("target {}: ", self.target.name) } else { String::new() };
-        Err(Error::Parameter(format!(
+        wrong(format!(
             "{target}{} files cannot hold {}; use another `pixel` or `format`",
             self.container.name(),
             self.pixel.name()
-        )))
+        ))
     }
 
     /// Checks that the files can hold `levels` levels of `ladder` from `size` down, and that the reader finds
     /// every roughness among them.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if not.
+    /// [`crate::Error::Parameter`] if not.
     pub fn check_levels(&self, size: u32, levels: u32, ladder: Ladder) -> Result<()> {
         self.target.check_look_ups(levels, ladder)?;
         self.target.files.iter().try_for_each(|file| match file.content {

@@ -4,7 +4,7 @@
 //! Khronos KTX File Format Specification 2.0, sections 3 (structure), 4 (fields) and 5.1 (key/value data).
 
 use super::zstandard;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::format::push_halves;
 use crate::io::exr::write::SOFTWARE;
 use crate::io::key_values::key_value_bytes;
@@ -111,7 +111,7 @@ pub(in crate::io) fn ktx2_file(
 /// Encodes the pairs and the writer's own in key order.
 fn metadata_bytes(pairs: &[(&str, &str)]) -> Result<Vec<u8>> {
     if let Some((key, _)) = pairs.iter().find(|(key, _)| key.to_ascii_lowercase().starts_with("ktx")) {
-        return Err(Error::Parameter(format!("{key:?} cannot be a key of KTX2 metadata")));
+        return wrong(format!("{key:?} cannot be a key of KTX2 metadata"));
     }
     // Images are stored left to right, top to bottom.
     let mut all = vec![("KTXorientation", "rd"), ("KTXwriter", SOFTWARE)];

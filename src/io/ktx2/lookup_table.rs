@@ -1,7 +1,7 @@
 //! Look-up tables as 2D KTX2 files: RG16F or RGBA16F, one level, Zstandard.
 
 use super::file::halves_file;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use ktx2::Format;
 
 /// Channels of a table.
@@ -17,13 +17,10 @@ pub enum Channels {
 /// maximum; `description` is stored under the key `octaglossContent`.
 ///
 /// # Errors
-/// [`Error::Parameter`] if the texels do not fill the table, or the description contains a NUL.
+/// [`crate::Error::Parameter`] if the texels do not fill the table, or the description contains a NUL.
 pub fn table_bytes(size: u32, texels: &[[f32; 3]], channels: Channels, description: &str) -> Result<Vec<u8>> {
     if texels.is_empty() || texels.len() != size as usize * size as usize || description.contains('\0') {
-        return Err(Error::Parameter(format!(
-            "a table of {size}x{size} cannot hold {} texels",
-            texels.len()
-        )));
+        return wrong(format!("a table of {size}x{size} cannot hold {} texels", texels.len()));
     }
     let (format, values): (_, Vec<f32>) = match channels {
         Channels::Two => (Format::R16G16_SFLOAT, texels.iter().flat_map(|[r, g, _]| [*r, *g]).collect()),
