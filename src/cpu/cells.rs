@@ -18,7 +18,7 @@ use crate::geometry::panorama_row::RunSums;
 #[cfg(feature = "gpu")]
 use crate::geometry::source_texels::SourceGrid;
 use crate::geometry::source_texels::{SourceTexels, longest_run};
-use crate::geometry::tent::{Patch, Reconstruction, Tents, Texel};
+use crate::geometry::tent::{Patch, Reconstruction, Texel, tents};
 use crate::geometry::tint::{TINT_FIELDS, Tint};
 use crate::light_scale::LightScale;
 use crate::oem::Oem;
@@ -321,7 +321,7 @@ impl Cells {
         let least = oem.least_radiance();
         let [red, green, blue, _] = oem.totals();
         let mean = [red, green, blue].map(|total| total / (4.0 * std::f64::consts::PI));
-        let tents = Tents::new(n, reconstruction);
+        let tents = tents(n, reconstruction);
         let texel = |x: u32, y: u32| {
             let [r, g, b, w] = oem.texel(x, y);
             let all = Vec3::new(r, g, b);

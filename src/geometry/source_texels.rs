@@ -6,7 +6,8 @@
 
 use crate::environment::Layout;
 use crate::geometry::panorama_row::PanoramaRow;
-use crate::geometry::tent::{Moments, Patch, Texel, mirrored_in_diagonal};
+use crate::geometry::quadrant::Quadrant;
+use crate::geometry::tent::{Moments, Patch, Texel};
 use crate::sphere::cube::{Face, cube_point};
 use crate::sphere::quadrature::THREE_NODES;
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
@@ -26,11 +27,17 @@ struct Row {
 #[derive(Debug)]
 enum Table {
     /// Rows, and cosine and sine of the columns' longitudes, in double and single precision.
-    Panorama { rows: Vec<Row>, columns: Vec<(f64, f64)>, rounded: Vec<(f32, f32)> },
-    /// The quadrant s, t >= 0 of a face, in the coordinates s, normal, t.
-    Cube { quadrant: Vec<Texel>, frames: Box<[(DMat3, Mat3); 6]> },
-    /// The quadrant u, v >= 0 of the square.
-    Octahedral { quadrant: Vec<Texel> },
+    Panorama {
+        rows: Vec<Row>,
+        columns: Vec<(f64, f64)>,
+        rounded: Vec<(f32, f32)>,
+    },
+    /// Those of a face, in the coordinates s, normal, t.
+    Cube {
+        face: Quadrant<Texel>,
+        frames: Box<[(DMat3, Mat3); 6]>,
+    },
+    Octahedral(Quadrant<Texel>),
 }
 
 /// The grid of a source's texels as `shaders/adaptive.wgsl` takes it.
@@ -125,19 +132,16 @@ impl SourceTexels {
                 let rows = (0..height)
                     .map(|j| {
                         let pieces = panorama_nodes([width, height], 0.0, j, WHOLE);
-                        let (moments, solid_angle) = integrated(&pieces);
-                        let texel = Texel { patch: moments.into(), solid_angle: solid_angle as f32 };
-                        Row { centroid: DVec2::new(moments.centroid.x, moments.centroid.y), texel }
+                        let integrated = integrated(&pieces);
+                        let DVec3 { x, y, .. } = integrated.0.centroid;
+                        Row { centroid: DVec2::new(x, y), texel: rounded_texel(integrated) }
                     })
                     .collect();
                 Table::Panorama { rows, columns, rounded }
             }
             Layout::Cube { size } => {
-                let half = size / 2;
                 let texel = |x: u32, y: u32| {
-                    let (moments, solid_angle) =
-                        integrated(&cube_nodes(size, DMat3::IDENTITY, [half + x, half + y], WHOLE));
-                    Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
+                    rounded_texel(integrated(&cube_nodes(size, DMat3::IDENTITY, [x, y], WHOLE)))
                 };
                 let frames = Box::new(Face::ALL.map(|face| {
                     let normal = cube_point(face, 0.0, 0.0);
@@ -145,16 +149,12 @@ impl SourceTexels {
                     let frame = DMat3::from_cols(s - normal, normal, t - normal);
                     (frame, frame.as_mat3())
                 }));
-                Table::Cube { quadrant: mirrored_in_diagonal(half, texel, turned), frames }
+                Table::Cube { face: Quadrant::new(size, texel), frames }
             }
             Layout::Octahedral { size } => {
-                let half = size / 2;
-                let texel = |x: u32, y: u32| {
-                    let (moments, solid_angle) =
-                        integrated(&octahedral_nodes(size, [half + x, half + y], WHOLE));
-                    Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
-                };
-                Table::Octahedral { quadrant: mirrored_in_diagonal(half, texel, turned) }
+                let texel =
+                    |x: u32, y: u32| rounded_texel(integrated(&octahedral_nodes(size, [x, y], WHOLE)));
+                Table::Octahedral(Quadrant::new(size, texel))
             }
         };
         Self { source, grid, shift, table }
@@ -205,14 +205,8 @@ impl SourceTexels {
     /// The texel in column `x` of row `y`.
     #[inline]
     pub(crate) fn at(&self, x: u32, y: u32) -> Texel {
-        let fold = |k: u32, half: u32| if k >= half { (k - half, 1.0) } else { (half - 1 - k, -1.0) };
-        let folded = |quadrant: &[Texel], half: u32, y: u32| {
-            let ((x, sign_x), (y, sign_z)) = (fold(x, half), fold(y, half));
-            let Texel { patch, solid_angle } = quadrant[y as usize * half as usize + x as usize];
-            Texel { patch: patch.mirrored(Vec3::new(sign_x, 1.0, sign_z)), solid_angle }
-        };
-        match (&self.table, self.grid) {
-            (Table::Panorama { rows, columns, .. }, _) => {
+        match &self.table {
+            Table::Panorama { rows, columns, .. } => {
                 let Row { centroid, texel: Texel { patch, solid_angle } } = rows[y as usize];
                 let (cos, sin) = columns[x as usize];
                 let (c, s) = (cos as f32, sin as f32);
@@ -235,12 +229,12 @@ impl SourceTexels {
                 };
                 Texel { patch, solid_angle }
             }
-            (Table::Cube { quadrant, frames }, Layout::Cube { size }) => {
-                let Texel { patch, solid_angle } = folded(quadrant, size / 2, y % size);
+            Table::Cube { face, frames } => {
+                let size = face.side();
+                let Texel { patch, solid_angle } = face.at(x, y % size);
                 Texel { patch: patch.moved(frames[(y / size) as usize].1), solid_angle }
             }
-            (Table::Cube { .. }, _) => unreachable!("a cube's table"),
-            (Table::Octahedral { quadrant }, grid) => folded(quadrant, grid.sides().0 / 2, y),
+            Table::Octahedral(square) => square.at(x, y),
         }
     }
 
@@ -283,8 +277,9 @@ impl SourceTexels {
     }
 }
 
-fn turned(texel: Texel) -> Texel {
-    Texel { patch: texel.patch.turned(), ..texel }
+/// A texel of such moments and solid angle.
+fn rounded_texel((moments, solid_angle): (Moments, f64)) -> Texel {
+    Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
 }
 
 /// Directions and solid angles of nodes, and the corners.

@@ -1,7 +1,7 @@
 //! Pyramids on the GPU: their maps, their look-up for lists of directions, and as WGSL for callers' shaders.
 
 use super::device::readback;
-use super::device::resources::{SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding};
+use super::device::resources::{SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding, trilinear};
 use super::device::stage::{Dispatch, in_rows};
 use super::{Context, Stage};
 use crate::error::{Error, Result};
@@ -95,12 +95,7 @@ impl PyramidMaps {
             levels: texture("levels", size, probes, octaves.count()),
             sharp: texture("sharp levels", size, 2 * probes, 1),
             cosine: texture("cosine levels", COSINE, probes, 1),
-            linear: context.device().create_sampler(&wgpu::SamplerDescriptor {
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                mipmap_filter: wgpu::MipmapFilterMode::Linear,
-                ..Default::default()
-            }),
+            linear: trilinear(context),
             blocks: context.storage("brightness of blocks", 4 * squares(suns::FINEST)),
             cells: context.storage("light of cells", 48 * squares(cells::FINEST)),
         };
@@ -233,16 +228,6 @@ impl PyramidMaps {
         let lights = if all { self.lights.as_entire_binding() } else { self.light() };
         let linear = wgpu::BindingResource::Sampler(&self.linear);
         make([self.table.as_entire_binding(), lights, levels, sharp, cosine, linear])
-    }
-
-    /// Reads the light back.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] if the device fails.
-    #[cfg(any(test, feature = "internals"))]
-    pub async fn read_light(&self, context: &Context) -> Result<OctaglossLight> {
-        let lights: Vec<OctaglossLight> = readback::read(context, &self.lights).await?;
-        Ok(lights[self.probe as usize])
     }
 }
 

@@ -1,7 +1,7 @@
 //! True reflections out of pyramids on the GPU: their tables, and their look-up as WGSL for callers' shaders.
 
 use super::Context;
-use super::device::resources::{SAMPLER, UNIFORM, group, group_layout, texture_binding};
+use super::device::resources::{SAMPLER, UNIFORM, group, group_layout, layers, texture_binding};
 use super::pyramid::{PyramidMaps, RESOURCES};
 use crate::pyramid::reads::{LAYERS, NODES, table};
 use crate::pyramid::{Octaves, anisotropic};
@@ -86,10 +86,7 @@ pub fn bind_group(
     surfaces: Surfaces,
     layout: &wgpu::BindGroupLayout,
 ) -> wgpu::BindGroup {
-    let view = texture(context, maps.octaves()).create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        ..Default::default()
-    });
+    let view = layers(&texture(context, maps.octaves()));
     let rows = rows_texture(context, maps.octaves(), surfaces).create_view(&Default::default());
     maps.with_resources(all, |resources| {
         let tables = [&view, &rows].map(wgpu::BindingResource::TextureView);

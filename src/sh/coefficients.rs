@@ -6,8 +6,8 @@
 //! the sphere, and L(d) is about the sum of c_k Y_k(d).
 
 use crate::environment::{Environment, Layout, Rgb};
-use crate::error::{Error, Result};
-use crate::geometry::exact::ExactTexels;
+use crate::error::{Result, wrong};
+use crate::geometry::exact::{ExactTexels, outer};
 use crate::sphere::quadrature::gauss_legendre;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -81,9 +81,8 @@ pub(crate) fn order_text(count: usize) -> String {
 #[must_use]
 pub fn basis(direction: DVec3) -> [f64; MAX_COUNT] {
     let d = direction;
-    let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
     let mut all = [0.0; MAX_COUNT];
-    all[..9].copy_from_slice(&from_moments(1.0, d, outer));
+    all[..9].copy_from_slice(&from_moments(1.0, d, outer(d)));
     let DVec3 { x, y, z } = d;
     let (xx, yy, zz) = (x * x, y * y, z * z);
     let factor = |numerator: f64, denominator: f64| (numerator / (denominator * PI)).sqrt();
@@ -116,10 +115,10 @@ pub fn basis(direction: DVec3) -> [f64; MAX_COUNT] {
 /// exact moments of the direction.
 ///
 /// # Errors
-/// [`Error::Parameter`] if `order` is above [`MAX_ORDER`].
+/// [`crate::Error::Parameter`] if `order` is above [`MAX_ORDER`].
 pub fn spherical_harmonics(environment: &Environment, order: u32) -> Result<Vec<[f64; 3]>> {
     if order > MAX_ORDER {
-        return Err(Error::Parameter(format!("`order` is {order}; it must be 0 to {MAX_ORDER}")));
+        return wrong(format!("`order` is {order}; it must be 0 to {MAX_ORDER}"));
     }
     let texels = ExactTexels::new(environment.layout());
     let coefficients = match (environment.layout(), order) {

@@ -36,7 +36,7 @@ impl Texel {
 }
 
 /// v v^T.
-fn outer(v: DVec3) -> DMat3 {
+pub(crate) fn outer(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
