@@ -1,7 +1,7 @@
 //! The cube map: six faces in the order +X -X +Y -Y +Z -Z, each with the s_c/t_c axes of OpenGL, Vulkan and
 //! Direct3D. Texel (i, j) of an n x n face lies at s = (i + 1/2)/n*2 - 1, t downwards by the same formula.
 
-use super::map::{Component, Place, SphereMap};
+use super::map::{Place, SphereMap};
 use glam::{DVec2, DVec3};
 
 /// The map: component k is face k, u is s and v is t; outside a face its plane continues, to 90 degrees from
@@ -12,10 +12,6 @@ pub struct Cube;
 impl SphereMap for Cube {
     fn components(&self) -> u32 {
         6
-    }
-
-    fn component(&self, index: u32) -> Component {
-        Component::square(1.0, [index, 0])
     }
 
     fn direction(&self, component: u32, uv: DVec2) -> DVec3 {

@@ -14,10 +14,6 @@ use std::f64::consts::{PI, TAU};
 pub struct Equirect;
 
 impl SphereMap for Equirect {
-    fn components(&self) -> u32 {
-        1
-    }
-
     fn component(&self, _: u32) -> Component {
         Component { low: DVec2::ZERO, high: DVec2::new(TAU, PI), cells: [2, 1], at: [0, 0] }
     }

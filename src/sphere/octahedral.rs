@@ -9,7 +9,7 @@
 //! where i + j is even, and the square turned by 180 degrees where it is odd. [`wrap_oct`] and [`wrap_texel`]
 //! bring any point and any texel of that plane back to the square.
 
-use super::map::{Component, Place, SphereMap, Texel};
+use super::map::{Place, SphereMap, Texel};
 use super::projected_solid_angle;
 use glam::{DVec2, DVec3};
 
@@ -18,14 +18,6 @@ use glam::{DVec2, DVec3};
 pub struct Octahedral;
 
 impl SphereMap for Octahedral {
-    fn components(&self) -> u32 {
-        1
-    }
-
-    fn component(&self, _: u32) -> Component {
-        Component::square(1.0, [0, 0])
-    }
-
     fn direction(&self, _: u32, uv: DVec2) -> DVec3 {
         direction_from_oct(wrap_oct(uv))
     }
