@@ -4,9 +4,10 @@ use super::drawing::page::{BAR_WIDTH, colour_bar, page};
 use super::drawing::scale::RELATIVE_ERROR;
 use super::drawing::scene::{Anchor, Frame, Scene};
 use super::drawing::style::{GAP, INK, LABEL, LINE, MARGIN, PAPER, SMALL, SOFT, mix};
+use super::exposure::LogAverage;
 use super::tone::display;
 use crate::analysis::channels::{Relative, shown_errors};
-use crate::environment::{Rgb, exact_luminance};
+use crate::environment::Rgb;
 use crate::percent::percent;
 use glam::{DVec2, DVec3};
 use image::{Rgb as Pixel, RgbImage};
@@ -152,11 +153,8 @@ fn disc(shade: impl Fn(usize) -> Pixel<u8>) -> RgbImage {
 /// The exposure that shows the log-average luminance of the reference's spheres as a dark grey, in powers of
 /// two: a highlight is brighter.
 fn exposure(columns: &[Column]) -> f64 {
-    let all = || columns.iter().flat_map(|column| &column.reference).map(|rgb| exact_luminance(*rgb));
-    let least = all().fold(0.0, f64::max) * 1e-6;
-    if least == 0.0 {
-        return 0.0;
-    }
-    let mean = all().map(|luminance| luminance.max(least).ln()).sum::<f64>() / all().count() as f64;
-    (GREY / mean.exp()).log2().clamp(-160.0, 160.0)
+    let all = || columns.iter().flat_map(|column| &column.reference);
+    let mut average = LogAverage::new(all());
+    all().for_each(|rgb| average.add(1.0, *rgb));
+    average.exposure(GREY)
 }

@@ -100,14 +100,20 @@ impl Frame {
 }
 
 impl Text {
-    /// Bounds of the text: capitals, digits and descenders.
-    pub(crate) fn frame(&self) -> Frame {
+    /// Where the text begins, from its point, and its width.
+    pub(super) fn span(&self) -> (f64, f64) {
         let width = text_width(&self.text, self.em);
         let left = match self.anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => -width / 2.0,
             Anchor::End => -width,
         };
+        (left, width)
+    }
+
+    /// Bounds of the text: capitals, digits and descenders.
+    pub(crate) fn frame(&self) -> Frame {
+        let (left, width) = self.span();
         let (above, below) = (0.72 * self.em, 0.2 * self.em);
         if self.upwards {
             let low = DVec2::new(self.at.x - above, self.at.y - left - width);
