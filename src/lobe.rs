@@ -132,21 +132,6 @@ pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
     }
 }
 
-/// Factors of the harmonics of order 0 to 4 under convolution with the normalised lobe: 2 pi times the
-/// integral over cos(theta) of the kernel times Legendre's polynomials. `alpha` in (0, 1]; accurate to 1e-6
-/// from 0.1 on.
-#[cfg(any(test, feature = "internals"))]
-#[must_use]
-pub fn zonal_weights(lobe: Lobe, alpha: f64) -> [f64; 5] {
-    let mut sums = [0.0; 5];
-    for (cosine, weight) in zonal_nodes(lobe, alpha) {
-        for (sum, value) in sums.iter_mut().zip(legendre(cosine)) {
-            *sum += weight * value;
-        }
-    }
-    sums.map(|sum| sum / sums[0])
-}
-
 /// Values of cos(theta) with weights proportional to the kernel there, for integrals over the lobe; `alpha`
 /// in (0, 1].
 pub(crate) fn zonal_nodes(lobe: Lobe, alpha: f64) -> impl Iterator<Item = (f64, f64)> {
