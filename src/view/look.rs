@@ -2,13 +2,10 @@
 
 use super::camera::{Camera, FRONT, field_around};
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
-use crate::filter::FITTED;
+use crate::error::{Result, wrong};
 use crate::image::exposure::{self, Exposure};
 use crate::names::named;
 use glam::{DVec2, DVec3};
-use std::fmt::{self, Display, Formatter};
-use std::str::FromStr;
 
 /// The object under the environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,7 +26,7 @@ pub enum Object {
 named!(Object { Sphere = "sphere", Row = "row", Knot = "knot", Mesh = "mesh" });
 
 /// Technique of the reflections.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Technique {
     /// The single box of the octahedron environment maps paper.
     Box,
@@ -43,31 +40,23 @@ pub enum Technique {
     Adaptive,
 }
 
-impl Display for Technique {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+named!(Technique {
+    Box = "box",
+    Pyramid = "pyramid",
+    Reflect = "reflect",
+    Levels = "levels",
+    Adaptive = "adaptive",
+});
+
+impl Technique {
+    /// Shader file of the radiance of pixels.
+    pub(super) const fn file(self) -> &'static str {
         match self {
-            Self::Box => f.write_str("box"),
-            Self::Pyramid => f.write_str("pyramid"),
-            Self::Reflect => f.write_str("reflect"),
-            Self::Levels => f.write_str("levels"),
-            Self::Adaptive => f.write_str("adaptive"),
-        }
-    }
-}
-
-/// Parses the output of [`Display`].
-impl FromStr for Technique {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match text {
-            "box" => Ok(Self::Box),
-            "pyramid" => Ok(Self::Pyramid),
-            "reflect" => Ok(Self::Reflect),
-            "levels" => Ok(Self::Levels),
-            "adaptive" => Ok(Self::Adaptive),
-            _ if text.starts_with("fitted") => Err(FITTED.to_owned()),
-            _ => Err("must be box, pyramid, reflect, levels or adaptive".to_owned()),
+            Self::Box => "view/box.wgsl",
+            Self::Pyramid => "view/pyramid.wgsl",
+            Self::Reflect => "view/reflect.wgsl",
+            Self::Levels => "view/levels.wgsl",
+            Self::Adaptive => "view/truth.wgsl",
         }
     }
 }
@@ -265,7 +254,7 @@ impl Look {
     /// Checks that every value is in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`] naming the value and its range.
+    /// [`crate::Error::Parameter`] naming the value and its range.
     pub fn check(&self) -> Result<()> {
         let Self { camera, metal: [red, green, blue], tint, finish, .. } = self;
         let within = [
@@ -291,7 +280,7 @@ impl Look {
         ];
         for (name, value, least, most) in within {
             if !(least..=most).contains(&value) {
-                return Err(Error::Parameter(format!("{name} {value} is outside [{least}, {most}]")));
+                return wrong(format!("{name} {value} is outside [{least}, {most}]"));
             }
         }
         Ok(())
