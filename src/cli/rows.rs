@@ -1,5 +1,5 @@
-//! Reads rows of numbers from a file or standard input, within limits: as CSV with a header, or as a NumPy array
-//! (.npy).
+//! Reads rows of numbers from a file or standard input, within limits: as CSV with a header, or as a NumPy
+//! array (.npy).
 
 use crate::error::quoted;
 use crate::io::npy::{self, Precision};
