@@ -18,7 +18,6 @@ pub fn luminance(rgb: Rgb) -> f32 {
 }
 
 /// Luminance of `rgb` in double precision, which resolves the faintest radiance.
-#[must_use]
 pub(crate) fn exact_luminance<T: Into<f64>>(rgb: [T; 3]) -> f64 {
     LUMINANCE.iter().zip(rgb).map(|(weight, value)| f64::from(*weight) * value.into()).sum()
 }
@@ -159,7 +158,6 @@ impl Layout {
 pub const MAX_DEGREES: f64 = 1e6;
 
 /// Rotation about +Y that maps +Z to +X for 90 degrees. Quarter turns are exact.
-#[must_use]
 pub(crate) fn rotation_y(degrees: f64) -> DMat3 {
     let (sin, cos) = match degrees.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),

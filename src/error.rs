@@ -80,7 +80,6 @@ pub enum Error {
 }
 
 /// Quotes `text` of a file for a message: escapes control characters and truncates to 60 characters.
-#[must_use]
 pub fn quoted(text: &str) -> String {
     match text.char_indices().nth(60) {
         Some((end, _)) => format!("{:?}... ({} bytes)", &text[..end], text.len()),

@@ -168,7 +168,6 @@ const LARGEST_DEFAULT: u32 = 4096;
 
 /// Texels along an edge of an OEM as fine as the source: a panorama's width, twice a cube's face, an
 /// octahedral square's own edge.
-#[must_use]
 pub(crate) const fn source_oem_size(layout: Layout) -> u32 {
     match layout {
         Layout::Panorama { width, .. } => width,

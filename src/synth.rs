@@ -54,7 +54,6 @@ pub const RECIPES: [Recipe; 5] = [
 ];
 
 /// Unit direction of the centre of the sun of `sky`: 35 degrees up, between +X and +Z.
-#[must_use]
 pub fn sun_direction() -> DVec3 {
     let (azimuth, elevation) = (0.6_f64, 35_f64.to_radians());
     DVec3::new(elevation.cos() * azimuth.cos(), elevation.sin(), elevation.cos() * azimuth.sin())

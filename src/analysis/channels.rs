@@ -37,14 +37,12 @@ pub struct Greatest {
 
 impl Relative {
     /// The greatest error, luminance's included; NaN is greater than any.
-    #[must_use]
     pub fn greatest(&self) -> Greatest {
         let all = [self.luminance, self.channels[0], self.channels[1], self.channels[2]];
         greatest(all.into_iter().zip(NAMES))
     }
 
     /// The greatest error of a channel.
-    #[must_use]
     pub fn worst_channel(&self) -> Greatest {
         greatest(self.channels.into_iter().zip(NAMES.into_iter().skip(1)))
     }

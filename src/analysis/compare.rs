@@ -72,7 +72,6 @@ fn grid_places(size: u32, grid: u32) -> Vec<usize> {
 }
 
 /// The texels of `level` that a [`LevelErrors::reference`] of `size` was compared with.
-#[must_use]
 pub(crate) fn grid_of(level: &Level, size: u32) -> Level {
     let texels =
         grid_places(level.size(), size.min(level.size())).into_iter().map(|at| level.texels[at]).collect();
@@ -145,7 +144,6 @@ pub struct WorstTexel {
 
 impl LevelErrors {
     /// The mean absolute errors.
-    #[must_use]
     pub const fn mean(&self) -> Relative {
         Relative { luminance: self.l1, channels: self.channel_l1 }
     }
@@ -192,7 +190,6 @@ pub(crate) fn errors_against_texels(index: usize, level: &Level, reference: &Lev
 /// Whether `level` can be measured against a source in `layout`: its lobe spans several source texels.
 ///
 /// Narrower lobes depend on the reconstruction of texels, in which bake and reference may differ.
-#[must_use]
 pub(crate) fn is_measurable(level: &Level, lobe: Lobe, layout: Layout) -> bool {
     lobe == Lobe::Cosine || lobe_width(level, lobe) >= NARROW * texel_width(layout)
 }
@@ -219,7 +216,6 @@ fn lobe_width(level: &Level, lobe: Lobe) -> f64 {
 /// `source`, at the texels selected by `sampling`. The lobe is evaluated at the texel's centre, or averaged
 /// over the footprint of a texel that is wide for the lobe, as in a bake. `progress` receives the
 /// integrations done and their total, from any thread.
-#[must_use]
 pub(crate) fn errors_against_source(
     levels: &[Level],
     source: &Environment,

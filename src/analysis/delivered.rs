@@ -44,7 +44,6 @@ pub struct DeliveredError {
 }
 
 /// Returns `count` evenly distributed directions: a fixed Fibonacci lattice.
-#[must_use]
 pub fn even_directions(count: usize) -> Vec<DVec3> {
     directions_within(count, PI, DVec3::Y)
 }
@@ -66,7 +65,6 @@ fn directions_within(count: usize, reach: f64, axis: DVec3) -> Vec<DVec3> {
 
 /// Default roughnesses of a measurement: the midpoints of three equal parts of each step between levels, from
 /// the first level with a lobe.
-#[must_use]
 pub fn default_roughnesses(chain: &Chain) -> Vec<f64> {
     let levels: Vec<f64> = chain.levels.iter().map(|level| level.roughness).filter(|r| *r > 0.0).collect();
     let part = |pair: &[f64], k: u32| pair[0] + (pair[1] - pair[0]) * (f64::from(k) + 0.5) / 3.0;

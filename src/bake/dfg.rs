@@ -96,7 +96,6 @@ const NODES: u32 = 48;
 /// Scale and bias of f0 for GGX at the view's `cosine` in (0, 1] and the perceptual `roughness` in \[0, 1\];
 /// their sum is the single-scattering reflectance of a white surface of that roughness.
 #[cfg(any(test, feature = "internals"))]
-#[must_use]
 pub fn ggx(cosine: f64, roughness: f64) -> [f64; 2] {
     reflectance::ggx(cosine, roughness, &gauss_legendre(NODES))
 }

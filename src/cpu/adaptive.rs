@@ -221,7 +221,6 @@ impl<R: Radial> pulp::NullaryFnOnce for Evaluation<'_, R> {
 
 impl<'a> Adaptive<'a> {
     /// Lobes of `kernel` to a relRMSE of `error` over the sphere.
-    #[must_use]
     pub fn new(cells: &'a Cells, kernel: Kernel, error: f64) -> Self {
         Self {
             cells,

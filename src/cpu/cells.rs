@@ -314,7 +314,6 @@ impl Cells {
     ///
     /// # Panics
     /// If `block` is zero.
-    #[must_use]
     pub fn new(oem: &Oem, block: u32, reconstruction: Reconstruction) -> Self {
         assert!(block > 0, "blocks of at least one texel");
         let n = oem.size().inner;
@@ -419,7 +418,6 @@ impl Cells {
 
     /// The least radiance of each channel.
     #[cfg(feature = "gpu")]
-    #[must_use]
     pub const fn least(&self) -> [f32; 3] {
         self.least
     }
@@ -445,7 +443,6 @@ impl Cells {
 
     /// Sibling cells in the layout of `shaders/common/quad.wgsl`.
     #[cfg(feature = "gpu")]
-    #[must_use]
     pub fn quad_fields(&self) -> Vec<[[f32; 4]; QUAD_FIELDS]> {
         let fields = |quad: &Quad| {
             let Quad { x, y, z, covariance, radius, luminance, red, green, blue, red_tint, blue_tint } =

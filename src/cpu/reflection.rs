@@ -106,7 +106,6 @@ pub struct ReflectedLight<'a> {
 
 impl<'a> ReflectedLight<'a> {
     /// The light of `environment`.
-    #[must_use]
     pub fn new(environment: &'a Environment) -> Self {
         let (layout, texels) = (environment.layout(), ExactTexels::new(environment.layout()));
         let width = source_oem_size(layout).next_power_of_two().clamp(2, MAX_WIDTH);
@@ -184,7 +183,6 @@ impl<'a> ReflectedLight<'a> {
     /// Radiance that a surface of `roughness` in (0, 1], `anisotropy` in [0, 1] and reflectance `f0` (1 at
     /// grazing incidence) reflects to the viewer of `frame` (in the world), to a relRMSE of `error`. A frame
     /// without a tangent reflects isotropically.
-    #[must_use]
     pub fn reflect(&self, frame: &Frame, roughness: f64, anisotropy: f64, f0: f64, error: f64) -> Answer {
         let anisotropy = if frame.has_tangent { anisotropy } else { 0.0 };
         let lobe = Lobe::new(

@@ -25,7 +25,6 @@ pub struct Corner {
 
 impl Corner {
     /// A corner of a whole triangle.
-    #[must_use]
     pub const fn new(position: [f32; 3], value: [f32; 4]) -> Self {
         Self { position, octant: 0, value }
     }
@@ -85,19 +84,16 @@ impl Triangles {
     }
 
     /// The corners.
-    #[must_use]
     pub fn corners(&self) -> &[Corner] {
         &self.corners
     }
 
     /// Three indices per triangle.
-    #[must_use]
     pub fn indices(&self) -> &[u32] {
         &self.indices
     }
 
     /// Number of triangles.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.indices.len() / 3
     }

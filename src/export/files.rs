@@ -241,7 +241,6 @@ fn cube_metadata(
 }
 
 /// Key/value pairs of every file of a bake by `recipe`, of a source without `suns`.
-#[must_use]
 pub fn metadata(recipe: &Recipe, suns: &[SunReport]) -> Vec<(String, String)> {
     let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; \
                        linear RGB, Rec. 709; perceptual roughness, alpha = roughness^2";

@@ -123,13 +123,11 @@ impl SunFile {
 }
 
 /// The path of the file `path` of `plan`; in the target's folder for several targets.
-#[must_use]
 pub fn within(several: bool, plan: &BakePlan, path: &str) -> String {
     if several { format!("{}/{path}", plan.plan.target.name) } else { path.to_owned() }
 }
 
 /// The path of `file` next to the levels of `plan`, whose output is called `name`.
-#[must_use]
 pub fn beside(plan: &BakePlan, name: &str, file: &str) -> String {
     if plan.is_file() { format!("{name}.{file}") } else { file.to_owned() }
 }

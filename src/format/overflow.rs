@@ -25,7 +25,6 @@ const KNEE: f64 = 0.25;
 
 /// Maps a maximum channel of `value` for a format with the maximum `most`: identity up to `most`/4, then a
 /// slope that falls from 1, always below `most`. Strictly increasing up to rounding.
-#[must_use]
 pub fn compressed(value: f64, most: f64) -> f64 {
     let knee = KNEE * most;
     if value <= knee {
@@ -38,7 +37,6 @@ pub fn compressed(value: f64, most: f64) -> f64 {
 }
 
 /// Share of the luminance energy of `level` that clamping in `pixel` removes; 0 if nothing is clamped.
-#[must_use]
 pub fn clamped_share(level: &Level, pixel: Pixel) -> f64 {
     let Level { layout, texels, .. } = level;
     if pixel.clamped(texels) == 0 {

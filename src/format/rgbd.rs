@@ -15,7 +15,6 @@ const GAMMA: f64 = 2.2;
 
 /// Encodes `rgb` in RGBD, each channel clamped to [0, [`RGBD_MAX`]]: the largest divisor that keeps the
 /// brightest channel below 1, codes rounded to nearest.
-#[must_use]
 pub fn rgbd_from_rgb(rgb: Rgb) -> [u8; 4] {
     let clamped = rgb.map(|c| f64::from(c.clamp(0.0, RGBD_MAX)));
     let greatest = clamped[0].max(clamped[1]).max(clamped[2]).max(1.0);

@@ -39,7 +39,6 @@ impl<'a> Light<'a> {
     }
 
     /// This light, also rotated by `turn`.
-    #[must_use]
     pub fn turned(&self, turn: DMat3) -> Self {
         Self { world_from_source: turn * self.world_from_source, ..*self }
     }

@@ -92,7 +92,6 @@ fn smaller_source(_: u64) -> String {
 
 /// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along
 /// an edge; and the number of quads in all levels.
-#[must_use]
 pub fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
     let mut levels: Vec<[u32; 2]> = Vec::new();
     let mut first = 0;
@@ -141,7 +140,6 @@ impl CellTree {
     }
 
     /// A tree with the given levels, as [`levels_over`] has them, and quads.
-    #[must_use]
     pub fn holding(
         context: &Context,
         inner: u32,

@@ -54,7 +54,6 @@ impl Engine {
     }
 
     /// The device.
-    #[must_use]
     pub const fn context(&self) -> &Context {
         &self.context
     }
@@ -203,7 +202,6 @@ impl<'a> GpuReflector<'a> {
     /// The exponent k, where the OEM holds the source's light times 2^k; see
     /// [`crate::reflector::Reflector::light_exponent`].
     #[cfg(feature = "internals")]
-    #[must_use]
     pub const fn light_exponent(&self) -> i32 {
         self.scale.exponent()
     }

@@ -140,7 +140,6 @@ impl PyramidMaps {
 
     /// Bytes of the textures of one environment.
     #[cfg(any(test, feature = "internals"))]
-    #[must_use]
     pub fn bytes(&self) -> u64 {
         let texels = |size: OemSize| u64::from(size.bordered()).pow(2);
         let chain: u64 = (0..self.octaves.count()).map(|level| texels(self.octaves.size(level))).sum();
@@ -148,7 +147,6 @@ impl PyramidMaps {
     }
 
     /// The levels.
-    #[must_use]
     pub const fn octaves(&self) -> Octaves {
         self.octaves
     }
@@ -184,7 +182,6 @@ impl PyramidMaps {
     }
 
     /// Layout of a bind group with the resources of `wgsl`, for the shader stages `visibility`.
-    #[must_use]
     pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
         let filterable = wgpu::TextureSampleType::Float { filterable: true };
         let layers = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
@@ -193,7 +190,6 @@ impl PyramidMaps {
     }
 
     /// Bind group of these resources, with `layout`.
-    #[must_use]
     pub fn bind_group(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         self.with_resources(false, |resources| group(context, "octagloss pyramid", layout, resources))
     }
@@ -265,7 +261,6 @@ pub(super) fn wgsl(count: u32, group: u32) -> String {
 ///
 /// # Panics
 /// If there are more queries than fit a buffer.
-#[must_use]
 pub fn stage(context: &Context, maps: &PyramidMaps, queries: &[(DVec3, f64)]) -> (Stage, wgpu::Buffer) {
     let pipeline = context.pipeline("pyramid/query.wgsl", "query", None);
     let queries: Vec<[f32; 4]> = queries

@@ -67,7 +67,6 @@ fn filled(
 }
 
 /// Layout of a bind group with the resources of `wgsl`, for the shader stages `visibility`.
-#[must_use]
 pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
     let filterable = wgpu::TextureSampleType::Float { filterable: true };
     let layers = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
@@ -78,7 +77,6 @@ pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> w
 
 /// Bind group of `maps`, or `all` that share their textures, and the tables, with `layout`. The first call
 /// for a size of maps fits the tables.
-#[must_use]
 pub fn bind_group(
     context: &Context,
     maps: &PyramidMaps,

@@ -40,7 +40,6 @@ pub struct Gather {
 }
 
 /// Columns, rows and layers of the texture for `layout`.
-#[must_use]
 pub(crate) const fn texture_size(layout: Layout) -> [u32; 3] {
     match layout {
         Layout::Panorama { width, height } => [width, height, 1],

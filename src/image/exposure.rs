@@ -61,7 +61,6 @@ impl FromStr for Exposure {
 }
 
 /// The automatic exposure for `environment`, in powers of two.
-#[must_use]
 pub fn of_environment(environment: &Environment) -> f64 {
     let mut average = LogAverage::new(environment.texels().iter());
     environment.for_each_texel(|_, solid_angle, rgb| average.add(solid_angle, rgb));

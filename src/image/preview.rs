@@ -147,7 +147,6 @@ fn sides(layout: Layout) -> String {
 }
 
 /// Stacks sheets.
-#[must_use]
 pub fn stacked(sheets: &[Scene]) -> RgbImage {
     let width = sheets.iter().map(|sheet| sheet.width).max().unwrap_or(1);
     let height: u32 = sheets.iter().map(|sheet| sheet.height).sum();

@@ -42,7 +42,6 @@ pub struct Column {
 
 /// Directions that the pixels of a sphere reflect to an orthographic camera, row by row; pixels outside take
 /// those of the silhouette. A `sun` is reflected beside the middle.
-#[must_use]
 pub fn directions(sun: Option<DVec3>) -> Vec<DVec3> {
     let behind = match sun.map(|sun| DVec3::new(sun.x, 0.0, sun.z).normalize_or_zero()) {
         Some(sun) if sun != DVec3::ZERO => {
@@ -69,7 +68,6 @@ pub fn directions(sun: Option<DVec3>) -> Vec<DVec3> {
 /// Draws the bakes called `names` against `against`: a row of spheres for each, for the reference, and for
 /// the relative errors of each: |difference| / (reference + 0.001 of its mean) of luminance or the channel
 /// where it is greatest.
-#[must_use]
 pub fn side_by_side(names: [&str; 2], against: &str, columns: &[Column]) -> Scene {
     let tile = f64::from(TILE);
     let cell = tile + GAP;

@@ -400,7 +400,6 @@ pub(crate) fn levels_path(path: &Path) -> Result<PathBuf> {
 
 /// Whether the folder `path` holds a bake rather than sources: levels, a report, or the levels of a target.
 /// Panoramas do not count, since sources have such names too.
-#[must_use]
 pub(crate) fn is_bake_folder(path: &Path) -> bool {
     let levels = || target_folder::levels_file(path).ok().flatten();
     path.join(side_report::REPORT).is_file()
@@ -409,7 +408,6 @@ pub(crate) fn is_bake_folder(path: &Path) -> bool {
 }
 
 /// Origin of the file `path` with the given BLAKE3 `hash`, from its report.
-#[must_use]
 pub(crate) fn reported(path: &Path, hash: blake3::Hash) -> Option<Provenance> {
     side_report::of_file(path, || hash).map(|described| described.provenance)
 }

@@ -96,7 +96,6 @@ pub fn read_table(mut from: impl Read, columns: &[usize], most_rows: usize) -> R
 ///
 /// # Panics
 /// If `values` does not divide into such rows.
-#[must_use]
 pub fn table_bytes(columns: usize, values: &[f32]) -> Vec<u8> {
     assert!(columns > 0 && values.len().is_multiple_of(columns), "rows of {columns} numbers");
     let shape = format!("({}, {columns})", values.len() / columns);

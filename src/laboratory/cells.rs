@@ -40,7 +40,6 @@ const POINTS: u32 = 4;
 
 impl Cells {
     /// The cells of `grid`.
-    #[must_use]
     pub fn new(grid: Grid) -> Self {
         let mut tree = Self { grid, cells: Vec::new(), roots: Vec::new() };
         for component in 0..grid.map().components() {

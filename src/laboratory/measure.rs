@@ -166,7 +166,6 @@ fn special_sites() -> Vec<Site> {
 
 /// Points along the edges of the map's components, found by bisection between directions that lie far apart
 /// in the map.
-#[must_use]
 pub fn seam_sites(charts: &dyn Charts, count: usize) -> Vec<Site> {
     let map = charts.named().map;
     let is_apart = |a: Place, b: Place, angle: f64| {

@@ -90,37 +90,31 @@ impl Octaves {
     }
 
     /// The number of levels, without the sharp ones.
-    #[must_use]
     pub const fn count(self) -> u32 {
         self.0
     }
 
     /// Texels along an edge of the map.
-    #[must_use]
     pub const fn inner(self) -> u32 {
         COARSEST << (self.0 - 1)
     }
 
     /// Size of `level`, 0 the finest, with borders that halve with the levels.
-    #[must_use]
     pub const fn size(self, level: u32) -> OemSize {
         OemSize { inner: self.inner() >> level, border: 1 << (self.0 - 1 - level) }
     }
 
     /// Standard deviation of the Gaussian of `level`, 0 the finest.
-    #[must_use]
     pub fn width(self, level: u32) -> f64 {
         WIDEST / f64::from(1_u32 << (self.0 - 1 - level))
     }
 
     /// That of the sharp level, which has as many texels as level 0.
-    #[must_use]
     pub fn sharp_width(self) -> f64 {
         self.width(0) / 2.0
     }
 
     /// That of a bilinear read of the map itself, roughly: half of a mean texel's width.
-    #[must_use]
     pub fn mirror_width(self) -> f64 {
         1.8 / f64::from(self.inner())
     }
@@ -161,7 +155,6 @@ impl Pyramid {
     }
 
     /// GGX lobes of `roughness` in [0, 1].
-    #[must_use]
     pub fn lobes(&self, roughness: f32) -> PyramidLobes<'_> {
         PyramidLobes {
             pyramid: self,
@@ -171,7 +164,6 @@ impl Pyramid {
     }
 
     /// Irradiance on a surface with `normal` (any length but zero) over pi.
-    #[must_use]
     pub fn irradiance(&self, normal: DVec3) -> Rgb {
         let normal = normal.normalize();
         let suns: Vec3A = self.suns.suns.iter().map(|sun| sun.diffuse(normal.as_vec3a())).sum();
@@ -179,13 +171,11 @@ impl Pyramid {
     }
 
     /// Mirror, sharp level, and levels from fine to coarse; light is multiplied by 2^-[`Self::exponent`].
-    #[must_use]
     pub fn maps(&self) -> &[Map] {
         &self.maps
     }
 
     /// Irradiance over pi, scaled so, too.
-    #[must_use]
     pub const fn cosine(&self) -> &Map {
         &self.cosine
     }
@@ -215,19 +205,16 @@ impl Pyramid {
     }
 
     /// Harmonics of radiance to order 4, scaled so, too.
-    #[must_use]
     pub const fn harmonics(&self) -> &[Vec3A; 25] {
         &self.harmonics
     }
 
     /// The suns, which are in no map but the mirror.
-    #[must_use]
     pub const fn suns(&self) -> &Suns {
         &self.suns
     }
 
     /// The power of two that brings the light into the range of half floats.
-    #[must_use]
     pub const fn exponent(&self) -> i32 {
         self.exponent
     }
@@ -243,7 +230,6 @@ pub struct PyramidLobes<'a> {
 
 impl PyramidLobes<'_> {
     /// Radiance of a reflection around `direction` (any length but zero, in the map's space).
-    #[must_use]
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         let Self { pyramid, weights, alpha } = self;
         let direction = direction.normalize();

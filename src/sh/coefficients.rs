@@ -49,13 +49,11 @@ const POLYNOMIALS: [&str; MAX_COUNT] = [
 ];
 
 /// Number of functions up to band `order`.
-#[must_use]
 pub const fn count(order: u32) -> usize {
     ((order + 1) * (order + 1)) as usize
 }
 
 /// Band of the function at `index`.
-#[must_use]
 pub const fn band(index: usize) -> usize {
     index.isqrt()
 }
@@ -68,7 +66,6 @@ pub fn name(index: usize) -> String {
 }
 
 /// Describes the order of the first `count` coefficients.
-#[must_use]
 pub(crate) fn order_text(count: usize) -> String {
     let entry = |(index, polynomial): (usize, &&str)| match index {
         0 => name(0),
@@ -78,7 +75,6 @@ pub(crate) fn order_text(count: usize) -> String {
 }
 
 /// The basis functions at `direction` (unit length).
-#[must_use]
 pub fn basis(direction: DVec3) -> [f64; MAX_COUNT] {
     let d = direction;
     let mut all = [0.0; MAX_COUNT];

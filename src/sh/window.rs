@@ -135,7 +135,6 @@ pub fn parsed(text: &str) -> Result<ShWindow, String> {
 const STARTS: u32 = 2000;
 
 /// Minimum irradiance over all normals, per channel, from coefficients of radiance.
-#[must_use]
 pub(crate) fn least_irradiance(coefficients: &[[f64; 3]]) -> [f64; 3] {
     let irradiance = scaled(coefficients, ShScale::Irradiance);
     std::array::from_fn(|c| {

@@ -57,7 +57,6 @@ impl SphereMap for Equirect {
 }
 
 /// Unit direction at `u`, `v` in [0, 1].
-#[must_use]
 pub fn direction_from_equirect(u: f64, v: f64) -> DVec3 {
     let (sin_phi, cos_phi) = ((u - 0.5) * TAU).sin_cos();
     let (sin_theta, cos_theta) = (v * PI).sin_cos();
@@ -66,7 +65,6 @@ pub fn direction_from_equirect(u: f64, v: f64) -> DVec3 {
 
 /// Panorama coordinates of `direction` (any length but zero): u in [0, 1], v in [0, 1]. At the poles u is
 /// 1/2.
-#[must_use]
 pub fn equirect_from_direction(direction: DVec3) -> (f64, f64) {
     let d = direction;
     // atan2 keeps full precision near the poles, where acos(y) loses half its digits.
@@ -75,7 +73,6 @@ pub fn equirect_from_direction(direction: DVec3) -> (f64, f64) {
 }
 
 /// Exact solid angle of each texel of row `j` of a `width` x `height` panorama, in steradians.
-#[must_use]
 pub fn texel_solid_angle(width: u32, height: u32, j: u32) -> f64 {
     let edge = |k: u32| f64::from(k) / f64::from(height) * PI;
     band_height(edge(j), edge(j + 1)) * TAU / f64::from(width)

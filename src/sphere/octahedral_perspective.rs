@@ -27,7 +27,6 @@ impl OctahedralPerspective {
     ///
     /// # Panics
     /// If a component is not positive: the frustum would not intersect the plane.
-    #[must_use]
     pub const fn with_image_plane(normal: DVec3) -> Self {
         assert!(normal.x > 0.0 && normal.y > 0.0 && normal.z > 0.0, "the image plane crosses the frustum");
         Self { normal }

@@ -73,7 +73,6 @@ pub const READERS: [(&str, &str); 6] = [
 ];
 
 /// The file of that name of [`READERS`], or `pyramid.wgsl`, which is made of the shaders.
-#[must_use]
 pub fn reader(name: &str) -> Option<Cow<'static, str>> {
     if name == "pyramid.wgsl" {
         return Some(reader_wgsl().into());
@@ -643,7 +642,6 @@ impl TargetPlan {
 }
 
 /// Whether a bake for some target writes a file at `path`, relative to its folder.
-#[must_use]
 pub fn is_target_file(path: &str) -> bool {
     let is_shared = ["report.json", "sun.json"].contains(&path);
     is_shared || TARGETS.iter().any(|target| target.content_of(path).is_some())

@@ -287,20 +287,17 @@ impl Look {
     }
 
     /// The initial camera: faces the front of a mesh, otherwise the centre of a panorama.
-    #[must_use]
     pub fn first_camera(&self) -> Camera {
         let yaw = if self.object == Object::Mesh { FRONT } else { 0.0 };
         Camera { yaw, ..Camera::default() }
     }
 
     /// Whether the materials of a mesh's file are shown, if it has any.
-    #[must_use]
     pub(crate) fn shows_materials(&self) -> bool {
         self.object == Object::Mesh && self.paint == Paint::File
     }
 
     /// Whether the picture needs the certified tier.
-    #[must_use]
     pub fn needs_truth(&self) -> bool {
         match self.show {
             Show::Scene => self.filter == Technique::Adaptive,
@@ -310,7 +307,6 @@ impl Look {
     }
 
     /// Whether the picture reads a summed-area table.
-    #[must_use]
     pub const fn reads_sat(&self) -> bool {
         match self.show {
             Show::Scene | Show::Error => matches!(self.filter, Technique::Box),
@@ -329,7 +325,6 @@ impl Look {
 
     /// Half the width and the height at distance 1 that a picture shows, at least, if the camera has no
     /// angle.
-    #[must_use]
     pub fn field(&self) -> DVec2 {
         let spheres = match self.object {
             // Meshes are scaled to the unit sphere.
@@ -344,7 +339,6 @@ impl Look {
     /// Roughness of the backdrop's lobe for texels of the angle `texel` in a picture of half the height
     /// `half_height` at distance 1. An automatic one adds to a pixel what it lacks to a texel's width, so
     /// that fine environments stay sharp; it is the same for every size of the picture.
-    #[must_use]
     pub fn backdrop_roughness(&self, texel: f64, half_height: f64) -> f64 {
         let pixel = 2.0 * half_height / BACKDROP_PIXELS;
         let automatic =

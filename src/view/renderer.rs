@@ -140,7 +140,6 @@ impl Renderer {
     }
 
     /// The device.
-    #[must_use]
     pub const fn context(&self) -> &Context {
         &self.context
     }

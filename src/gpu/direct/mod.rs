@@ -77,13 +77,11 @@ named!(Method {
 
 impl Method {
     /// Whether maps are right to the pixel, except for the resampling of cubes.
-    #[must_use]
     pub const fn is_exact(self) -> bool {
         !matches!(self, Self::XzSplit | Self::EdgeStrip | Self::PerCorner)
     }
 
     /// Whether the target is a cube.
-    #[must_use]
     pub const fn is_cube(self) -> bool {
         matches!(self, Self::Cube | Self::WholeCube)
     }
@@ -322,13 +320,11 @@ impl DirectFrame {
     }
 
     /// Whether the first pass lists or cuts triangles.
-    #[must_use]
     pub(crate) const fn has_list(&self) -> bool {
         self.list.is_some()
     }
 
     /// Number of passes, of all kinds.
-    #[must_use]
     pub(crate) fn passes(&self) -> u32 {
         self.passes.len() as u32 + u32::from(self.list.is_some())
     }

@@ -33,7 +33,6 @@ impl DirectTarget {
     }
 
     /// The map and its size.
-    #[must_use]
     pub const fn map(&self) -> DirectMap {
         self.map
     }

@@ -10,7 +10,6 @@ use image::RgbImage;
 
 impl Scene {
     /// The scene as a picture.
-    #[must_use]
     pub fn picture(&self) -> RgbImage {
         let mut picture = RgbImage::from_pixel(self.width, self.height, image::Rgb(PAPER));
         for item in &self.items {

@@ -74,13 +74,11 @@ impl Frame {
     }
 
     /// Whether both overlap.
-    #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         self.low.cmplt(other.high).all() && other.low.cmplt(self.high).all()
     }
 
     /// Whether `other` is inside.
-    #[must_use]
     pub fn holds(&self, other: &Self) -> bool {
         self.low.cmple(other.low).all() && other.high.cmple(self.high).all()
     }
@@ -135,19 +133,16 @@ pub struct Scene {
 impl Scene {
     /// Every line of text and its rectangle.
     #[cfg(feature = "internals")]
-    #[must_use]
     pub fn labels(&self) -> Vec<(String, Frame)> {
         self.texts().map(|text| (text.text.clone(), text.frame())).collect()
     }
 
     /// An empty drawing.
-    #[must_use]
     pub fn new(width: f64, height: f64) -> Self {
         Self { width: width.ceil() as u32, height: height.ceil() as u32, items: Vec::new() }
     }
 
     /// The drawing's rectangle.
-    #[must_use]
     pub fn frame(&self) -> Frame {
         Frame::new(DVec2::ZERO, DVec2::new(f64::from(self.width), f64::from(self.height)))
     }

@@ -138,13 +138,11 @@ impl Scene {
     }
 
     /// The look that it is first shown with.
-    #[must_use]
     pub const fn first_look(&self) -> SceneLook {
         self.first_look
     }
 
     /// Number of glossy parts, each with a place for a probe.
-    #[must_use]
     pub fn glossy_parts(&self) -> usize {
         self.parts.iter().filter(|part| part.gloss.is_some()).count()
     }
@@ -155,7 +153,6 @@ impl Scene {
     }
 
     /// Place of part `index` at `time` in seconds.
-    #[must_use]
     pub fn place(&self, index: usize, time: f64) -> DVec3 {
         let Placed { place, motion, .. } = &self.parts[index];
         *place + motion.offset(time)

@@ -53,7 +53,6 @@ pub struct Part {
 
 impl Part {
     /// A ball around its origin, with `along` edges from pole to pole.
-    #[must_use]
     pub fn ball(radius: f64, along: u32, albedo: [f32; 3], emission: [f32; 3]) -> Self {
         let (along, around) = (along.max(3), 2 * along.max(3));
         let mut part = Self::default();
@@ -76,13 +75,11 @@ impl Part {
 
     /// A box with half edges `half` around its origin, whose faces have `parts` squares along an edge.
     /// `colour` gives albedo and emission by outward axis and position.
-    #[must_use]
     pub fn cuboid(half: DVec3, parts: u32, colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2]) -> Self {
         Self::faces(half, parts, 1.0, colour)
     }
 
     /// The box of [`Self::cuboid`] from inside.
-    #[must_use]
     pub fn room(half: DVec3, parts: u32, colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2]) -> Self {
         Self::faces(half, parts, -1.0, colour)
     }

@@ -145,31 +145,26 @@ impl SceneRenderer {
     }
 
     /// The device.
-    #[must_use]
     pub const fn context(&self) -> &Context {
         &self.context
     }
 
     /// The scene.
-    #[must_use]
     pub const fn scene(&self) -> &Scene {
         &self.scene
     }
 
     /// How the probes are drawn.
-    #[must_use]
     pub const fn settings(&self) -> SceneSettings {
         self.settings
     }
 
     /// Number of probes.
-    #[must_use]
     pub fn probes(&self) -> usize {
         self.probes.len()
     }
 
     /// Triangles of the scene.
-    #[must_use]
     pub fn triangles(&self) -> usize {
         self.probes.first().map_or(self.scene.indices.len() / 3, |probe| probe.triangles() as usize)
     }

@@ -200,7 +200,6 @@ pub fn read(side: &str, name: &str, bytes: &[u8]) -> Result<(), JsError> {
 
 /// The paths of all complete shaders, without files that others include.
 #[wasm_bindgen]
-#[must_use]
 pub fn shader_paths() -> Vec<String> {
     let included = |path: &str| {
         let line = format!("#include \"{path}\"");
@@ -212,7 +211,6 @@ pub fn shader_paths() -> Vec<String> {
 
 /// The text of the shader `path` with its includes resolved.
 #[wasm_bindgen]
-#[must_use]
 pub fn shader_source(path: &str) -> String {
     shader::source(path)
 }
