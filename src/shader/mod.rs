@@ -28,7 +28,6 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/octants.wgsl",
     "common/oem_lookup.wgsl",
     "common/plane.wgsl",
-    "common/planes.wgsl",
     "common/pyramid.wgsl",
     "common/pyramid_file.wgsl",
     "common/pyramid_group.wgsl",
