@@ -36,7 +36,6 @@ pub struct Taps {
 
 impl LevelLookup {
     /// Prepares look-ups of levels with `size` texels per edge.
-    #[must_use]
     pub fn new(size: u32) -> Self {
         let (n, side) = (size as usize, size as usize + 2);
         let mut indices = vec![0; 6 * side * side];
@@ -66,13 +65,11 @@ impl LevelLookup {
     }
 
     /// Texels read by a look-up along `direction` (any nonzero length).
-    #[must_use]
     pub(crate) fn taps(&self, direction: DVec3) -> Taps {
         self.taps_at(cube_from_direction(direction))
     }
 
     /// Texels read by a look-up at (s, t) of a face.
-    #[must_use]
     pub(crate) fn taps_at(&self, (face, s, t): (Face, f64, f64)) -> Taps {
         let (n, side) = (self.size, self.size + 2);
         let split = |x: f64| {
@@ -102,7 +99,6 @@ impl LevelLookup {
 
 impl Taps {
     /// The weighted mean of the texels, whose values `texel` gives by index.
-    #[must_use]
     pub fn mean(&self, texel: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for (place, weight) in self.texels.iter().zip(self.weights).take(self.count) {
@@ -168,7 +164,6 @@ pub(crate) fn bilinear(x: f64, y: f64, texel: impl Fn(i64, i64) -> u32) -> Taps 
 
 impl<'a> SeamlessLevel<'a> {
     /// Prepares look-ups of `level`.
-    #[must_use]
     pub fn new(level: &'a Level) -> Self {
         let map = match level.layout {
             Layout::Cube { size } => MapLookup::Cube(LevelLookup::new(size)),
@@ -179,7 +174,6 @@ impl<'a> SeamlessLevel<'a> {
     }
 
     /// Radiance along `direction` (any nonzero length).
-    #[must_use]
     pub fn radiance(&self, direction: DVec3) -> [f64; 3] {
         self.map.taps(direction).mean(|texel| self.texels[texel].map(f64::from))
     }
@@ -193,13 +187,11 @@ pub struct ChainLookup<'a> {
 
 impl<'a> ChainLookup<'a> {
     /// Prepares look-ups of `levels`.
-    #[must_use]
     pub fn new(levels: &'a [Level]) -> Self {
         Self { levels: levels.iter().map(SeamlessLevel::new).collect() }
     }
 
     /// Trilinear look-up along `direction` at `lod`, clamped to the existing levels.
-    #[must_use]
     pub fn read(&self, direction: DVec3, lod: f64) -> [f64; 3] {
         let lod = lod.clamp(0.0, (self.levels.len() - 1) as f64);
         let low = lod as usize;

@@ -1,6 +1,6 @@
 //! An environment in memory: radiance on a panorama, a cube or an octahedral square, and its orientation.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::sphere::{cube, equirect, octahedral};
 use glam::{DMat3, DVec3};
 
@@ -18,7 +18,6 @@ pub fn luminance(rgb: Rgb) -> f32 {
 }
 
 /// Luminance of `rgb` in double precision, which resolves the faintest radiance.
-#[must_use]
 pub(crate) fn exact_luminance<T: Into<f64>>(rgb: [T; 3]) -> f64 {
     LUMINANCE.iter().zip(rgb).map(|(weight, value)| f64::from(*weight) * value.into()).sum()
 }
@@ -159,7 +158,6 @@ impl Layout {
 pub const MAX_DEGREES: f64 = 1e6;
 
 /// Rotation about +Y that maps +Z to +X for 90 degrees. Quarter turns are exact.
-#[must_use]
 pub(crate) fn rotation_y(degrees: f64) -> DMat3 {
     let (sin, cos) = match degrees.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),
@@ -186,28 +184,28 @@ impl Environment {
     /// An environment of `texels` in `layout`, unrotated.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if the count is not the layout's, a side is zero, a panorama is neither 2:1 nor
-    /// one texel, or a texel is negative or not finite.
+    /// [`crate::Error::Parameter`] if the count is not the layout's, a side is zero, a panorama is neither
+    /// 2:1 nor one texel, or a texel is negative or not finite.
     pub fn new(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
         if let Layout::Panorama { width, height } = layout
             && (width, height) != (1, 1)
             && u64::from(width) != 2 * u64::from(height)
         {
-            return Err(Error::Parameter(format!(
+            return wrong(format!(
                 "a panorama of {width}x{height} is not 2:1, so it does not cover the sphere once; fill it up \
                  with black or resample it"
-            )));
+            ));
         }
         let environment = of_sound(layout, texels)?;
         let texels = &environment.texels;
-        let wrong = |c: f32| !(c.is_finite() && c >= 0.0);
+        let is_wrong = |c: f32| !(c.is_finite() && c >= 0.0);
         // No early exit, which would prevent vectorisation.
-        let any = texels.as_flattened().iter().fold(false, |any, c| any | wrong(*c));
-        if any && let Some(at) = texels.iter().position(|t| t.iter().any(|c| wrong(*c))) {
-            return Err(Error::Parameter(format!(
+        let any = texels.as_flattened().iter().fold(false, |any, c| any | is_wrong(*c));
+        if any && let Some(at) = texels.iter().position(|t| t.iter().any(|c| is_wrong(*c))) {
+            return wrong(format!(
                 "texel {at} is {:?}; radiance must be finite and not negative",
                 texels[at]
-            )));
+            ));
         }
         Ok(environment)
     }
@@ -221,10 +219,10 @@ impl Environment {
     /// Rotates the environment about +Y: +90 degrees maps +Z to +X.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an angle that is not finite.
+    /// [`crate::Error::Parameter`] for an angle that is not finite.
     pub fn rotated_y(mut self, degrees: f64) -> Result<Self> {
         if !degrees.is_finite() {
-            return Err(Error::Parameter(format!("a rotation by {degrees} degrees, which is not finite")));
+            return wrong(format!("a rotation by {degrees} degrees, which is not finite"));
         }
         // A world direction is looked up where the rotation took it from.
         self.source_from_world *= rotation_y(degrees).transpose();
@@ -295,17 +293,14 @@ impl Environment {
 /// [`Environment::new`] for texels known to be finite and not negative, and panoramas of any shape.
 ///
 /// # Errors
-/// [`Error::Parameter`] if the count is not the layout's, or a side is zero.
+/// [`crate::Error::Parameter`] if the count is not the layout's, or a side is zero.
 pub fn of_sound(layout: Layout, texels: Vec<Rgb>) -> Result<Environment> {
     let (needed, given) = (layout.texel_count(), texels.len());
     if needed == 0 {
-        return Err(Error::Parameter(format!(
-            "{} of no texels ({layout:?}); every side must be at least 1",
-            layout.name()
-        )));
+        return wrong(format!("{} of no texels ({layout:?}); every side must be at least 1", layout.name()));
     }
     if given != needed {
-        return Err(Error::Parameter(format!("{layout:?} requires {needed} texels, got {given}")));
+        return wrong(format!("{layout:?} requires {needed} texels, got {given}"));
     }
     Ok(Environment { layout, texels, source_from_world: DMat3::IDENTITY })
 }

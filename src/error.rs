@@ -80,7 +80,6 @@ pub enum Error {
 }
 
 /// Quotes `text` of a file for a message: escapes control characters and truncates to 60 characters.
-#[must_use]
 pub fn quoted(text: &str) -> String {
     match text.char_indices().nth(60) {
         Some((end, _)) => format!("{:?}... ({} bytes)", &text[..end], text.len()),
@@ -113,6 +112,11 @@ pub fn with_settings(text: &str, named: &dyn Fn(&str) -> String) -> String {
 
 /// Result with this library's [`Error`] by default.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Fails with [`Error::Parameter`].
+pub(crate) fn wrong<T>(message: impl Into<String>) -> Result<T> {
+    Err(Error::Parameter(message.into()))
+}
 
 impl Error {
     /// An [`Error::Io`] at `path`.

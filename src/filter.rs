@@ -1,7 +1,7 @@
 //! Filters: methods of evaluating a lobe.
 
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::lobe::Lobe;
 use crate::pyramid::Octaves;
 use crate::sat::Scan;
@@ -66,12 +66,12 @@ impl Filter {
     /// Checks that the filter reads a summed-area table if a `scan` other than the default is requested.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a filter without such a table, and those of [`Scan::check`].
+    /// [`crate::Error::Parameter`] for a filter without such a table, and those of [`Scan::check`].
     pub fn check_scan(self, scan: Scan) -> Result<()> {
         if scan != Scan::default() && !self.reads_sat() {
-            return Err(Error::Parameter(format!(
+            return wrong(format!(
                 "`scan` {scan} is for the filter over a summed-area table; use `filter` box"
-            )));
+            ));
         }
         scan.check()
     }
@@ -79,16 +79,15 @@ impl Filter {
     /// Checks that the filter supports `lobe`, and an OEM of `inner` texels if given.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an adaptive error outside [1e-6, 1); for a pyramid of a lobe other than
-    /// GGX, or over an OEM that is not a power of two from 32 to 2048.
+    /// [`crate::Error::Parameter`] for an adaptive error outside [1e-6, 1); for a pyramid of a lobe other
+    /// than GGX, or over an OEM that is not a power of two from 32 to 2048.
     pub fn check(self, lobe: Lobe, inner: Option<u32>) -> Result<()> {
-        let wrong = |message: String| Err(Error::Parameter(message));
         match self {
             Self::Adaptive(error) if !(MIN_ERROR..1.0).contains(&error) => wrong(format!(
                 "adaptive:{error} is outside [{MIN_ERROR:e}, 1): smaller errors are below float32 precision"
             )),
             Self::Box if lobe == Lobe::Charlie => {
-                wrong("the box filter does not support Charlie; use `filter` adaptive:E".to_owned())
+                wrong("the box filter does not support Charlie; use `filter` adaptive:E")
             }
             Self::Pyramid if lobe != Lobe::Ggx => {
                 wrong(format!("pyramid supports ggx only; for {} use adaptive:E", lobe.name()))

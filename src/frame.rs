@@ -22,7 +22,6 @@ impl Frame {
     ///
     /// A `view` from below the surface, or almost along it, is turned up to [`LEAST_COSINE`]. Of the
     /// `tangent` counts what is at right angles to the normal; if nothing is, it is any.
-    #[must_use]
     pub fn new(normal: DVec3, view: DVec3, tangent: DVec3) -> Option<Self> {
         let (normal, view) = (unit(normal)?, unit(view)?);
         if !tangent.is_finite() {

@@ -148,6 +148,7 @@ mod recipe;
 mod reflector;
 mod sat;
 mod sh;
+mod shader;
 mod smoothstep;
 mod sphere;
 mod synth;
@@ -301,6 +302,7 @@ pub mod internals {
         reflector,
         sat,
         sh,
+        shader,
         sphere,
         synth,
         target,

@@ -58,7 +58,6 @@ impl Lobe {
 
 /// GGX's integral over the sphere in closed form: W = 2a^2/k^2 * (ln(a^2/b) + b/a^2 - 1), k = (a^2-1)/2,
 /// b = (a^2+1)/2; W(1) = 1. `alpha` in (0, 1].
-#[must_use]
 pub(crate) fn ggx_integral(alpha: f64) -> f64 {
     let a2 = alpha * alpha;
     let b = (a2 + 1.0) / 2.0;
@@ -76,20 +75,17 @@ pub(crate) fn ggx_integral(alpha: f64) -> f64 {
 }
 
 /// The exponent of the Phong lobe of `alpha` in (0, 1].
-#[must_use]
 pub(crate) fn phong_exponent(alpha: f64) -> f64 {
     2.0 / (alpha * alpha) - 2.0
 }
 
 /// p of the Charlie lobe s^p (1 - 2s) of `alpha` in [0, 1]: 1/(2 alpha), since its sine is that of half the
 /// angle.
-#[must_use]
 pub(crate) fn charlie_power(alpha: f64) -> f64 {
     0.5 / alpha.max(MIN_CHARLIE_ROUGHNESS * MIN_CHARLIE_ROUGHNESS)
 }
 
 /// Kernel value at `s` = sin^2(theta/2) for `alpha` in (0, 1], in double precision: the definition.
-#[must_use]
 pub fn kernel(lobe: Lobe, alpha: f64, s: f64) -> f64 {
     let cos_theta = 1.0 - 2.0 * s;
     if lobe != Lobe::Cone && cos_theta <= 0.0 {
@@ -111,13 +107,11 @@ pub(crate) fn ggx(a2: f64, s: f64) -> f64 {
 }
 
 /// sin^2 of half the cone's half-angle, roughness * pi/2 with roughness = sqrt(alpha).
-#[must_use]
 pub(crate) fn cone_edge(alpha: f64) -> f64 {
     (alpha.sqrt() * PI / 4.0).sin().powi(2)
 }
 
 /// The kernel's integral over the sphere, in closed form, for `alpha` in (0, 1].
-#[must_use]
 pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
     match lobe {
         Lobe::Ggx => ggx_integral(alpha),
@@ -130,21 +124,6 @@ pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
             2.0 * PI / ((power + 1.0) * (power + 2.0))
         }
     }
-}
-
-/// Factors of the harmonics of order 0 to 4 under convolution with the normalised lobe: 2 pi times the
-/// integral over cos(theta) of the kernel times Legendre's polynomials. `alpha` in (0, 1]; accurate to 1e-6
-/// from 0.1 on.
-#[cfg(any(test, feature = "internals"))]
-#[must_use]
-pub fn zonal_weights(lobe: Lobe, alpha: f64) -> [f64; 5] {
-    let mut sums = [0.0; 5];
-    for (cosine, weight) in zonal_nodes(lobe, alpha) {
-        for (sum, value) in sums.iter_mut().zip(legendre(cosine)) {
-            *sum += weight * value;
-        }
-    }
-    sums.map(|sum| sum / sums[0])
 }
 
 /// Values of cos(theta) with weights proportional to the kernel there, for integrals over the lobe; `alpha`
@@ -161,7 +140,6 @@ pub(crate) fn zonal_nodes(lobe: Lobe, alpha: f64) -> impl Iterator<Item = (f64, 
 }
 
 /// Legendre's polynomials of order 0 to 4 at `x`.
-#[must_use]
 pub fn legendre(x: f64) -> [f64; 5] {
     let x2 = x * x;
     [1.0, x, (3.0 * x2 - 1.0) / 2.0, (5.0 * x2 - 3.0) * x / 2.0, ((35.0 * x2 - 30.0) * x2 + 3.0) / 8.0]
@@ -169,7 +147,6 @@ pub fn legendre(x: f64) -> [f64; 5] {
 
 /// Full width of the peak at half its value, in radians, for `alpha` in [0, 1]; 2.57 alpha for a narrow GGX.
 /// For a Charlie lobe, whose peak is a band, the width of the band.
-#[must_use]
 pub(crate) fn full_width_at_half_maximum(lobe: Lobe, alpha: f64) -> f64 {
     if alpha <= 0.0 && lobe.has_mirror() {
         return 0.0;

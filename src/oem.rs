@@ -2,7 +2,7 @@
 //! angle w.
 
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::lobe::Lobe;
 use crate::smoothstep::smoothstep;
 use crate::sphere::octahedral::wrap_texel;
@@ -12,7 +12,6 @@ use crate::sphere::octahedral::wrap_texel;
 /// Energy is constant in (u, v) within a texel. A lobe with an alpha of up to two texels (a texel is at least
 /// 2/inner wide) is also convolved with a one-texel box, which makes roughness 0 bilinear interpolation. From
 /// four texels on the box would only widen the lobe and is omitted; in between, the two are blended.
-#[must_use]
 pub fn bilinear_share(lobe: Lobe, alpha: f64, inner: u32) -> f64 {
     if lobe == Lobe::Cosine {
         return 0.0;
@@ -52,7 +51,6 @@ impl Oem {
     ///
     /// # Panics
     /// If the count is not `size.inner` squared.
-    #[must_use]
     pub fn from_square(size: OemSize, square: Vec<[f32; 4]>) -> Self {
         let inner = size.inner as usize;
         assert_eq!(square.len(), inner * inner, "texels of the square");
@@ -74,7 +72,6 @@ impl Oem {
     ///
     /// # Panics
     /// If the count is not the bordered size squared.
-    #[must_use]
     pub fn from_bordered(size: OemSize, texels: Vec<[f32; 4]>) -> Self {
         let side = size.bordered() as usize;
         assert_eq!(texels.len(), side * side, "texels with the border");
@@ -82,26 +79,22 @@ impl Oem {
     }
 
     /// Its size.
-    #[must_use]
     pub const fn size(&self) -> OemSize {
         self.size
     }
 
     /// All texels, border included.
-    #[must_use]
     pub fn texels(&self) -> &[[f32; 4]] {
         &self.texels
     }
 
     /// Texel (`x`, `y`) of the square, 0 <= x, y < inner.
-    #[must_use]
     pub fn texel(&self, x: u32, y: u32) -> [f32; 4] {
         let side = self.size.bordered() as usize;
         self.texels[(y + self.size.border) as usize * side + (x + self.size.border) as usize]
     }
 
     /// Row `y` of the square, without its border.
-    #[must_use]
     pub fn row(&self, y: u32) -> &[[f32; 4]] {
         let start =
             (y + self.size.border) as usize * self.size.bordered() as usize + self.size.border as usize;
@@ -114,7 +107,6 @@ impl Oem {
     }
 
     /// The least radiance of each channel over the square.
-    #[must_use]
     pub fn least_radiance(&self) -> Rgb {
         let mut least = [f32::INFINITY; 3];
         for [r, g, b, w] in self.square() {
@@ -126,7 +118,6 @@ impl Oem {
     }
 
     /// Total energy (red, green, blue) and solid angle of the square, summed in double precision.
-    #[must_use]
     pub fn totals(&self) -> [f64; 4] {
         let mut totals = [0.0; 4];
         for texel in self.square() {
@@ -138,7 +129,6 @@ impl Oem {
     }
 
     /// Radiance of texel (`x`, `y`) of the square.
-    #[must_use]
     pub fn radiance(&self, x: u32, y: u32) -> Rgb {
         let [r, g, b, w] = self.texel(x, y);
         [r / w, g / w, b / w]
@@ -148,15 +138,15 @@ impl Oem {
 /// Sizes of the levels of a map of `size` x `size` texels, the sharpest first.
 ///
 /// # Errors
-/// [`Error::Parameter`] if `levels` is 0, or `size` is not divisible by 2 that often.
+/// [`crate::Error::Parameter`] if `levels` is 0, or `size` is not divisible by 2 that often.
 pub fn level_sizes(size: u32, levels: u32) -> Result<Vec<OemSize>> {
     let halvings = levels.saturating_sub(1);
     if levels == 0 || halvings > 14 || size == 0 || !size.is_multiple_of(1 << halvings) {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "octahedral `size` {size} cannot be halved {halvings} times; choose a multiple of {} or fewer \
              `levels`",
             1_u32 << halvings.min(14)
-        )));
+        ));
     }
     Ok((0..levels).map(|l| OemSize { inner: size >> l, border: 1 << (halvings - l) }).collect())
 }

@@ -10,7 +10,7 @@ use crate::cpu::leaves::{LANES, Packet, Scratch};
 use crate::cpu::{mirror, reparameterise};
 use crate::direction::units;
 use crate::environment::{Environment, Layout, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::filter::{Answer, Bound, Filter};
 use crate::frame::Frame;
 use crate::geometry::source_texels::{SourceTexels, cells_across};
@@ -56,12 +56,12 @@ impl ReflectorSettings {
     pub fn plan(&self, layout: Layout) -> Result<(OemSize, u32)> {
         self.scan.check()?;
         if !(0.0..=1.0).contains(&self.sharpest) {
-            return Err(Error::Parameter(format!("`sharpest` {} is outside [0, 1]", self.sharpest)));
+            return wrong(format!("`sharpest` {} is outside [0, 1]", self.sharpest));
         }
         let border = self.border.unwrap_or(0);
         let inner = self.oem_size.unwrap_or_else(|| self.default_oem_size(layout));
         if inner == 0 {
-            return Err(Error::Parameter("an OEM of 0 texels: `oem_size` must be at least 1".to_owned()));
+            return wrong("an OEM of 0 texels: `oem_size` must be at least 1");
         }
         // Indices are 32 bits wide, and a table entry takes 32 bytes.
         let side = u64::from(inner) + 2 * u64::from(border);
@@ -170,7 +170,6 @@ const LARGEST_DEFAULT: u32 = 4096;
 
 /// Texels along an edge of an OEM as fine as the source: a panorama's width, twice a cube's face, an
 /// octahedral square's own edge.
-#[must_use]
 pub(crate) const fn source_oem_size(layout: Layout) -> u32 {
     match layout {
         Layout::Panorama { width, .. } => width,
@@ -335,7 +334,7 @@ impl<'a> Reflector<'a> {
     /// [`Error::Limit`] if the lobes' tables take more than [`Reflector::new`] allows.
     pub fn lobes(&self, lobe: Lobe, roughness: f64, filter: Filter) -> Result<Lobes<'_>> {
         if !(0.0..=1.0).contains(&roughness) {
-            return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
+            return wrong(format!("roughness {roughness} is outside [0, 1]"));
         }
         filter.check(lobe, Some(self.size.inner))?;
         let settings = ReflectorSettings { oem_size: Some(self.size.inner), ..self.settings };
@@ -502,7 +501,7 @@ impl Lobes<'_> {
         // NaN is none, too.
         let is_unit = |direction: &&DVec3| (direction.length_squared() - 1.0).abs() < 1e-6;
         if let Some(direction) = directions.iter().find(|direction| !is_unit(direction)) {
-            return Err(Error::Parameter(format!("the direction {direction} is no unit vector")));
+            return wrong(format!("the direction {direction} is no unit vector"));
         }
         self.evaluate_units(directions, workspace, answers);
         Ok(())

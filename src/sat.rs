@@ -5,7 +5,7 @@
 //! as long as the box itself fits, and since addition modulo 2^64 is associative and commutative every scan
 //! gives the same bits.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::oem::{Oem, OemSize};
 use glam::DVec2;
 use std::fmt::{self, Display, Formatter};
@@ -35,11 +35,11 @@ impl Scan {
     /// Checks the radix.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a radix other than [`Scan::RADICES`].
+    /// [`crate::Error::Parameter`] for a radix other than [`Scan::RADICES`].
     pub fn check(self) -> Result<()> {
         match self {
             Self::Hensley { radix } if !Self::RADICES.contains(&radix) => {
-                Err(Error::Parameter(format!("`scan` {self}: the samples of a pass must be 2, 4, 8 or 16")))
+                wrong(format!("`scan` {self}: the samples of a pass must be 2, 4, 8 or 16"))
             }
             _ => Ok(()),
         }
@@ -86,7 +86,6 @@ impl FixedPoint {
     ///
     /// Found without floating-point arithmetic and independently of the order: the greatest bit pattern, then
     /// an integer sum.
-    #[must_use]
     pub fn of_square(oem: &Oem) -> Self {
         let inner = u64::from(oem.size().inner);
         Self::of_texels(inner * inner, || oem.square())
@@ -136,7 +135,6 @@ impl FixedPoint {
 
     /// Four non-negative finite values as integers, truncated, by shifts of their bit patterns.
     #[inline(always)]
-    #[must_use]
     pub(crate) fn quantise(self, values: [f32; 4]) -> [u64; 4] {
         let mut out = [0; 4];
         for channel in 0..4 {
@@ -156,14 +154,12 @@ impl FixedPoint {
 
     /// One integer of `channel` as a value.
     #[inline]
-    #[must_use]
     pub fn value(self, channel: usize, integer: u64) -> f64 {
         integer as f64 * (-f64::from(self.exponents[channel])).exp2()
     }
 
     /// Four integers as values.
     #[inline]
-    #[must_use]
     pub fn values(self, integers: [u64; 4]) -> [f64; 4] {
         std::array::from_fn(|channel| self.value(channel, integers[channel]))
     }
@@ -180,27 +176,23 @@ pub struct Sat {
 
 impl Sat {
     /// A table of `entries`, row-major, already summed.
-    #[must_use]
     pub const fn from_entries(size: OemSize, fixed: FixedPoint, entries: Vec<[u64; 4]>) -> Self {
         Self { size, fixed, entries }
     }
 
     /// Size of the OEM summed.
-    #[must_use]
     pub const fn size(&self) -> OemSize {
         self.size
     }
 
     /// The scale of the entries.
     #[cfg(any(test, feature = "internals"))]
-    #[must_use]
     pub const fn fixed_point(&self) -> FixedPoint {
         self.fixed
     }
 
     /// All entries, row-major, border included.
     #[cfg(any(test, feature = "internals"))]
-    #[must_use]
     pub fn entries(&self) -> &[[u64; 4]] {
         &self.entries
     }
@@ -217,7 +209,6 @@ impl Sat {
     /// # Panics
     /// If the box leaves the border or has a negative side.
     #[inline]
-    #[must_use]
     pub fn bordered_box(&self, x0: i64, y0: i64, x1: i64, y1: i64) -> [u64; 4] {
         let border = i64::from(self.size.border);
         let far = i64::from(self.size.inner) + border;
@@ -232,7 +223,6 @@ impl Sat {
 
     /// Sum of the texels 0 <= x < `x`, 0 <= y < `y` of the unfolded plane, for any integers (negative ones
     /// count backwards), from the square's own table: wallpaper group p2 by parity.
-    #[must_use]
     pub(crate) fn plane_prefix(&self, x: i64, y: i64) -> [u64; 4] {
         let n = i64::from(self.size.inner);
         if (0..=n).contains(&x) && (0..=n).contains(&y) {
@@ -268,7 +258,6 @@ impl Sat {
     /// Sum of the texels `x0 <= x < x1`, `y0 <= y < y1` of the unfolded plane; exact for sides up to 2 *
     /// `inner`.
     #[cfg(any(test, feature = "internals"))]
-    #[must_use]
     pub fn plane_box(&self, x0: i64, y0: i64, x1: i64, y1: i64) -> [u64; 4] {
         let at = |x: i64, y: i64| self.plane_prefix(x, y);
         difference(at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1))
@@ -279,7 +268,6 @@ impl Sat {
     /// texels inside.
     ///
     /// Sides must be at most 2 * `inner`.
-    #[must_use]
     pub fn fractional_box(&self, low: DVec2, high: DVec2) -> [f64; 4] {
         let columns = Spans::new(low.x, high.x);
         let rows = Spans::new(low.y, high.y);

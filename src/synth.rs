@@ -5,7 +5,7 @@
 mod marks;
 
 use crate::environment::{Environment, Layout, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::smoothstep::smoothstep;
 use crate::sphere::cube::{self, Face};
 use crate::sphere::equirect;
@@ -54,7 +54,6 @@ pub const RECIPES: [Recipe; 5] = [
 ];
 
 /// Unit direction of the centre of the sun of `sky`: 35 degrees up, between +X and +Z.
-#[must_use]
 pub fn sun_direction() -> DVec3 {
     let (azimuth, elevation) = (0.6_f64, 35_f64.to_radians());
     DVec3::new(elevation.cos() * azimuth.cos(), elevation.sin(), elevation.cos() * azimuth.sin())
@@ -69,7 +68,7 @@ pub const SUN_RADIANCE: Rgb = [68_000.0, 62_000.0, 52_000.0];
 /// Creates the environment called `name`, one of [`RECIPES`].
 ///
 /// # Errors
-/// [`Error::Parameter`] for an unknown name; the message lists the known ones.
+/// [`crate::Error::Parameter`] for an unknown name; the message lists the known ones.
 pub fn synth(name: &str) -> Result<Environment> {
     match name {
         "sky" => panorama(512, 256, 2, sky),
@@ -79,10 +78,7 @@ pub fn synth(name: &str) -> Result<Environment> {
         "furnace" => panorama(64, 32, 1, |_| [1.0; 3]),
         _ => {
             let names: Vec<&str> = RECIPES.iter().map(|recipe| recipe.name).collect();
-            Err(Error::Parameter(format!(
-                "no environment is called {name:?}; known names: {}",
-                names.join(", ")
-            )))
+            wrong(format!("no environment is called {name:?}; known names: {}", names.join(", ")))
         }
     }
 }
@@ -90,7 +86,7 @@ pub fn synth(name: &str) -> Result<Environment> {
 /// The `labelled` environment as six faces of `size` x `size` texels.
 ///
 /// # Errors
-/// [`Error::Parameter`] if `size` is zero.
+/// [`crate::Error::Parameter`] if `size` is zero.
 pub fn labelled_cube(size: u32) -> Result<Environment> {
     let texels = Face::ALL
         .into_iter()

@@ -23,8 +23,3 @@ fn shift_left64(a: vec2<u32>, bits: u32) -> vec2<u32> {
     }
     return vec2<u32>(a.x << bits, (a.y << bits) | (a.x >> (32u - bits)));
 }
-
-// `bits` from 1 to 31.
-fn shift_right64(a: vec2<u32>, bits: u32) -> vec2<u32> {
-    return vec2<u32>((a.x >> bits) | (a.y << (32u - bits)), a.y >> bits);
-}

@@ -13,12 +13,15 @@ const NEARLY_BLACK: f64 = 0.01;
 /// Names of luminance and the channels.
 const NAMES: [&str; 4] = ["luminance", "red", "green", "blue"];
 
-/// Relative errors of luminance and of red, green and blue.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Relative errors of luminance and of red, green and blue; in JSON, root mean square errors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Relative {
-    /// Error of luminance.
+    /// Error of luminance, over its mean.
+    #[serde(rename = "rel_rmse", serialize_with = "finite")]
     pub luminance: f64,
-    /// Errors of red, green and blue.
+    /// Errors of red, green and blue, each over its own mean; over that of luminance for a channel that is
+    /// nearly black.
+    #[serde(rename = "channel_rel_rmse", serialize_with = "finite")]
     pub channels: [f64; 3],
 }
 
@@ -34,14 +37,12 @@ pub struct Greatest {
 
 impl Relative {
     /// The greatest error, luminance's included; NaN is greater than any.
-    #[must_use]
     pub fn greatest(&self) -> Greatest {
         let all = [self.luminance, self.channels[0], self.channels[1], self.channels[2]];
         greatest(all.into_iter().zip(NAMES))
     }
 
     /// The greatest error of a channel.
-    #[must_use]
     pub fn worst_channel(&self) -> Greatest {
         greatest(self.channels.into_iter().zip(NAMES.into_iter().skip(1)))
     }

@@ -5,7 +5,7 @@ use crate::analysis::oracle::Oracle;
 use crate::analysis::sun::{neighbour, texel_width};
 use crate::chain::{Chain, Level};
 use crate::environment::{Environment, Layout, exact_luminance};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::finite::finite;
 use crate::geometry::footprints::footprints_over;
 use crate::lobe::{Lobe, full_width_at_half_maximum};
@@ -72,7 +72,6 @@ fn grid_places(size: u32, grid: u32) -> Vec<usize> {
 }
 
 /// The texels of `level` that a [`LevelErrors::reference`] of `size` was compared with.
-#[must_use]
 pub(crate) fn grid_of(level: &Level, size: u32) -> Level {
     let texels =
         grid_places(level.size(), size.min(level.size())).into_iter().map(|at| level.texels[at]).collect();
@@ -90,14 +89,10 @@ pub struct LevelErrors {
     pub roughness: f64,
     /// Number of texels compared.
     pub texels: usize,
-    /// Root mean square error of luminance over the mean of the reference: of the texels of a cube, of the
-    /// sphere for other maps.
-    #[serde(serialize_with = "finite")]
-    pub rel_rmse: f64,
-    /// The same of red, green and blue, each over its own mean; over that of luminance for a channel that is
-    /// nearly black.
-    #[serde(serialize_with = "finite")]
-    pub channel_rel_rmse: [f64; 3],
+    /// Root mean square errors over the mean of the reference: of the texels of a cube, of the sphere for
+    /// other maps.
+    #[serde(flatten)]
+    pub rmse: Relative,
     /// Mean absolute error of luminance over the mean of the reference.
     #[serde(serialize_with = "finite")]
     pub l1: f64,
@@ -148,14 +143,7 @@ pub struct WorstTexel {
 }
 
 impl LevelErrors {
-    /// The root mean square errors.
-    #[must_use]
-    pub const fn rmse(&self) -> Relative {
-        Relative { luminance: self.rel_rmse, channels: self.channel_rel_rmse }
-    }
-
     /// The mean absolute errors.
-    #[must_use]
     pub const fn mean(&self) -> Relative {
         Relative { luminance: self.l1, channels: self.channel_l1 }
     }
@@ -164,20 +152,20 @@ impl LevelErrors {
 /// Compares every texel of two bakes; errors are relative to `reference`.
 ///
 /// # Errors
-/// [`Error::Parameter`] if they differ in levels, sizes or roughness.
+/// [`crate::Error::Parameter`] if they differ in levels, sizes or roughness.
 pub(crate) fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec<LevelErrors>> {
     if bake.levels.len() != reference.levels.len() {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "the bakes have {} and {} levels; bake both with equal `size` and `levels`",
             bake.levels.len(),
             reference.levels.len()
-        )));
+        ));
     }
     let pairs = bake.levels.iter().zip(&reference.levels).enumerate();
     pairs
         .map(|(index, (a, b))| {
             if a.layout != b.layout || (a.roughness - b.roughness).abs() > 1e-4 {
-                return Err(Error::Parameter(format!(
+                return wrong(format!(
                     "level {index} is {} of {} at roughness {:.4} in one bake and {} of {} at {:.4} in the \
                      other; bake both with equal layout, `size`, `levels` and `ladder`",
                     a.layout.name(),
@@ -186,7 +174,7 @@ pub(crate) fn errors_against_bake(bake: &Chain, reference: &Chain) -> Result<Vec
                     b.layout.name(),
                     b.size(),
                     b.roughness
-                )));
+                ));
             }
             Ok(errors_against_texels(index, a, b))
         })
@@ -202,7 +190,6 @@ pub(crate) fn errors_against_texels(index: usize, level: &Level, reference: &Lev
 /// Whether `level` can be measured against a source in `layout`: its lobe spans several source texels.
 ///
 /// Narrower lobes depend on the reconstruction of texels, in which bake and reference may differ.
-#[must_use]
 pub(crate) fn is_measurable(level: &Level, lobe: Lobe, layout: Layout) -> bool {
     lobe == Lobe::Cosine || lobe_width(level, lobe) >= NARROW * texel_width(layout)
 }
@@ -211,7 +198,7 @@ pub(crate) fn is_measurable(level: &Level, lobe: Lobe, layout: Layout) -> bool {
 /// the level's number.
 ///
 /// # Errors
-/// [`Error::Limit`] if the overlaps of the texels do not fit.
+/// [`crate::Error::Limit`] if the overlaps of the texels do not fit.
 pub(crate) fn errors_against_footprints(
     index: usize,
     level: &Level,
@@ -229,7 +216,6 @@ fn lobe_width(level: &Level, lobe: Lobe) -> f64 {
 /// `source`, at the texels selected by `sampling`. The lobe is evaluated at the texel's centre, or averaged
 /// over the footprint of a texel that is wide for the lobe, as in a bake. `progress` receives the
 /// integrations done and their total, from any thread.
-#[must_use]
 pub(crate) fn errors_against_source(
     levels: &[Level],
     source: &Environment,
@@ -328,11 +314,6 @@ fn integrations(level: &Level, sampling: Sampling) -> u64 {
     (picks + steps) as u64
 }
 
-/// Number of steps of each kind to sample: together as many integrations as for the `texels`.
-fn sampled_steps(texels: Option<usize>) -> Option<usize> {
-    texels.map(|count| count.div_ceil(4))
-}
-
 fn level_errors(
     index: usize,
     level: &Level,
@@ -357,7 +338,7 @@ fn level_errors(
             worst = (pick, here);
         }
     }
-    let (rmse, l1) = (sums.rel_rmse(), sums.l1());
+    let l1 = sums.l1();
     let at = picks[worst.0];
     let (image, i, j) = place(level.layout, at);
     let bake = |at: usize| exact_luminance(level.texels[at]);
@@ -369,8 +350,7 @@ fn level_errors(
         size: level.size(),
         roughness: level.roughness,
         texels: picks.len(),
-        rel_rmse: rmse.luminance,
-        channel_rel_rmse: rmse.channels,
+        rmse: sums.rel_rmse(),
         l1: l1.luminance,
         channel_l1: l1.channels,
         worst: WorstTexel {
@@ -409,7 +389,8 @@ fn direction(size: u32, at: usize) -> DVec3 {
 /// Mean step across cube edges over mean step within faces.
 fn seam(size: u32, texels: Option<usize>, value: &(dyn Fn(usize) -> f64 + Sync)) -> Option<f64> {
     let mean = |count: usize, step: fn(u32, usize) -> (usize, usize)| {
-        let picks = sample(count, sampled_steps(texels));
+        // Together as many integrations as for the texels.
+        let picks = sample(count, texels.map(|count| count.div_ceil(4)));
         let steps: Vec<f64> = picks
             .par_iter()
             .map(|pick| {
@@ -508,7 +489,7 @@ mod tests {
     fn one_wrong_texel_is_found() {
         let good = Chain { levels: vec![level(8, |d| 2.0 + d.x as f32)] };
         let same = &errors_against_bake(&good, &good).expect("equal shapes")[0];
-        assert_eq!((same.rel_rmse, same.l1, same.worst.relative), (0.0, 0.0, 0.0));
+        assert_eq!((same.rmse.luminance, same.l1, same.worst.relative), (0.0, 0.0, 0.0));
 
         let mut bad = good.clone();
         let at = (4 * 8 + 3) * 8 + 6;
@@ -519,7 +500,7 @@ mod tests {
         let expected = f64::from(good.levels[0].texels[at][0]);
         assert!((errors.worst.relative - (8.0 - expected) / expected).abs() < 1e-6, "{errors:?}");
         let rel_rmse = (8.0 - expected) / (384_f64).sqrt() / 2.0;
-        assert!((errors.rel_rmse / rel_rmse - 1.0).abs() < 1e-5, "{errors:?}");
+        assert!((errors.rmse.luminance / rel_rmse - 1.0).abs() < 1e-5, "{errors:?}");
     }
 
     #[test]
@@ -537,7 +518,11 @@ mod tests {
             let direction = layout.direction_from_texel(0, 5, 3).to_array();
             assert_eq!((errors.worst.direction, errors.seam), (direction, None));
             let share = layout.texel_solid_angle(5, 3) / (4.0 * PI);
-            assert!((errors.rel_rmse - share.sqrt()).abs() < 1e-9, "{layout:?}: {}", errors.rel_rmse);
+            assert!(
+                (errors.rmse.luminance - share.sqrt()).abs() < 1e-9,
+                "{layout:?}: {}",
+                errors.rmse.luminance
+            );
             assert!((errors.l1 - share).abs() < 1e-9, "{layout:?}: {}", errors.l1);
             let cube = Chain { levels: vec![level(height, |_| 2.0)] };
             assert!(errors_against_bake(&good, &cube).is_err(), "{layout:?} is no cube");
@@ -624,7 +609,7 @@ mod tests {
             let errors =
                 level_errors(0, &level, &|at| level.texels[at].map(f64::from), Sampling::Grid(asked));
             let reference = errors.reference.expect("a grid has a picture");
-            assert_eq!((reference.size(), errors.rel_rmse), (size, 0.0));
+            assert_eq!((reference.size(), errors.rmse.luminance), (size, 0.0));
             assert_eq!(reference.texels, grid_of(&level, size).texels);
         }
         assert_eq!(grid_places(8, 8), (0..384).collect::<Vec<_>>());

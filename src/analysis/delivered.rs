@@ -29,52 +29,21 @@ pub struct DeliveredError {
     pub roughness: f64,
     /// The level of detail that the ladder assigns to it.
     pub lod: f64,
-    /// RMS error of luminance divided by the mean of the lobe.
-    #[serde(serialize_with = "finite")]
-    pub rel_rmse: f64,
-    /// The same of red, green and blue, each over its own mean; over that of luminance for a channel that is
-    /// nearly black.
-    #[serde(serialize_with = "finite")]
-    pub channel_rel_rmse: [f64; 3],
+    /// Root mean square errors over the sphere.
+    #[serde(flatten)]
+    pub rmse: Relative,
     /// Greatest error of luminance at a direction, divided by the mean of the lobe.
     #[serde(serialize_with = "finite")]
     pub max_error: f64,
     /// The same of red, green and blue.
     #[serde(serialize_with = "finite")]
     pub channel_max_error: [f64; 3],
-    /// Errors within six alpha of the brightest region; `None` without one, and where that is everywhere.
-    pub near_sun: Option<NearSun>,
-}
-
-/// Errors of look-ups around the reflection of the brightest region.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct NearSun {
-    /// RMS error of luminance divided by the mean of the lobe there.
-    #[serde(serialize_with = "finite")]
-    pub rel_rmse: f64,
-    /// The same of red, green and blue.
-    #[serde(serialize_with = "finite")]
-    pub channel_rel_rmse: [f64; 3],
-}
-
-impl DeliveredError {
-    /// The root mean square errors over the sphere.
-    #[must_use]
-    pub const fn rmse(&self) -> Relative {
-        Relative { luminance: self.rel_rmse, channels: self.channel_rel_rmse }
-    }
-}
-
-impl NearSun {
-    /// The root mean square errors.
-    #[must_use]
-    pub const fn rmse(&self) -> Relative {
-        Relative { luminance: self.rel_rmse, channels: self.channel_rel_rmse }
-    }
+    /// Root mean square errors within six alpha of the reflection of the brightest region; `None` without
+    /// one, and where that is everywhere.
+    pub near_sun: Option<Relative>,
 }
 
 /// Returns `count` evenly distributed directions: a fixed Fibonacci lattice.
-#[must_use]
 pub fn even_directions(count: usize) -> Vec<DVec3> {
     directions_within(count, PI, DVec3::Y)
 }
@@ -96,7 +65,6 @@ fn directions_within(count: usize, reach: f64, axis: DVec3) -> Vec<DVec3> {
 
 /// Default roughnesses of a measurement: the midpoints of three equal parts of each step between levels, from
 /// the first level with a lobe.
-#[must_use]
 pub fn default_roughnesses(chain: &Chain) -> Vec<f64> {
     let levels: Vec<f64> = chain.levels.iter().map(|level| level.roughness).filter(|r| *r > 0.0).collect();
     let part = |pair: &[f64], k: u32| pair[0] + (pair[1] - pair[0]) * (f64::from(k) + 0.5) / 3.0;
@@ -140,16 +108,12 @@ pub fn delivered_errors(
             sums
         };
         let whole = sums(0..even.len());
-        let (rmse, most) = (whole.rel_rmse(), whole.greatest());
-        let near_sun = (!near.is_empty()).then(|| {
-            let rmse = sums(even.len()..got.len()).rel_rmse();
-            NearSun { rel_rmse: rmse.luminance, channel_rel_rmse: rmse.channels }
-        });
+        let most = whole.greatest();
+        let near_sun = (!near.is_empty()).then(|| sums(even.len()..got.len()).rel_rmse());
         Ok(DeliveredError {
             roughness: *roughness,
             lod,
-            rel_rmse: rmse.luminance,
-            channel_rel_rmse: rmse.channels,
+            rmse: whole.rel_rmse(),
             max_error: most.luminance,
             channel_max_error: most.channels,
             near_sun,

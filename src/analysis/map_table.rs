@@ -80,7 +80,6 @@ fn note(name: &str) -> Option<&'static str> {
 }
 
 /// All rows: the paper's in its order, further maps, and its two theoretical limits.
-#[must_use]
 pub fn rows() -> Vec<Row> {
     let row = |map: &NamedMap| Row {
         name: Some(map.name),

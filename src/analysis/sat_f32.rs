@@ -9,7 +9,6 @@ use crate::oem::Oem;
 /// The mean is subtracted before summing and added back by queries (Hensley et al. 2005, section 4). The
 /// error of a box's mean is bounded: |err| <= (4 d + 3) * 2^-24 * T / A, d the depth of the sum tree (2
 /// ceil(log2 n) for recursive doubling), T the total of the absolute biased values, A the box's texels.
-#[must_use]
 pub fn sat_f32(oem: &Oem) -> ([f32; 4], Vec<[f32; 4]>) {
     let side = oem.size().bordered() as usize;
     let count = (side * side) as f64;

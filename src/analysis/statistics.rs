@@ -3,6 +3,7 @@
 use crate::analysis::sun::Sun;
 use crate::environment::{Environment, Rgb, exact_luminance};
 use half::f16;
+use serde::Serialize;
 use std::f64::consts::PI;
 
 /// Statistics of an environment.
@@ -21,11 +22,13 @@ pub struct Statistics {
 }
 
 /// Loss from clamping to the maximum half float, 65504.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct HalfLoss {
     /// Texels with a channel above it.
+    #[serde(rename = "clipped_texels")]
     pub texels: u64,
     /// Share of the luminance energy above it.
+    #[serde(rename = "lost_energy_share")]
     pub energy_share: f64,
 }
 

@@ -22,7 +22,6 @@ pub struct Stretch {
 
 impl Stretch {
     /// From the derivatives of the direction by u and v.
-    #[must_use]
     pub fn from_derivatives(by_u: DVec3, by_v: DVec3) -> Self {
         let (a, b, c) = (by_u.length_squared(), by_u.dot(by_v), by_v.length_squared());
         let root = ((a - c) * (a - c) + 4.0 * b * b).sqrt();
@@ -34,7 +33,6 @@ impl Stretch {
     }
 
     /// At `uv` of `component`, by central differences of `step`; the map must be smooth within `step`.
-    #[must_use]
     pub fn at(map: &dyn SphereMap, component: u32, uv: DVec2, step: f64) -> Self {
         let by = |way: DVec2| {
             (map.direction(component, uv + way * step) - map.direction(component, uv - way * step))
@@ -44,13 +42,11 @@ impl Stretch {
     }
 
     /// Greater over lesser singular value, at least 1.
-    #[must_use]
     pub fn anisotropy(&self) -> f64 {
         self.greatest / self.least
     }
 
     /// Steradians per unit of area.
-    #[must_use]
     pub fn area(&self) -> f64 {
         self.greatest * self.least
     }
@@ -110,7 +106,6 @@ struct Extremes {
 /// Extremes lie in cell centres, on folds and on rims. Points are sampled near every grid corner, at two
 /// distances, and in the cell centres; the limit is extrapolated. A value that doubles between the distances
 /// is infinite.
-#[must_use]
 pub fn measure(map: &dyn SphereMap) -> Metrics {
     let components: Vec<_> = (0..map.components()).map(|k| map.component(k)).collect();
     let cells: f64 = components.iter().map(|c| f64::from(c.cells[0] * c.cells[1])).sum();

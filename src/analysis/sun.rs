@@ -209,7 +209,7 @@ impl Sun {
 /// pictures an even selection.
 fn surroundings(environment: &Environment, peak: usize) -> f64 {
     let grid = LayoutTexels(environment.layout());
-    let begin = surroundings_begin(environment.layout());
+    let begin = SURROUNDINGS_DEGREES.to_radians().max(2.0 * texel_width(environment.layout()));
     let [inner, outer] = [begin, SURROUNDINGS_REACH * begin].map(|angle| angle.min(PI).cos());
     let peak = grid.direction(peak);
     let texels = environment.texels();
@@ -226,11 +226,6 @@ fn surroundings(environment: &Environment, peak: usize) -> f64 {
     }
     let middle = around.len() / 2;
     *around.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
-/// Inner angle of the surroundings.
-fn surroundings_begin(layout: Layout) -> f64 {
-    SURROUNDINGS_DEGREES.to_radians().max(2.0 * texel_width(layout))
 }
 
 /// Approximate angular width of a texel.

@@ -7,7 +7,7 @@
 //! Gauss-Legendre quadrature over half vectors, on pieces where the integrand is smooth: deterministic and
 //! free of noise.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::lobe::reflectance;
 use crate::sphere::quadrature::gauss_legendre;
 use rayon::prelude::*;
@@ -47,7 +47,7 @@ pub enum DfgBlue {
 /// Computes the table of `size` texels a side.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a size of 0 or above 1024.
+/// [`crate::Error::Parameter`] for a size of 0 or above 1024.
 pub fn dfg_table(size: u32, form: DfgForm, blue: DfgBlue) -> Result<DfgTable> {
     dfg_table_with(size, form, blue, &|_, _| ())
 }
@@ -63,7 +63,7 @@ pub(crate) fn dfg_table_with(
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<DfgTable> {
     if !(1..=1024).contains(&size) {
-        return Err(Error::Parameter(format!("a table of {size} texels; `size` must be 1 to 1024")));
+        return wrong(format!("a table of {size} texels; `size` must be 1 to 1024"));
     }
     let (rule, fine) = (gauss_legendre(NODES), gauss_legendre(2 * NODES));
     let centre = |k: u32| (f64::from(k) + 0.5) / f64::from(size);
@@ -96,16 +96,8 @@ const NODES: u32 = 48;
 /// Scale and bias of f0 for GGX at the view's `cosine` in (0, 1] and the perceptual `roughness` in \[0, 1\];
 /// their sum is the single-scattering reflectance of a white surface of that roughness.
 #[cfg(any(test, feature = "internals"))]
-#[must_use]
 pub fn ggx(cosine: f64, roughness: f64) -> [f64; 2] {
     reflectance::ggx(cosine, roughness, &gauss_legendre(NODES))
-}
-
-/// Reflectance of a Charlie lobe at the view's `cosine` in (0, 1] and the perceptual sheen `roughness` in (0,
-/// 1].
-#[cfg(test)]
-fn charlie_reflectance(cosine: f64, roughness: f64) -> f64 {
-    reflectance::charlie(cosine, roughness, &gauss_legendre(2 * NODES))
 }
 
 #[cfg(test)]
@@ -113,6 +105,12 @@ mod tests {
     use super::*;
     use glam::DVec3;
     use std::f64::consts::PI;
+
+    /// Reflectance of a Charlie lobe at the view's `cosine` in (0, 1] and the perceptual sheen `roughness` in
+    /// (0, 1].
+    fn charlie_reflectance(cosine: f64, roughness: f64) -> f64 {
+        reflectance::charlie(cosine, roughness, &gauss_legendre(2 * NODES))
+    }
 
     /// The same integral over light directions instead of half vectors, by midpoints: an independent method.
     fn over_lights(cosine: f64, f: impl Fn(DVec3, DVec3) -> [f64; 2]) -> [f64; 2] {

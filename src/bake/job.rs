@@ -7,7 +7,7 @@ use super::solve::solve;
 use crate::chain::{Chain, Level, LevelSpec};
 use crate::cpu::box_filter;
 use crate::environment::{Environment, Layout, Map, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::filter::Filter;
 use crate::lobe::Lobe;
 use crate::oem::OemSize;
@@ -39,7 +39,7 @@ struct BakeParts {
 impl<'a> Job<'a> {
     pub(crate) fn new(environment: &'a Environment, settings: &'a [BakeSettings]) -> Result<Self> {
         if settings.is_empty() {
-            return Err(Error::Parameter("there is nothing to bake".to_owned()));
+            return wrong("there is nothing to bake");
         }
         shared_scan(settings)?;
         let mut levels: Vec<LevelJob> = Vec::new();
@@ -53,12 +53,12 @@ impl<'a> Job<'a> {
         for settings in settings {
             if settings.sh_order > sh::MAX_ORDER {
                 let (asked, most) = (settings.sh_order, sh::MAX_ORDER);
-                return Err(Error::Parameter(format!("`sh_order` {asked} is above {most}")));
+                return wrong(format!("`sh_order` {asked} is above {most}"));
             }
             settings.sh_window.check()?;
             for (size, name) in [(settings.irradiance, "irradiance"), (settings.skybox, "skybox")] {
                 if size == Some(0) {
-                    return Err(Error::Parameter(format!("`{name}` must be at least 1")));
+                    return wrong(format!("`{name}` must be at least 1"));
                 }
             }
             let (specs, other_filter) = (settings.level_specs()?, settings.filter.for_other_lobes());
@@ -238,9 +238,9 @@ fn shared_scan(settings: &[BakeSettings]) -> Result<Scan> {
     let first = scans.next().unwrap_or_default();
     match scans.find(|scan| *scan != first) {
         None => Ok(first),
-        Some(other) => Err(Error::Parameter(format!(
+        Some(other) => wrong(format!(
             "`scan` {first} and {other} for one table; bakes of one environment share it, choose one of them"
-        ))),
+        )),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Engine, ready};
 use crate::direction::units;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::filter::{Answer, Filter};
 use crate::lobe::Lobe;
 use crate::reflector::Reflector;
@@ -35,11 +35,11 @@ impl Query<'_> {
     fn alike(&self) -> Result<Vec<Alike>> {
         let directions = units(self.directions)?;
         if directions.len() != self.roughness.len() {
-            return Err(Error::Parameter(format!(
+            return wrong(format!(
                 "{} directions and {} numbers of roughness; one for each direction is needed",
                 directions.len(),
                 self.roughness.len()
-            )));
+            ));
         }
         // Bits of nonnegative floats sort like the numbers.
         let mut by_roughness: BTreeMap<u64, Alike> = BTreeMap::new();

@@ -3,7 +3,7 @@
 use super::level::{BakedLevel, Processor};
 use crate::chain::{Chain, Level};
 use crate::environment::{Layout, Map};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::filter::first_wrong;
 use crate::oem::OemSize;
 use crate::pyramid::BakedPyramid;
@@ -80,10 +80,9 @@ impl Bake {
     /// [`Error::Parameter`] for a chain of no levels or of sides that do not halve, for another number of
     /// texels or bounds than a level's layout has, and for values that are negative or not finite.
     pub(crate) fn check(&self) -> Result<()> {
-        let wrong = |message: String| Err(Error::Parameter(message));
         for chain in std::iter::once(&self.chain).chain(&self.sheen) {
             let Some(first) = chain.levels.first() else {
-                return wrong("a chain of no levels; bake it again".to_owned());
+                return wrong("a chain of no levels; bake it again");
             };
             let map = match first.layout {
                 Layout::Cube { .. } => Map::Cube,

@@ -3,7 +3,7 @@
 use super::solve::{self, Node};
 use crate::chain::{ChainKind, LevelSpec};
 use crate::environment::{Layout, Map};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::filter::Filter;
 use crate::ladder::{DEFAULT_CUBE_SIZE, Ladder};
 use crate::lobe::Lobe;
@@ -132,16 +132,16 @@ impl BakeSettings {
     /// Size and roughness of every level.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a size of 0 or above 65,536, no levels, more levels than down to a size of 1,
-    /// or a filter that does not support the lobe or the scan.
+    /// [`crate::Error::Parameter`] for a size of 0 or above 65,536, no levels, more levels than down to a
+    /// size of 1, or a filter that does not support the lobe or the scan.
     pub fn level_specs(&self) -> Result<Vec<LevelSpec>> {
         if self.size == 0 {
-            return Err(Error::Parameter("`size` must be at least 1".to_owned()));
+            return wrong("`size` must be at least 1");
         }
         let edges = [("size", Some(self.size)), ("irradiance", self.irradiance), ("skybox", self.skybox)];
         for (name, edge) in edges {
             if let Some(edge) = edge.filter(|edge| *edge > MAX_EDGE) {
-                return Err(Error::Parameter(format!("`{name}` {edge} is above {MAX_EDGE}")));
+                return wrong(format!("`{name}` {edge} is above {MAX_EDGE}"));
             }
         }
         self.filter.check(self.lobe, self.oem_size)?;
@@ -149,12 +149,10 @@ impl BakeSettings {
         if let Some(kind) = self.chain.filter(|kind| *kind != ChainKind::Sampled) {
             let name = kind.name();
             if self.map != Map::Cube || self.lobe != Lobe::Ggx {
-                return Err(Error::Parameter(format!("`chain` {name} is for cubes of the lobe ggx")));
+                return wrong(format!("`chain` {name} is for cubes of the lobe ggx"));
             }
             if self.bounds {
-                return Err(Error::Parameter(format!(
-                    "`bounds` are those of sampled texels; `chain` {name} has none"
-                )));
+                return wrong(format!("`bounds` are those of sampled texels; `chain` {name} has none"));
             }
         }
         if self.sheen {
@@ -168,13 +166,10 @@ impl BakeSettings {
         };
         let levels = self.levels.unwrap_or(own);
         if levels == 0 {
-            return Err(Error::Parameter("`levels` must be at least 1".to_owned()));
+            return wrong("`levels` must be at least 1");
         }
         if levels > most {
-            return Err(Error::Parameter(format!(
-                "`levels` {levels} is too many for `size` {}; at most {most}",
-                self.size
-            )));
+            return wrong(format!("`levels` {levels} is too many for `size` {}; at most {most}", self.size));
         }
         let roughness = |level| self.ladder.roughness(level, levels, self.size);
         Ok((0..levels)

@@ -7,7 +7,7 @@ use super::engine::Engine;
 use super::expand::{Expansion, Found, expand};
 use super::fingerprint;
 use super::input::{self, InputFiles};
-use super::outcome::{Failure, Outcome, is_stdout, on_threads, print, usage};
+use super::outcome::{Failure, Outcome, check_png, is_stdout, on_threads, print, usage};
 use super::output::{Common, Destination, Outputs, names_folder};
 use super::shared_args::EngineArgs;
 use super::summary::Written;
@@ -107,9 +107,7 @@ impl Work {
         let sources = input::sources(paths, &args.recipe.input)?;
         let sources: Vec<(InputFiles, PathBuf)> = sources.into_iter().zip(withins).collect();
         if let Some(path) = &args.preview {
-            if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-                return usage(format!("--preview {} must end in .png", path.display()));
-            }
+            check_png("--preview", path)?;
             if several {
                 return usage("--preview takes one input");
             }

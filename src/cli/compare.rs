@@ -7,7 +7,7 @@ use super::console::Console;
 use super::input::{self, file_name, read_bake};
 use super::look_ups;
 use super::measures::Measures;
-use super::outcome::{Outcome, check_not_input, on_threads, print, print_json, usage};
+use super::outcome::{Outcome, check_not_input, check_png, on_threads, print, print_json, usage};
 use super::{compare_many, compare_pair};
 use crate::Layout;
 use crate::analysis::compare::{LevelErrors, grid_of};
@@ -23,9 +23,7 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     let inputs = || [&args.bake].into_iter().chain(&args.against);
     if let Some(path) = &args.picture {
-        if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-            return usage(format!("--picture {} must end in .png", path.display()));
-        }
+        check_png("--picture", path)?;
         check_not_input(path, inputs())?;
         output::recover(path);
         output::check_file(path, existing)?;
@@ -103,7 +101,7 @@ fn picture(args: &CompareArgs, bake: &Chain, levels: &[LevelErrors]) -> crate::R
         .map(|(errors, reference, level)| error_sheet::LevelErrors {
             number: errors.level,
             size: errors.size,
-            rmse: errors.rmse(),
+            rmse: errors.rmse,
             level,
             reference,
         })

@@ -128,7 +128,7 @@ fn drawn(sides: &[Side; 2], roughnesses: &[f64]) -> crate::Result<Vec<Column>> {
                 roughness: *roughness,
                 reference: lobes(*roughness, &seen[0])?,
                 bakes: [read(0), read(1)],
-                errors: [0, 1].map(|side| sides[side].delivered.roughnesses[k].rmse()),
+                errors: [0, 1].map(|side| sides[side].delivered.roughnesses[k].rmse),
             })
         };
         roughnesses.iter().enumerate().map(column).collect()

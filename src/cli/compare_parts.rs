@@ -11,7 +11,6 @@ use crate::analysis::compare::{
 };
 use crate::chain::Level;
 use crate::environment::exact_luminance;
-use crate::finite::finite;
 use crate::io::regular::read_regular;
 use crate::io::side_report::{MAX_REPORT_BYTES, REPORT};
 use crate::io::{self, DEFAULT_MEMORY_LIMIT, LoadedChain, ReadOptions};
@@ -56,18 +55,9 @@ impl PartErrors {
 pub(super) struct HarmonicsErrors {
     /// Number of coefficients.
     coefficients: usize,
-    /// Root mean square error of luminance over the mean.
-    #[serde(serialize_with = "finite")]
-    rel_rmse: f64,
-    /// That of red, green and blue.
-    #[serde(serialize_with = "finite")]
-    channel_rel_rmse: [f64; 3],
-}
-
-impl HarmonicsErrors {
-    pub(super) const fn rmse(&self) -> Relative {
-        Relative { luminance: self.rel_rmse, channels: self.channel_rel_rmse }
-    }
+    /// Root mean square errors over the mean.
+    #[serde(flatten)]
+    pub(super) rmse: Relative,
 }
 
 impl Part {
@@ -409,12 +399,8 @@ fn harmonics_errors(got: &Harmonics, expected: &[[f64; 3]]) -> PartErrors {
         }
     }
     let mean = expected[0].map(|c| (orthonormal[0] * c).max(0.0));
-    let errors = relative_to(squares.map(f64::sqrt), mean);
-    PartErrors::Harmonics(HarmonicsErrors {
-        coefficients: expected.len(),
-        rel_rmse: errors.luminance,
-        channel_rel_rmse: errors.channels,
-    })
+    let rmse = relative_to(squares.map(f64::sqrt), mean);
+    PartErrors::Harmonics(HarmonicsErrors { coefficients: expected.len(), rmse })
 }
 
 /// Files in `folder` and the folders in it, by relative path, sorted.
@@ -439,8 +425,8 @@ pub(super) fn text(parts: &[Part]) -> String {
     }
     for part in parts {
         let (size, texels, rmse, mean) = match &part.errors {
-            PartErrors::Texels(e) => (e.size.to_string(), e.texels, e.rmse(), Some(e.mean())),
-            PartErrors::Harmonics(e) => ("-".to_owned(), e.coefficients, e.rmse(), None),
+            PartErrors::Texels(e) => (e.size.to_string(), e.texels, e.rmse, Some(e.mean())),
+            PartErrors::Harmonics(e) => ("-".to_owned(), e.coefficients, e.rmse, None),
         };
         let file = part.file.as_deref().unwrap_or("level 0");
         let columns = |errors: Option<Relative>| {

@@ -20,11 +20,9 @@ pub(super) fn run(args: DfgArgs) -> Outcome {
     };
     let existing = if args.force { Existing::Replace } else { Existing::Keep };
     check_output(path, existing)?;
-    let (form, name) = match args.form {
-        DfgForm::SplitSum => (DfgForm::SplitSum, "red: scale of f0, green: bias"),
-        DfgForm::MultipleScattering => {
-            (DfgForm::MultipleScattering, "red: reflected at f0 = 0, green: at f0 = 1")
-        }
+    let name = match args.form {
+        DfgForm::SplitSum => "red: scale of f0, green: bias",
+        DfgForm::MultipleScattering => "red: reflected at f0 = 0, green: at f0 = 1",
     };
     let (blue, blue_name, channels) = if args.charlie {
         (DfgBlue::Charlie, ", blue: Charlie", Channels::Four)
@@ -34,7 +32,7 @@ pub(super) fn run(args: DfgArgs) -> Outcome {
     let description = format!("{name}{blue_name}; columns: cosine 0 to 1, rows: perceptual roughness 0 to 1");
     let console = Console::new(args.quiet);
     let bar = console.bar("integrating");
-    let table = dfg_table_with(args.size, form, blue, &|done, total| bar.at(done, total))?;
+    let table = dfg_table_with(args.size, args.form, blue, &|done, total| bar.at(done, total))?;
     drop(bar);
     let bytes = if is_ktx2 {
         table_bytes(table.size, &table.texels, channels, &description)?

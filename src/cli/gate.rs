@@ -62,7 +62,7 @@ impl Verdict {
         let is_judged = |roughness: f64| is_from(from, roughness);
         for errors in levels {
             if is_judged(errors.roughness) {
-                judged.push(Judged::new(format!("level {}", errors.level), errors.rmse()));
+                judged.push(Judged::new(format!("level {}", errors.level), errors.rmse));
             } else {
                 sharp.push(errors.level);
             }
@@ -72,9 +72,9 @@ impl Verdict {
             if !is_judged(error.roughness) {
                 continue;
             }
-            judged.push(Judged::new(format!("look-ups at {at}"), error.rmse()));
+            judged.push(Judged::new(format!("look-ups at {at}"), error.rmse));
             if let Some(near) = error.near_sun {
-                judged.push(Judged::new(format!("look-ups near the sun at {at}"), near.rmse()));
+                judged.push(Judged::new(format!("look-ups near the sun at {at}"), near));
             }
         }
         for part in parts {
@@ -83,8 +83,8 @@ impl Verdict {
                 PartErrors::Texels(errors) if ["mirror", "skybox"].contains(&part.part) => {
                     judged.push(Judged { measure: "L1", ..Judged::new(part.name(), errors.mean()) });
                 }
-                PartErrors::Texels(errors) => judged.push(Judged::new(part.name(), errors.rmse())),
-                PartErrors::Harmonics(errors) => judged.push(Judged::new(part.name(), errors.rmse())),
+                PartErrors::Texels(errors) => judged.push(Judged::new(part.name(), errors.rmse)),
+                PartErrors::Harmonics(errors) => judged.push(Judged::new(part.name(), errors.rmse)),
             }
         }
         if !sharp.is_empty() {

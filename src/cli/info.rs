@@ -6,7 +6,7 @@ use super::engine::list_adapters;
 use super::info_other;
 use super::input::{self, InputFiles, layout_name, read_bake};
 use super::outcome::{Failure, Outcome, print};
-use crate::analysis::statistics::Statistics;
+use crate::analysis::statistics::{HalfLoss, Statistics};
 use crate::analysis::sun::Brightest;
 use crate::chain::{Chain, Level};
 use crate::environment::exact_luminance;
@@ -42,15 +42,9 @@ struct EnvironmentInfo {
     sun: Option<SunReport>,
     /// The brightest region, if it is not a sun.
     brightest_region: Option<SunReport>,
-    half_float: HalfInfo,
+    half_float: HalfLoss,
     repaired: Repairs,
     warnings: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct HalfInfo {
-    clipped_texels: u64,
-    lost_energy_share: f64,
 }
 
 /// `--json` output for a bake.
@@ -209,10 +203,7 @@ fn environment_info(input: String, bytes: u64, opened: Source) -> EnvironmentInf
         mean: statistics.mean,
         sun: brightest(Brightest::Sun),
         brightest_region: brightest(Brightest::Region),
-        half_float: HalfInfo {
-            clipped_texels: statistics.half.texels,
-            lost_energy_share: statistics.half.energy_share,
-        },
+        half_float: statistics.half,
         repaired: opened.repaired,
         warnings: opened.warnings,
     }
@@ -349,10 +340,10 @@ impl EnvironmentInfo {
         let half = &self.half_float;
         row(
             "half float",
-            match half.clipped_texels {
+            match half.texels {
                 0 => "clips nothing".to_owned(),
                 count => {
-                    let share = percent(half.lost_energy_share);
+                    let share = percent(half.energy_share);
                     format!("clips {count} texels above 65504, {share} of all energy")
                 }
             },

@@ -126,12 +126,13 @@ impl Delivered {
             self.ladder, self.directions
         );
         for error in &self.roughnesses {
-            let DeliveredError { roughness, lod, rel_rmse, .. } = error;
+            let DeliveredError { roughness, lod, rmse, .. } = error;
             let most = Relative { luminance: error.max_error, channels: error.channel_max_error };
-            let near = error.near_sun.map_or_else(|| "-".to_owned(), |near| channel(near.rmse().greatest()));
+            let near = error.near_sun.map_or_else(|| "-".to_owned(), |near| channel(near.greatest()));
             text += &format!(
-                "{roughness:>9.4}  {lod:>6.3}  {rel_rmse:>8.6}  {:>14}  {:>14.4}  {near:>14}\n",
-                channel(error.rmse().worst_channel()),
+                "{roughness:>9.4}  {lod:>6.3}  {:>8.6}  {:>14}  {:>14.4}  {near:>14}\n",
+                rmse.luminance,
+                channel(rmse.worst_channel()),
                 most.greatest().error,
             );
         }
@@ -185,7 +186,7 @@ pub(super) fn draw_chart(
             delivered.ladder
         ),
         points: (delivered.roughnesses.iter())
-            .map(|error| [error.roughness, error.rmse().greatest().error.max(MIN_ERROR)])
+            .map(|error| [error.roughness, error.rmse.greatest().error.max(MIN_ERROR)])
             .collect(),
         marks: if delivered.roughnesses.len() > 20 { Marks::Line } else { Marks::LineAndDots },
         ..Series::default()

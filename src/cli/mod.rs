@@ -46,6 +46,7 @@ mod outcome;
 mod output;
 mod query;
 mod reader;
+pub mod rows;
 mod shared_args;
 mod shell;
 mod signals;

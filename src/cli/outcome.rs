@@ -132,6 +132,14 @@ pub(super) fn write_output(path: &Path, existing: Existing, bytes: &[u8]) -> Out
     Ok(output_file::write_file(path, existing, |file| file.write_all(bytes))?)
 }
 
+/// Checks that the path of `option` names a PNG file.
+pub(super) fn check_png(option: &str, path: &Path) -> Outcome {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        return Ok(());
+    }
+    usage(format!("{option} {} must end in .png", path.display()))
+}
+
 /// Checks that [`write_output`] can write to `path`, and cleans up after killed runs in its folder.
 pub(super) fn check_output(path: &Path, existing: Existing) -> Outcome {
     if is_stdout(path)? {

@@ -2,10 +2,11 @@
 
 use super::args::QueryArgs;
 use super::console::{self, Console};
-use super::directions::{Directions, read_directions};
-use super::frames::{AskedFrame, Frames, read_frames};
+use super::directions::{DIRECTIONS, Direction};
+use super::frames::FRAMES;
 use super::input::{self, InputFiles};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, print, usage, write_output};
+use super::rows::Rows;
 use super::values::EngineArg;
 use crate::analysis::oracle::Oracle;
 use crate::analysis::oracle::reflection::reflection;
@@ -13,6 +14,7 @@ use crate::bake::query::Query;
 use crate::cpu::reflection::{LEAST_ROUGHNESS, ReflectedLight};
 use crate::environment::Rgb;
 use crate::filter::{Answer, Bound, Filter};
+use crate::frame::Frame;
 use crate::io::npy;
 use crate::io::output::Existing;
 use crate::lobe::Lobe;
@@ -20,7 +22,7 @@ use crate::reflector::{Reflector, ReflectorSettings, sharpest};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub(super) fn run(args: QueryArgs) -> Outcome {
     args.engine.check()?;
@@ -48,79 +50,74 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     };
     let console = Console::new(args.quiet);
     on_threads(args.engine.threads, || {
-        if let Some(path) = &args.frames {
-            let frames = read_frames(path)?;
-            let answers = reflected(&args, &frames, &source, &console)?;
-            let rows = || frames.asked.iter().map(|asked| &*asked.typed);
-            return deliver(output, existing, &answers, args.bound, "frames", &console, || {
-                csv(&frames.header, rows(), &answers, args.bound)
-            });
-        }
-        let directions = args.directions.as_deref().expect("required without frames");
-        let Directions { asked, has_roughness } = read_directions(directions)?;
-        let shared = match (lobe, args.roughness, has_roughness) {
-            (Lobe::Cosine, _, false) => 1.0,
-            (Lobe::Cosine, _, true) => {
-                return usage("--lobe cosine has no roughness; omit the column of roughness");
+        let (header, typed, answers, asked) = match &args.frames {
+            Some(path) => {
+                let frames = FRAMES.read(path)?;
+                let answers = reflected(&args, &frames, &source, &console)?;
+                (frames.header, frames.typed, answers, "frames")
             }
-            (_, Some(roughness), false) => roughness,
-            (_, Some(_), true) => {
-                return usage("--roughness and the column of roughness contradict each other; omit one");
+            None => {
+                let path = args.directions.as_deref().expect("required without frames");
+                let directions = DIRECTIONS.read(path)?;
+                let answers = lobes(&args, &directions, &source, &console)?;
+                (directions.header, directions.typed, answers, "directions")
             }
-            (_, None, false) => {
-                return usage(
-                    "--roughness R, R in [0, 1], or a column of roughness in --directions is required",
-                );
-            }
-            // Unused: the rows have their own.
-            (_, None, true) => 1.0,
         };
-        let roughness: Vec<f64> = asked.iter().map(|asked| asked.roughness.unwrap_or(shared)).collect();
-        let opened = source.open(&args.input, &console)?;
-        let engine = args.engine.choose(&console)?;
-        let settings = ReflectorSettings {
-            oem_size: args.table.oem_size,
-            border: args.table.border,
-            scan: args.table.scan.unwrap_or_default(),
-            sharpest: sharpest(lobe, &roughness).unwrap_or_else(|| lobe.served_roughness(shared)),
-            pyramid: args.filter == Filter::Pyramid,
+        let csv = || csv(&header, &typed, &answers, args.bound);
+        let Some((path, form)) = output else { return print(&csv()) };
+        let bytes = match form {
+            Form::Csv => csv().into_bytes(),
+            Form::Array => array(&answers, args.bound),
         };
-        let directions: Vec<DVec3> = asked.iter().map(|asked| asked.direction).collect();
-        let query = Query { lobe, filter: args.filter, directions: &directions, roughness: &roughness };
-        let answers = engine.query(&opened.environment, &settings, &query, &console)?;
-        let header = if has_roughness { "x,y,z,roughness" } else { "x,y,z" };
-        let rows = || asked.iter().map(|asked| &*asked.typed);
-        deliver(output, existing, &answers, args.bound, "directions", &console, || {
-            csv(header, rows(), &answers, args.bound)
-        })
+        write_output(path, existing, &bytes)?;
+        let (count, size) = (answers.len(), console::bytes(bytes.len() as u64));
+        console.note(&format!("{}: {count} {asked}, {size}", path.display()));
+        Ok(())
     })
 }
 
-/// Writes `answers` to `output`, or to standard output: as the text that `csv` makes, or as an array.
-fn deliver(
-    output: Option<(&PathBuf, Form)>,
-    existing: Existing,
-    answers: &[Answer],
-    bound: bool,
-    asked: &str,
+/// The radiance of lobes around `rows`.
+fn lobes(
+    args: &QueryArgs,
+    rows: &Rows<Direction>,
+    source: &InputFiles,
     console: &Console,
-    csv: impl FnOnce() -> String,
-) -> Outcome {
-    let Some((path, form)) = output else { return print(&csv()) };
-    let bytes = match form {
-        Form::Csv => csv().into_bytes(),
-        Form::Array => array(answers, bound),
+) -> Outcome<Vec<Answer>> {
+    let lobe = args.lobe;
+    let shared = match (lobe, args.roughness, rows.is_full) {
+        (Lobe::Cosine, _, false) => 1.0,
+        (Lobe::Cosine, _, true) => {
+            return usage("--lobe cosine has no roughness; omit the column of roughness");
+        }
+        (_, Some(roughness), false) => roughness,
+        (_, Some(_), true) => {
+            return usage("--roughness and the column of roughness contradict each other; omit one");
+        }
+        (_, None, false) => {
+            return usage("--roughness R, R in [0, 1], or a column of roughness in --directions is required");
+        }
+        // Unused: the rows have their own.
+        (_, None, true) => 1.0,
     };
-    write_output(path, existing, &bytes)?;
-    let (count, size) = (answers.len(), console::bytes(bytes.len() as u64));
-    console.note(&format!("{}: {count} {asked}, {size}", path.display()));
-    Ok(())
+    let (directions, roughness): (Vec<DVec3>, Vec<f64>) =
+        rows.values.iter().map(|(direction, roughness)| (*direction, roughness.unwrap_or(shared))).unzip();
+    let opened = source.open(&args.input, console)?;
+    let engine = args.engine.choose(console)?;
+    let settings = ReflectorSettings {
+        oem_size: args.table.oem_size,
+        border: args.table.border,
+        scan: args.table.scan.unwrap_or_default(),
+        sharpest: sharpest(lobe, &roughness).unwrap_or_else(|| lobe.served_roughness(shared)),
+        pyramid: args.filter == Filter::Pyramid,
+    };
+    let query = Query { lobe, filter: args.filter, directions: &directions, roughness: &roughness };
+    Ok(engine.query(&opened.environment, &settings, &query, console)?)
 }
 
 /// The radiance that the surfaces of `frames` reflect.
 fn reflected(
     args: &QueryArgs,
-    frames: &Frames,
+    frames: &Rows<Frame>,
     source: &InputFiles,
     console: &Console,
 ) -> Outcome<Vec<Answer>> {
@@ -128,7 +125,7 @@ fn reflected(
         return usage("--roughness R, R in [0, 1], is required with --frames");
     };
     let anisotropy = args.anisotropy.unwrap_or(0.0);
-    if anisotropy > 0.0 && !frames.has_tangents {
+    if anisotropy > 0.0 && !frames.is_full {
         return usage("--anisotropy needs tangents: columns tx,ty,tz in --frames");
     }
     if args.engine.engine == EngineArg::Gpu {
@@ -148,10 +145,10 @@ fn reflected(
                 ..ReflectorSettings::default()
             };
             let reflector = Reflector::new(&environment, &settings)?;
-            let reflect = |asked: &AskedFrame| {
-                unbounded(reflector.reflect(&asked.frame, roughness as f32, anisotropy as f32, f0 as f32))
+            let reflect = |frame: &Frame| {
+                unbounded(reflector.reflect(frame, roughness as f32, anisotropy as f32, f0 as f32))
             };
-            Ok(frames.asked.par_iter().map(reflect).collect())
+            Ok(frames.values.par_iter().map(reflect).collect())
         }
         Filter::Reference | Filter::Adaptive(_) if roughness < LEAST_ROUGHNESS => {
             usage(format!("--filter {} reflects from roughness {LEAST_ROUGHNESS} up", args.filter))
@@ -159,18 +156,17 @@ fn reflected(
         Filter::Reference => {
             let environment = source.open(&args.input, console)?.environment;
             let oracle = Oracle::new(&environment);
-            let reflect = |asked: &AskedFrame| {
-                let [all, grazing] = reflection(&oracle, &asked.frame, roughness, anisotropy);
+            let reflect = |frame: &Frame| {
+                let [all, grazing] = reflection(&oracle, frame, roughness, anisotropy);
                 unbounded([0, 1, 2].map(|c| (f0 * all[c] + (1.0 - f0) * grazing[c]) as f32))
             };
-            Ok(frames.asked.par_iter().map(reflect).collect())
+            Ok(frames.values.par_iter().map(reflect).collect())
         }
         Filter::Adaptive(error) => {
             let environment = source.open(&args.input, console)?.environment;
             let light = ReflectedLight::new(&environment);
-            let reflect =
-                |asked: &AskedFrame| light.reflect(&asked.frame, roughness, anisotropy, [f0; 3], error);
-            Ok(frames.asked.par_iter().map(reflect).collect())
+            let reflect = |frame: &Frame| light.reflect(frame, roughness, anisotropy, [f0; 3], error);
+            Ok(frames.values.par_iter().map(reflect).collect())
         }
         Filter::Box => usage("--frames has no --filter box; use adaptive:E, pyramid or reference"),
     }
@@ -200,10 +196,10 @@ impl Form {
 const BOUNDS: &str = ",bound,bound_r,bound_g,bound_b";
 
 /// The answers to `rows` as text, a line each, with `header`.
-fn csv<'a>(header: &str, rows: impl Iterator<Item = &'a str>, answers: &[Answer], bound: bool) -> String {
+fn csv(header: &str, rows: &[String], answers: &[Answer], bound: bool) -> String {
     let more = if bound { BOUNDS } else { "" };
     let mut text = format!("{header},r,g,b{more}\n");
-    for (typed, answer) in rows.zip(answers) {
+    for (typed, answer) in rows.iter().zip(answers) {
         let [r, g, b] = answer.radiance;
         write!(text, "{typed},{r:?},{g:?},{b:?}").expect("writing to a string cannot fail");
         if bound {

@@ -5,7 +5,7 @@ use super::console::Console;
 use super::outcome::{Outcome, check_output, print, usage, write_output};
 use crate::io::output::Existing;
 use crate::io::pyramid_write::{anisotropic_table, check_size};
-use crate::target::READERS;
+use crate::target::reader;
 use clap::{Args as ClapArgs, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -97,9 +97,8 @@ fn print_reader(target: Readable, language: Language) -> Outcome {
         Language::Hlsl => "hlsl",
         Language::Msl => "metal",
     };
-    let name = format!("{stem}.{extension}");
-    match READERS.iter().find(|(own, _)| *own == name) {
-        Some((_, code)) => print(code),
+    match reader(&format!("{stem}.{extension}")) {
+        Some(code) => print(&code),
         None => usage("the target oem has no reader in msl; choose wgsl, glsl or hlsl"),
     }
 }

@@ -75,30 +75,3 @@ pub(super) fn texels(text: &str) -> Result<Texels, String> {
         },
     }
 }
-
-#[cfg(all(test, feature = "view"))]
-mod tests {
-    use crate::gpu::direct::Method;
-    use crate::view::scene::Proxy;
-    use crate::view::{Object, Tone};
-    use clap::ValueEnum;
-    use std::fmt::Display;
-    use std::str::FromStr;
-
-    fn check<T: ValueEnum + Display + FromStr<Err = String> + PartialEq + std::fmt::Debug>() {
-        for value in T::value_variants() {
-            let option = value.to_possible_value().expect("not skipped");
-            assert_eq!(option.get_name(), value.to_string());
-            assert_eq!(option.get_name().parse::<T>().as_ref(), Ok(value));
-        }
-    }
-
-    #[test]
-    fn names_are_those_of_the_options() {
-        check::<Method>();
-        check::<Object>();
-        check::<Proxy>();
-        check::<Tone>();
-        assert_eq!("cone".parse::<Proxy>(), Err("must be none, box or sphere".to_owned()));
-    }
-}

@@ -1,14 +1,13 @@
 //! `octagloss view`: renders objects lit by an environment, in a window or to a picture.
 
 use super::console::Console;
-use super::outcome::{Outcome, check_not_input, check_output, usage, write_output};
+use super::input;
+use super::outcome::{Outcome, usage, write_output};
 use super::view_args::ViewArgs;
 use super::view_scene;
-use super::{engine, input};
-use crate::gpu::{Context, block_on};
+use crate::gpu::block_on;
 use crate::io::LoadedChain;
 use crate::io::ldr::write::png_bytes;
-use crate::io::output::Existing;
 use crate::pyramid::Octaves;
 use crate::reflector::ReflectorSettings;
 use crate::synth::synth;
@@ -60,15 +59,8 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
             look.filter
         ));
     }
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
-    if !path.as_os_str().eq("-") && !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-        return usage(format!("--screenshot {} must end in .png", path.display()));
-    }
-    check_not_input(path, args.inputs.iter().chain(&args.look.mesh))?;
-    check_output(path, existing)?;
-    let adapter = engine::any_adapter(args.adapter.as_deref())?;
-    let context = block_on(None, Context::new(&adapter))??;
-    console.note(&format!("adapter: {}", context.describe()));
+    let inputs = args.inputs.iter().chain(&args.look.mesh);
+    let (existing, context) = args.prepared(path, inputs, &console)?;
     let mut renderer = Renderer::new(context.clone())?;
     if let Some(mesh) = &mesh {
         renderer.set_mesh(mesh)?;

@@ -1,15 +1,21 @@
 //! Arguments of `octagloss view`.
 
+use super::console::Console;
+use super::engine;
+use super::outcome::{Outcome, check_not_input, check_output, check_png};
 use super::values::{roughness, turn, within};
 use crate::Rgb;
+use crate::filter::FITTED;
 use crate::gpu::direct::Method;
+use crate::gpu::{Context, block_on};
 use crate::image::exposure::Exposure;
+use crate::io::output::Existing;
 use crate::recipe::InputOptions;
 use crate::sat::Scan;
 use crate::view::scene::{MAX_BUDGET, MAX_PROBES, Proxy};
 use crate::view::{Camera, FRONT, Finish, Ground, Look, Object, Paint, Show, Technique, Tone};
 use clap::Args as ClapArgs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct ViewArgs {
@@ -148,7 +154,7 @@ pub(super) struct LookArgs {
     /// true reflection, by the same maps and without a split sum. levels is a prefiltered cube as in engines;
     /// for a bake with several levels it shows the bake's own and is the default. The other filters then use
     /// level 0. adaptive is the certified tier, computed on the CPU for visible pixels.
-    #[arg(long, value_name = "F")]
+    #[arg(long, value_name = "F", value_parser = technique)]
     pub(super) filter: Option<Technique>,
     /// scene, oem, sat or error
     ///
@@ -185,11 +191,37 @@ fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "must be WxH, each side 1 to 16384".to_owned())
 }
 
+fn technique(text: &str) -> Result<Technique, String> {
+    if text.starts_with("fitted") { Err(FITTED.to_owned()) } else { text.parse() }
+}
+
 fn metal(text: &str) -> Result<Rgb, String> {
     let channels: Vec<f32> = text.split(',').filter_map(|channel| channel.trim().parse().ok()).collect();
     match <Rgb>::try_from(channels) {
         Ok(rgb) if rgb.iter().all(|c| (0.0..=1.0).contains(c)) && text.matches(',').count() == 2 => Ok(rgb),
         _ => Err("must be three numbers between 0 and 1, as 0.95,0.93,0.88".to_owned()),
+    }
+}
+
+impl ViewArgs {
+    /// Checks that the screenshot `path` can be written and is none of `inputs`, and opens the adapter that
+    /// draws it.
+    pub(super) fn prepared<'a>(
+        &self,
+        path: &Path,
+        inputs: impl Iterator<Item = &'a PathBuf>,
+        console: &Console,
+    ) -> Outcome<(Existing, Context)> {
+        let existing = if self.force { Existing::Replace } else { Existing::Keep };
+        if path.as_os_str() != "-" {
+            check_png("--screenshot", path)?;
+        }
+        check_not_input(path, inputs)?;
+        check_output(path, existing)?;
+        let adapter = engine::any_adapter(self.adapter.as_deref())?;
+        let context = block_on(None, Context::new(&adapter))??;
+        console.note(&format!("adapter: {}", context.describe()));
+        Ok((existing, context))
     }
 }
 

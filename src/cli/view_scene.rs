@@ -1,14 +1,12 @@
 //! `octagloss view --scene`: a moving scene that reflects itself through probes.
 
 use super::console::Console;
-use super::engine;
-use super::outcome::{Outcome, check_not_input, check_output, usage, write_output};
+use super::outcome::{Outcome, usage, write_output};
 use super::view_args::ViewArgs;
+use crate::gpu::block_on;
 use crate::gpu::device::context::may_have_hardware;
-use crate::gpu::{Context, block_on};
 use crate::image::exposure::Exposure;
 use crate::io::ldr::write::png_bytes;
-use crate::io::output::Existing;
 use crate::view::scene::{
     MAX_PROBES, Scene, SceneLook, SceneRenderer, SceneSettings, SceneStart, check_scene_filter, run_scene,
     screenshot_of_scene,
@@ -55,15 +53,7 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
         let (time, ViewArgs { adapter, size, .. }) = (args.scene.scene_time, args);
         return Ok(run_scene(SceneStart { scene, name, look, settings, time, budget, adapter, size })?);
     };
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
-    if !path.as_os_str().eq("-") && !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-        return usage(format!("--screenshot {} must end in .png", path.display()));
-    }
-    check_not_input(path, file.iter())?;
-    check_output(path, existing)?;
-    let adapter = engine::any_adapter(args.adapter.as_deref())?;
-    let context = block_on(None, Context::new(&adapter))??;
-    console.note(&format!("adapter: {}", context.describe()));
+    let (existing, context) = args.prepared(path, file.iter(), &console)?;
     let (width, height) = args.size;
     let shot = Screenshot { width, height, samples: args.samples };
     let mut renderer = SceneRenderer::new(context.clone(), scene, settings)?;

@@ -256,7 +256,6 @@ impl<R: Radial> pulp::NullaryFnOnce for FootprintEvaluation<'_, R> {
 
 impl<'a> Adaptive<'a> {
     /// Lobes of `kernel` to a relRMSE of `error` over the sphere.
-    #[must_use]
     pub fn new(cells: &'a Cells, kernel: Kernel, error: f64) -> Self {
         Self {
             cells,

@@ -25,7 +25,6 @@ pub struct BoxFilter<'a> {
 
 impl<'a> BoxFilter<'a> {
     /// One box per direction, for `lobe` at `alpha` in [0, 1].
-    #[must_use]
     pub fn new(sat: &'a Sat, lobe: Lobe, alpha: f64) -> Self {
         Self::stacked(sat, vec![single_box(lobe, alpha)])
     }
@@ -35,7 +34,6 @@ impl<'a> BoxFilter<'a> {
     ///
     /// # Panics
     /// If the stack is empty.
-    #[must_use]
     pub fn stacked(sat: &'a Sat, stack: Vec<StackedBox>) -> Self {
         assert!(!stack.is_empty(), "at least one box");
         Self { sat, stack }
@@ -46,7 +44,6 @@ impl<'a> BoxFilter<'a> {
     /// A box's side in (u, v) is the square root of its solid angle over the local density, which is
     /// continuous across every fold; a one-texel box is added in quadrature, so that roughness 0 is bilinear
     /// interpolation.
-    #[must_use]
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         let n = f64::from(self.sat.size().inner);
         let uv = oct_from_direction(direction);
@@ -78,7 +75,6 @@ fn half_side(texels: f64, n: f64) -> f64 {
 
 /// The widest half-extent in texels of any box of `lobe` up to `alpha` on a square of `inner` texels: the
 /// border that a four-corner read needs.
-#[must_use]
 pub(crate) fn widest_half_extent(lobe: Lobe, alpha: f64, inner: u32) -> u32 {
     // Boxes are widest where the density is least: 1, at the vertices.
     let n = f64::from(inner);

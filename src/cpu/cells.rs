@@ -18,7 +18,7 @@ use crate::geometry::panorama_row::RunSums;
 #[cfg(feature = "gpu")]
 use crate::geometry::source_texels::SourceGrid;
 use crate::geometry::source_texels::{SourceTexels, longest_run};
-use crate::geometry::tent::{Patch, Reconstruction, Tents, Texel};
+use crate::geometry::tent::{Patch, Reconstruction, Texel, tents};
 use crate::geometry::tint::{TINT_FIELDS, Tint};
 use crate::light_scale::LightScale;
 use crate::oem::Oem;
@@ -314,14 +314,13 @@ impl Cells {
     ///
     /// # Panics
     /// If `block` is zero.
-    #[must_use]
     pub fn new(oem: &Oem, block: u32, reconstruction: Reconstruction) -> Self {
         assert!(block > 0, "blocks of at least one texel");
         let n = oem.size().inner;
         let least = oem.least_radiance();
         let [red, green, blue, _] = oem.totals();
         let mean = [red, green, blue].map(|total| total / (4.0 * std::f64::consts::PI));
-        let tents = Tents::new(n, reconstruction);
+        let tents = tents(n, reconstruction);
         let texel = |x: u32, y: u32| {
             let [r, g, b, w] = oem.texel(x, y);
             let all = Vec3::new(r, g, b);
@@ -419,7 +418,6 @@ impl Cells {
 
     /// The least radiance of each channel.
     #[cfg(feature = "gpu")]
-    #[must_use]
     pub const fn least(&self) -> [f32; 3] {
         self.least
     }
@@ -445,7 +443,6 @@ impl Cells {
 
     /// Sibling cells in the layout of `shaders/common/quad.wgsl`.
     #[cfg(feature = "gpu")]
-    #[must_use]
     pub fn quad_fields(&self) -> Vec<[[f32; 4]; QUAD_FIELDS]> {
         let fields = |quad: &Quad| {
             let Quad { x, y, z, covariance, radius, luminance, red, green, blue, red_tint, blue_tint } =

@@ -34,7 +34,6 @@ impl Packet {
     ///
     /// # Panics
     /// If there are no directions or more than [`LANES`].
-    #[must_use]
     pub fn new(directions: &[DVec3]) -> Self {
         assert!(!directions.is_empty() && directions.len() <= LANES, "1 to {LANES} directions");
         let axis = if directions.len() == 1 {
@@ -150,7 +149,6 @@ pub(super) const ALL: u8 = 0b1111;
 impl Scratch {
     /// The leaves of the last evaluation, of `packet` over `cells`, as fields of `shaders/common/quad.wgsl`,
     /// to replay the cut.
-    #[must_use]
     pub fn leaf_fields(&self, cells: &Cells, packet: &Packet) -> Vec<[f32; QUAD_FIELDS]> {
         let fields = |leaf: &Leaf| {
             let mut fields = [0.0; QUAD_FIELDS];

@@ -10,7 +10,6 @@ use glam::DVec3;
 /// c + sum over the four nearest texels of their share times (E - c w) over the solid angle of a texel's area
 /// here, with c = `least` the least radiance of each channel in the OEM. A constant stays constant, and
 /// energy is conserved.
-#[must_use]
 pub fn radiance(oem: &Oem, least: Rgb, direction: DVec3) -> Rgb {
     let n = oem.size().inner;
     let uv = oct_from_direction(direction);

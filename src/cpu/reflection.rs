@@ -110,7 +110,6 @@ pub struct ReflectedLight<'a> {
 
 impl<'a> ReflectedLight<'a> {
     /// The light of `environment`.
-    #[must_use]
     pub fn new(environment: &'a Environment) -> Self {
         Self::over(Cow::Borrowed(environment))
     }
@@ -196,10 +195,9 @@ impl<'a> ReflectedLight<'a> {
         Light::uniform(back * texel.centre, texel.radius, self.environment.texels()[index], moments)
     }
 
-    /// Radiance that a surface of `roughness` from [`LEAST_ROUGHNESS`] to 1, `anisotropy` in [0, 1] and reflectance `f0` of each
-    /// channel (1 at grazing incidence) reflects to the viewer of `frame` (in the world), to a relRMSE of
-    /// `error`. A frame without a tangent reflects isotropically.
-    #[must_use]
+    /// Radiance that a surface of `roughness` from [`LEAST_ROUGHNESS`] to 1, `anisotropy` in [0, 1] and
+    /// reflectance `f0` of each channel (1 at grazing incidence) reflects to the viewer of `frame` (in the
+    /// world), to a relRMSE of `error`. A frame without a tangent reflects isotropically.
     pub fn reflect(
         &self,
         frame: &Frame,

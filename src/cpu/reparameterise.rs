@@ -4,7 +4,7 @@
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::Result;
 use crate::geometry::overlap::{Space, Target, is_swept, mean_radiances};
-use crate::geometry::solid_angles::SolidAngles;
+use crate::geometry::solid_angles::solid_angles;
 use crate::oem::{Oem, OemSize};
 use rayon::prelude::*;
 
@@ -19,7 +19,7 @@ pub(crate) fn is_infallible(layout: Layout, size: OemSize) -> bool {
 /// [`crate::Error::Limit`] if the overlaps do not fit in memory.
 pub fn oem_from_environment(environment: &Environment, size: OemSize) -> Result<Oem> {
     let n = size.inner;
-    let weights = SolidAngles::new(n);
+    let weights = solid_angles(n);
     let means;
     let texels = if environment.layout() == (Layout::Octahedral { size: n }) {
         environment.texels()

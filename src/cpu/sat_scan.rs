@@ -11,7 +11,6 @@ impl Sat {
     ///
     /// # Panics
     /// If a Hensley radix is below 2.
-    #[must_use]
     pub fn new(oem: &Oem, scan: Scan) -> Self {
         let fixed = FixedPoint::of_square(oem);
         let side = oem.size().bordered() as usize;

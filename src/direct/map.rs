@@ -28,7 +28,6 @@ pub enum DirectMap {
 
 impl DirectMap {
     /// Pixels along an edge of a square or face, or across a panel.
-    #[must_use]
     pub const fn size(self) -> u32 {
         match self {
             Self::Octahedral { size }
@@ -39,7 +38,6 @@ impl DirectMap {
     }
 
     /// Squares of an image side by side, and one below the other.
-    #[must_use]
     pub const fn cells(self) -> [u32; 2] {
         match self {
             Self::Rectangular { .. } => [2, 1],
@@ -49,13 +47,11 @@ impl DirectMap {
     }
 
     /// Squares of an image side by side.
-    #[must_use]
     pub const fn squares(self) -> u32 {
         self.cells()[0]
     }
 
     /// Images: the faces of a cube.
-    #[must_use]
     pub const fn layers(self) -> u32 {
         match self {
             Self::Cube { .. } => 6,
@@ -64,19 +60,16 @@ impl DirectMap {
     }
 
     /// Whether the map is a cube.
-    #[must_use]
     pub const fn is_cube(self) -> bool {
         matches!(self, Self::Cube { .. })
     }
 
     /// Whether the map is octahedral.
-    #[must_use]
     pub const fn is_octahedral(self) -> bool {
         matches!(self, Self::Octahedral { .. } | Self::Rectangular { .. })
     }
 
     /// Pixels of all images, for sizes that textures have.
-    #[must_use]
     pub const fn pixels(self) -> u32 {
         let [columns, rows] = self.cells();
         columns * rows * self.layers() * self.size() * self.size()

@@ -5,7 +5,7 @@ pub mod scene;
 
 pub use map::DirectMap;
 
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 
 /// Largest coordinate and near distance, and the inverse of the least near distance: sums and products of
 /// three coordinates stay finite in float32.
@@ -25,7 +25,6 @@ pub struct Corner {
 
 impl Corner {
     /// A corner of a whole triangle.
-    #[must_use]
     pub const fn new(position: [f32; 3], value: [f32; 4]) -> Self {
         Self { position, octant: 0, value }
     }
@@ -42,25 +41,24 @@ impl Triangles {
     /// Triangles of three `indices` each into `corners`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an empty mesh, indices that are out of range or not whole triangles, and
-    /// corners that are not finite or beyond [`MAX`].
+    /// [`crate::Error::Parameter`] for an empty mesh, indices that are out of range or not whole triangles,
+    /// and corners that are not finite or beyond [`MAX`].
     pub fn new(corners: Vec<Corner>, indices: Vec<u32>) -> Result<Self> {
-        let invalid = |message: String| Err(Error::Parameter(message));
         if corners.is_empty() || indices.is_empty() {
-            return invalid(format!(
+            return wrong(format!(
                 "a mesh of {} corners and {} indices is empty; pass at least one triangle",
                 corners.len(),
                 indices.len()
             ));
         }
         if !indices.len().is_multiple_of(3) {
-            return invalid(format!(
+            return wrong(format!(
                 "{} indices are not whole triangles; pass three per triangle",
                 indices.len()
             ));
         }
         if let Some(place) = indices.iter().position(|index| *index as usize >= corners.len()) {
-            return invalid(format!(
+            return wrong(format!(
                 "index {} at position {place} is out of range; the mesh has {} corners, use 0 to {}",
                 indices[place],
                 corners.len(),
@@ -71,12 +69,12 @@ impl Triangles {
             // Also true for NaN.
             if !position.iter().all(|x| x.abs() <= MAX) {
                 let [x, y, z] = position;
-                return invalid(format!(
+                return wrong(format!(
                     "corner {place} is at ({x}, {y}, {z}); coordinates must be finite and at most {MAX:e}"
                 ));
             }
             if let Some(at) = value.iter().position(|number| !number.is_finite()) {
-                return invalid(format!(
+                return wrong(format!(
                     "value {at} of corner {place} is {}; values must be finite",
                     value[at]
                 ));
@@ -86,19 +84,16 @@ impl Triangles {
     }
 
     /// The corners.
-    #[must_use]
     pub fn corners(&self) -> &[Corner] {
         &self.corners
     }
 
     /// Three indices per triangle.
-    #[must_use]
     pub fn indices(&self) -> &[u32] {
         &self.indices
     }
 
     /// Number of triangles.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.indices.len() / 3
     }
@@ -107,12 +102,12 @@ impl Triangles {
 /// Checks the distance of the near surface.
 ///
 /// # Errors
-/// [`Error::Parameter`] unless it is between 1 / [`MAX`] and [`MAX`].
+/// [`crate::Error::Parameter`] unless it is between 1 / [`MAX`] and [`MAX`].
 pub fn check_near(near: f32) -> Result<()> {
     if (1.0 / MAX..=MAX).contains(&near) {
         return Ok(());
     }
-    Err(Error::Parameter(format!("`near` is {near}; choose a distance from {:e} to {MAX:e}", 1.0 / MAX)))
+    wrong(format!("`near` is {near}; choose a distance from {:e} to {MAX:e}", 1.0 / MAX))
 }
 
 #[cfg(test)]

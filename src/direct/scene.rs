@@ -16,7 +16,6 @@ const ALONG: u32 = 16;
 pub const NEAREST: f32 = 0.5;
 
 /// A hilly ground, balls around the viewer, and a dome that encloses both: 104,992 triangles.
-#[must_use]
 pub fn scene() -> Triangles {
     let mut parts = Parts::default();
     let mut ground = Vec::new();

@@ -4,7 +4,7 @@ use super::{babylon, gltf, playcanvas, pyramid};
 use crate::bake::Bake;
 use crate::chain::{Chain, ChainKind, Level};
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::format::container::Container;
 use crate::format::{LevelName, Pixel, Shown};
 use crate::io::cube_file::CubeFile;
@@ -23,7 +23,7 @@ use crate::recipe::{Recipe, fields};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{name, order_text};
 use crate::sphere::cube::Face;
-use crate::target::{Content, Naming, READERS, TargetPlan, flipped, flipped_chain};
+use crate::target::{Content, Naming, TargetPlan, flipped, flipped_chain, reader};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
@@ -49,9 +49,7 @@ pub fn files(plan: &TargetPlan, name: &str, bake: &Bake, metadata: &[(String, St
     plan.check()?;
     if plan.is_targeted() && bake.sh.len() < 9 {
         let count = bake.sh.len();
-        return Err(Error::Parameter(format!(
-            "a bake of {count} spherical harmonics; targets need 9 or more"
-        )));
+        return wrong(format!("a bake of {count} spherical harmonics; targets need 9 or more"));
     }
     let levels = &bake.chain.levels;
     let bounded: Vec<u32> = (0..).zip(levels).filter(|(_, l)| l.bounds.is_some()).map(|(k, _)| k).collect();
@@ -114,10 +112,7 @@ fn file_of(
             let bytes = tables_bytes(baked_pyramid(bake)?.octaves())?;
             CubeFile { bytes, clamped: Vec::new() }
         }
-        Content::Reader => {
-            let (_, code) = READERS.iter().find(|(name, _)| *name == path).expect("a reader of that name");
-            text((*code).to_owned())
-        }
+        Content::Reader => text(reader(path).expect("a reader of that name").into_owned()),
         Content::Panorama => {
             let level = levels.first().ok_or_else(|| missing("a panorama"))?;
             CubeFile { bytes: panorama(plan, level, path, metadata)?, clamped: Vec::new() }
@@ -203,10 +198,10 @@ fn image_file(
 fn panorama(plan: &TargetPlan, level: &Level, path: &str, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let (width, height) = level.layout.sides();
     if !width.is_multiple_of(4) {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "target {}: `size` {height} is not even, so its panorama cannot be shifted by quarters",
             plan.target.name
-        )));
+        ));
     }
     let shift = (plan.target.quarter_turns * width / 4) as usize;
     let texels: Vec<Rgb> = level
@@ -246,7 +241,6 @@ fn cube_metadata(
 }
 
 /// Key/value pairs of every file of a bake by `recipe`, of a source without `suns`.
-#[must_use]
 pub fn metadata(recipe: &Recipe, suns: &[SunReport]) -> Vec<(String, String)> {
     let conventions = "right-handed, y up; faces +X -X +Y -Y +Z -Z as in OpenGL, Vulkan and Direct3D; \
                        linear RGB, Rec. 709; perceptual roughness, alpha = roughness^2";

@@ -9,7 +9,6 @@ const EXTENSION: &str = "KHR_lights_punctual";
 
 /// A glTF scene with a node for each of `suns`: its light's colour times its intensity in lux is the
 /// irradiance, for radiance in candela per square metre.
-#[must_use]
 pub fn gltf(suns: &[SunReport]) -> Value {
     let name = |k: usize| if k == 0 { "sun".to_owned() } else { format!("sun {}", k + 1) };
     let light = |(k, sun): (usize, &SunReport)| {

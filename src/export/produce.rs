@@ -6,7 +6,7 @@ use super::report::{OutputFileReport, Report, TargetReport};
 use crate::analysis::extraction::Suns;
 use crate::bake::{Bake, BakeSettings, memory};
 use crate::environment::Environment;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::format::overflow::clamped_share;
 use crate::format::{Pixel, RGBE_MAX};
 use crate::image::preview;
@@ -123,13 +123,11 @@ impl SunFile {
 }
 
 /// The path of the file `path` of `plan`; in the target's folder for several targets.
-#[must_use]
 pub fn within(several: bool, plan: &BakePlan, path: &str) -> String {
     if several { format!("{}/{path}", plan.plan.target.name) } else { path.to_owned() }
 }
 
 /// The path of `file` next to the levels of `plan`, whose output is called `name`.
-#[must_use]
 pub fn beside(plan: &BakePlan, name: &str, file: &str) -> String {
     if plan.is_file() { format!("{name}.{file}") } else { file.to_owned() }
 }
@@ -197,7 +195,7 @@ pub fn products(
     let Baked { bakes, engine, adapter, fallback } = baked;
     if plans.is_empty() || plans.len() != bakes.len() {
         let (plans, bakes) = (plans.len(), bakes.len());
-        return Err(Error::Parameter(format!("{bakes} bakes for {plans} plans; one for each is needed")));
+        return wrong(format!("{bakes} bakes for {plans} plans; one for each is needed"));
     }
     bakes.iter().try_for_each(Bake::check)?;
     let (mut products, mut sheets) = (Vec::new(), Vec::new());

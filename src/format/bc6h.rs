@@ -38,7 +38,6 @@ pub(crate) fn rgb_from_bc6h(width: u32, height: u32, signed: bool, blocks: &[u8]
 ///
 /// If `size` is not a multiple of four, the last column and row are repeated. Values are clamped to [0,
 /// [`HALF_MAX`]].
-#[must_use]
 pub fn bc6h_blocks(size: u32, texels: &[Rgb]) -> Vec<u8> {
     let n = size as usize;
     let across = n.div_ceil(BLOCK);

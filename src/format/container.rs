@@ -1,6 +1,6 @@
 //! File formats of bakes.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::{OutputLayout, Pixel};
 use crate::names::named;
 use std::path::Path;
@@ -64,7 +64,7 @@ impl Container {
     /// The pixel format of a file: `choice`, or `default`, which the container supports or replaces.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if the container does not support the choice.
+    /// [`crate::Error::Parameter`] if the container does not support the choice.
     pub fn pixel(self, choice: Option<Pixel>, default: Pixel) -> Result<Pixel> {
         let pixel = match (self, choice) {
             (Self::Hdr, None) => return Ok(Pixel::Rgbe),
@@ -75,11 +75,11 @@ impl Container {
             return Ok(pixel);
         }
         let name = pixel.name();
-        Err(Error::Parameter(match self {
+        wrong(match self {
             Self::Hdr => "`pixel` cannot be combined with hdr; its pixels are always RGBE".to_owned(),
             Self::Exr => format!("`pixel` {name} is for ktx2 and dds; exr supports f16 and f32"),
             _ => format!("{} does not support `pixel` {name}; ktx2 and dds do", self.name()),
-        }))
+        })
     }
 }
 

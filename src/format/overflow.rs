@@ -2,7 +2,7 @@
 
 use crate::chain::Level;
 use crate::environment::{LUMINANCE, Layout, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::Pixel;
 use crate::names::named;
 use crate::sphere::cube::Face;
@@ -25,7 +25,6 @@ const KNEE: f64 = 0.25;
 
 /// Maps a maximum channel of `value` for a format with the maximum `most`: identity up to `most`/4, then a
 /// slope that falls from 1, always below `most`. Strictly increasing up to rounding.
-#[must_use]
 pub fn compressed(value: f64, most: f64) -> f64 {
     let knee = KNEE * most;
     if value <= knee {
@@ -38,7 +37,6 @@ pub fn compressed(value: f64, most: f64) -> f64 {
 }
 
 /// Share of the luminance energy of `level` that clamping in `pixel` removes; 0 if nothing is clamped.
-#[must_use]
 pub fn clamped_share(level: &Level, pixel: Pixel) -> f64 {
     let Level { layout, texels, .. } = level;
     if pixel.clamped(texels) == 0 {
@@ -67,7 +65,7 @@ impl Overflow {
     /// the writers perform.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.
+    /// [`crate::Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.
     pub(crate) fn apply(self, index: usize, level: &mut Level, pixel: Pixel) -> Result<u64> {
         let (width, height) = level.layout.sides();
         let (width, area) = (width as usize, width as usize * height as usize);
@@ -99,13 +97,13 @@ impl Overflow {
                 }
                 Ok(count)
             }
-            Self::Error => Err(Error::Parameter(format!(
+            Self::Error => wrong(format!(
                 "{} is {:?} and {} holds up to {most}; `pixel` f32 keeps it, `overflow` compress scales it \
                  down",
                 place(first),
                 texels[first],
                 pixel.name()
-            ))),
+            )),
         }
     }
 }

@@ -147,7 +147,6 @@ pub fn push_halves(values: &[f32], out: &mut Vec<u8>) {
 ///
 /// The algorithm of OpenGL 4.6 section 8.5.2 and Vulkan's "RGB to shared exponent conversion", with the
 /// exponent read from the float instead of a logarithm.
-#[must_use]
 pub fn rgb9e5_from_rgb(rgb: Rgb) -> u32 {
     const MANTISSA_BITS: i32 = 9;
     const BIAS: i32 = 15;
@@ -169,7 +168,6 @@ pub fn rgb9e5_from_rgb(rgb: Rgb) -> u32 {
 }
 
 /// Decodes RGB9E5; exact.
-#[must_use]
 pub fn rgb_from_rgb9e5(packed: u32) -> Rgb {
     let scale = ((packed >> 27) as f32 - 24.0).exp2();
     [0, 9, 18].map(|shift| ((packed >> shift) & 0x1ff) as f32 * scale)

@@ -9,13 +9,11 @@ pub(crate) const R11G11B10_MAX: f32 = 64512.0;
 /// `R11G11B10_MAX`].
 ///
 /// Vulkan 1.3, "Unsigned 11-Bit Floating-Point Numbers" and "Unsigned 10-Bit Floating-Point Numbers".
-#[must_use]
 pub fn r11g11b10_from_rgb([r, g, b]: Rgb) -> u32 {
     small_float(r, 6) | small_float(g, 6) << 11 | small_float(b, 5) << 22
 }
 
 /// Decodes R11G11B10F; exact.
-#[must_use]
 pub fn rgb_from_r11g11b10(packed: u32) -> Rgb {
     let channel = |shift: u32, mantissa_bits: u32| {
         let bits = (packed >> shift) & ((32 << mantissa_bits) - 1);

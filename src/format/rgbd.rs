@@ -4,7 +4,7 @@
 //! (code/255)^2.2 / (divisor/255). Divisors from 1/255 to 1 hold radiance up to 255.
 
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _};
 
@@ -15,7 +15,6 @@ const GAMMA: f64 = 2.2;
 
 /// Encodes `rgb` in RGBD, each channel clamped to [0, [`RGBD_MAX`]]: the largest divisor that keeps the
 /// brightest channel below 1, codes rounded to nearest.
-#[must_use]
 pub fn rgbd_from_rgb(rgb: Rgb) -> [u8; 4] {
     let clamped = rgb.map(|c| f64::from(c.clamp(0.0, RGBD_MAX)));
     let greatest = clamped[0].max(clamped[1]).max(clamped[2]).max(1.0);
@@ -40,7 +39,7 @@ pub fn rgbd_png_bytes(width: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
 pub(crate) fn png_bytes(width: u32, codes: &[[u8; 4]]) -> Result<Vec<u8>> {
     let height = codes.len() / width.max(1) as usize;
     if codes.is_empty() || codes.len() != width as usize * height {
-        return Err(Error::Parameter(format!("a PNG of {width} columns cannot hold {} texels", codes.len())));
+        return wrong(format!("a PNG of {width} columns cannot hold {} texels", codes.len()));
     }
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)

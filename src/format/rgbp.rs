@@ -10,7 +10,6 @@ pub const RGBP_MAX: f32 = 64.0;
 
 /// Encodes `rgb` in RGBP, each channel clamped to [0, [`RGBP_MAX`]]: the smallest scale that keeps the
 /// brightest channel below 1, codes rounded to nearest.
-#[must_use]
 pub fn rgbp_from_rgb(rgb: Rgb) -> [u8; 4] {
     let roots = rgb.map(|c| f64::from(c.clamp(0.0, RGBP_MAX)).sqrt());
     let greatest = roots[0].max(roots[1]).max(roots[2]).max(1.0);

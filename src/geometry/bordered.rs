@@ -12,7 +12,6 @@ const BAND: usize = 16;
 /// Draws the components `texels` of `target` as one row-major picture, black elsewhere, with `border` texels
 /// around every component. Border texels follow the map's gluing if it maps texels onto texels, else they are
 /// the means over their own footprints, by its `continuation`.
-#[must_use]
 pub fn bordered_picture(
     target: &Grid,
     texels: &[Rgb],

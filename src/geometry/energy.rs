@@ -1,7 +1,7 @@
 //! Energy of radiances over the texels of a layout.
 
-use super::solid_angles::SolidAngles;
-use super::tent::mirrored_in_diagonal;
+use super::quadrant::Quadrant;
+use super::solid_angles::solid_angles;
 use crate::environment::{Layout, Rgb};
 use crate::sphere::{cube, equirect};
 use rayon::prelude::*;
@@ -10,9 +10,9 @@ use rayon::prelude::*;
 enum Weights {
     /// A panorama's, by row.
     Rows(Vec<f64>),
-    /// Solid angles of the quadrant s, t >= 0 of a cube's face with this edge.
-    Face(u32, Vec<f64>),
-    Square(SolidAngles),
+    /// Those of a cube's face.
+    Face(Quadrant<f64>),
+    Square(Quadrant<f32>),
 }
 
 impl Weights {
@@ -22,24 +22,17 @@ impl Weights {
                 Self::Rows((0..height).map(|row| equirect::texel_solid_angle(width, height, row)).collect())
             }
             Layout::Cube { size } => {
-                let half = size.div_ceil(2);
-                let first = size - half;
-                let at = |x, y| cube::texel_solid_angle(size, first + x, first + y);
-                Self::Face(size, mirrored_in_diagonal(half, at, |solid_angle| solid_angle))
+                Self::Face(Quadrant::new(size, |x, y| cube::texel_solid_angle(size, x, y)))
             }
-            Layout::Octahedral { size } => Self::Square(SolidAngles::new(size)),
+            Layout::Octahedral { size } => Self::Square(solid_angles(size)),
         }
     }
 
     fn at(&self, x: u32, y: u32) -> f64 {
         match self {
             Self::Rows(rows) => rows[y as usize],
-            Self::Face(size, quadrant) => {
-                let half = size.div_ceil(2);
-                let fold = |k: u32| if k >= size - half { k + half - size } else { half - 1 - k };
-                quadrant[fold(y) as usize * half as usize + fold(x) as usize]
-            }
-            Self::Square(solid_angles) => f64::from(solid_angles.at(x, y)),
+            Self::Face(face) => face.at(x, y),
+            Self::Square(square) => f64::from(square.at(x, y)),
         }
     }
 }

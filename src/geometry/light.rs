@@ -1,7 +1,7 @@
 //! Radiance over the texels of a map, turned into the world.
 
 use crate::environment::{Environment, Layout, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::sphere::grid::Grid;
 use crate::sphere::registry::named;
 use glam::DMat3;
@@ -21,14 +21,14 @@ impl<'a> Light<'a> {
     /// The light of `environment`, turned by `turn`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a panorama that is not 2:1.
+    /// [`crate::Error::Parameter`] for a panorama that is not 2:1.
     pub fn new(environment: &'a Environment, turn: DMat3) -> Result<Self> {
         let (name, size) = match environment.layout() {
             Layout::Panorama { width, height } if width == 2 * height => ("equirect", height),
             Layout::Panorama { width, height } => {
-                return Err(Error::Parameter(format!(
+                return wrong(format!(
                     "a panorama of {width}x{height}; its texels fit other maps only at 2:1"
-                )));
+                ));
             }
             Layout::Cube { size } => ("cube", size),
             Layout::Octahedral { size } => ("octahedral", size),
@@ -39,7 +39,6 @@ impl<'a> Light<'a> {
     }
 
     /// This light, also rotated by `turn`.
-    #[must_use]
     pub fn turned(&self, turn: DMat3) -> Self {
         Self { world_from_source: turn * self.world_from_source, ..*self }
     }

@@ -8,6 +8,7 @@ pub mod footprints;
 pub mod light;
 pub mod overlap;
 pub(crate) mod panorama_row;
+pub(crate) mod quadrant;
 pub mod resample;
 pub mod solid_angles;
 pub(crate) mod source_texels;

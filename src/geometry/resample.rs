@@ -57,7 +57,6 @@ struct Share {
 ///
 /// # Panics
 /// If the number of the light's texels is not that of its grid.
-#[must_use]
 pub fn resample(light: &Light<'_>, target: &Grid) -> Vec<Rgb> {
     assert_eq!(light.texels.len(), light.grid.texel_count(), "texels of the source");
     let mirrors = if light.world_from_source == DMat3::IDENTITY {

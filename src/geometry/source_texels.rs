@@ -6,7 +6,8 @@
 
 use crate::environment::Layout;
 use crate::geometry::panorama_row::PanoramaRow;
-use crate::geometry::tent::{Moments, Patch, Texel, mirrored_in_diagonal};
+use crate::geometry::quadrant::Quadrant;
+use crate::geometry::tent::{Moments, Patch, Texel};
 use crate::sphere::cube::{Face, cube_point};
 use crate::sphere::quadrature::THREE_NODES;
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
@@ -57,9 +58,9 @@ impl Panorama {
     fn new(width: u32, height: u32) -> Self {
         let longitude = |i: u32| ((f64::from(i) + 0.5) / f64::from(width) - 0.5) * TAU;
         let row = |j: u32| {
-            let (moments, solid_angle) = integrated(&panorama_nodes([width, height], 0.0, j, Piece::WHOLE));
-            let texel = Texel { patch: moments.into(), solid_angle: solid_angle as f32 };
-            Row { centroid: DVec2::new(moments.centroid.x, moments.centroid.y), texel }
+            let integrated = integrated(&panorama_nodes([width, height], 0.0, j, Piece::WHOLE));
+            let DVec3 { x, y, .. } = integrated.0.centroid;
+            Row { centroid: DVec2::new(x, y), texel: rounded_texel(integrated) }
         };
         let columns = (0..width).map(|i| (longitude(i).cos(), longitude(i).sin())).collect();
         Self { rows: (0..height).map(row).collect(), columns }
@@ -97,11 +98,17 @@ const TABLED: usize = 3;
 enum Table {
     /// Texels, cosine and sine of their columns' longitudes in single precision, and the pieces by one and more
     /// halvings, which are texels of finer panoramas.
-    Panorama { texels: Panorama, rounded: Vec<(f32, f32)>, pieces: [OnceLock<Panorama>; TABLED] },
-    /// The quadrant s, t >= 0 of a face, in the coordinates s, normal, t.
-    Cube { quadrant: Vec<Texel>, frames: Box<[(DMat3, Mat3); 6]> },
-    /// The quadrant u, v >= 0 of the square.
-    Octahedral { quadrant: Vec<Texel> },
+    Panorama {
+        texels: Panorama,
+        rounded: Vec<(f32, f32)>,
+        pieces: [OnceLock<Panorama>; TABLED],
+    },
+    /// Those of a face, in the coordinates s, normal, t.
+    Cube {
+        face: Quadrant<Texel>,
+        frames: Box<[(DMat3, Mat3); 6]>,
+    },
+    Octahedral(Quadrant<Texel>),
 }
 
 /// The grid of a source's texels as `shaders/adaptive.wgsl` takes it.
@@ -194,11 +201,8 @@ impl SourceTexels {
                 Table::Panorama { texels, rounded, pieces: [const { OnceLock::new() }; TABLED] }
             }
             Layout::Cube { size } => {
-                let half = size / 2;
                 let texel = |x: u32, y: u32| {
-                    let (moments, solid_angle) =
-                        integrated(&cube_nodes(size, DMat3::IDENTITY, [half + x, half + y], Piece::WHOLE));
-                    Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
+                    rounded_texel(integrated(&cube_nodes(size, DMat3::IDENTITY, [x, y], Piece::WHOLE)))
                 };
                 let frames = Box::new(Face::ALL.map(|face| {
                     let normal = cube_point(face, 0.0, 0.0);
@@ -206,16 +210,12 @@ impl SourceTexels {
                     let frame = DMat3::from_cols(s - normal, normal, t - normal);
                     (frame, frame.as_mat3())
                 }));
-                Table::Cube { quadrant: mirrored_in_diagonal(half, texel, turned), frames }
+                Table::Cube { face: Quadrant::new(size, texel), frames }
             }
             Layout::Octahedral { size } => {
-                let half = size / 2;
-                let texel = |x: u32, y: u32| {
-                    let (moments, solid_angle) =
-                        integrated(&octahedral_nodes(size, [half + x, half + y], Piece::WHOLE));
-                    Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
-                };
-                Table::Octahedral { quadrant: mirrored_in_diagonal(half, texel, turned) }
+                let texel =
+                    |x: u32, y: u32| rounded_texel(integrated(&octahedral_nodes(size, [x, y], Piece::WHOLE)));
+                Table::Octahedral(Quadrant::new(size, texel))
             }
         };
         Self { source, grid, shift, table }
@@ -266,20 +266,14 @@ impl SourceTexels {
     /// The texel in column `x` of row `y`.
     #[inline]
     pub(crate) fn at(&self, x: u32, y: u32) -> Texel {
-        let fold = |k: u32, half: u32| if k >= half { (k - half, 1.0) } else { (half - 1 - k, -1.0) };
-        let folded = |quadrant: &[Texel], half: u32, y: u32| {
-            let ((x, sign_x), (y, sign_z)) = (fold(x, half), fold(y, half));
-            let Texel { patch, solid_angle } = quadrant[y as usize * half as usize + x as usize];
-            Texel { patch: patch.mirrored(Vec3::new(sign_x, 1.0, sign_z)), solid_angle }
-        };
-        match (&self.table, self.grid) {
-            (Table::Panorama { texels, .. }, _) => texels.at(x as usize, y as usize).0,
-            (Table::Cube { quadrant, frames }, Layout::Cube { size }) => {
-                let Texel { patch, solid_angle } = folded(quadrant, size / 2, y % size);
+        match &self.table {
+            Table::Panorama { texels, .. } => texels.at(x as usize, y as usize).0,
+            Table::Cube { face, frames } => {
+                let size = face.side();
+                let Texel { patch, solid_angle } = face.at(x, y % size);
                 Texel { patch: patch.moved(frames[(y / size) as usize].1), solid_angle }
             }
-            (Table::Cube { .. }, _) => unreachable!("a cube's table"),
-            (Table::Octahedral { quadrant }, grid) => folded(quadrant, grid.sides().0 / 2, y),
+            Table::Octahedral(square) => square.at(x, y),
         }
     }
 
@@ -324,13 +318,14 @@ impl SourceTexels {
             }
             (_, grid) => octahedral_nodes(grid.sides().0, [x, y], piece),
         };
-        let (moments, solid_angle) = integrated(&nodes);
-        (Texel { patch: moments.into(), solid_angle: solid_angle as f32 }, moments.centroid)
+        let integrated = integrated(&nodes);
+        (rounded_texel(integrated), integrated.0.centroid)
     }
 }
 
-fn turned(texel: Texel) -> Texel {
-    Texel { patch: texel.patch.turned(), ..texel }
+/// A texel of such moments and solid angle.
+fn rounded_texel((moments, solid_angle): (Moments, f64)) -> Texel {
+    Texel { patch: moments.into(), solid_angle: solid_angle as f32 }
 }
 
 /// Directions and solid angles of nodes, and the corners.

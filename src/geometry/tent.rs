@@ -2,10 +2,10 @@
 //! two texels wide (the constant convolved with a one-texel box), which at roughness 0 is bilinear
 //! interpolation.
 
+use super::quadrant::{Mirrored, Quadrant};
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
 use crate::sphere::quadrature::THREE_NODES;
 use glam::{DVec2, DVec3, Mat3, Vec3, Vec3Swizzles as _};
-use rayon::prelude::*;
 
 /// Spread of a texel's energy around its centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,22 +118,32 @@ pub(crate) struct Texel {
     pub(crate) solid_angle: f32,
 }
 
-impl Patch {
-    /// The mirror image with x and z exchanged.
-    pub(crate) fn turned(mut self) -> Self {
+impl Mirrored for Patch {
+    fn turned(mut self) -> Self {
         self.centroid = self.centroid.zyx();
         self.diagonal = self.diagonal.zyx();
         self.mixed = self.mixed.zyx();
         self
     }
 
-    /// The octant's mirror image.
-    pub(crate) fn mirrored(mut self, signs: Vec3) -> Self {
+    fn mirrored(mut self, signs: Vec3) -> Self {
         self.centroid *= signs;
         self.mixed *= signs.yzx() * signs.zxy();
         self
     }
+}
 
+impl Mirrored for Texel {
+    fn turned(self) -> Self {
+        Self { patch: self.patch.turned(), ..self }
+    }
+
+    fn mirrored(self, signs: Vec3) -> Self {
+        Self { patch: self.patch.mirrored(signs), ..self }
+    }
+}
+
+impl Patch {
     /// The image under `motion`, a rotation or reflection.
     pub(crate) fn moved(self, motion: Mat3) -> Self {
         let ([xx, yy, zz], [yz, zx, xy]) = (self.diagonal.to_array(), self.mixed.to_array());
@@ -149,60 +159,9 @@ impl Patch {
     }
 }
 
-/// The spreads of all texels of an n x n square: one table for its four mirror images.
-pub(crate) struct Tents {
-    n: u32,
-    quadrant: Vec<Patch>,
-}
-
-impl Tents {
-    pub(crate) fn new(n: u32, reconstruction: Reconstruction) -> Self {
-        let half = n.div_ceil(2);
-        let first = n - half;
-        let quadrant = mirrored_in_diagonal(
-            half,
-            |x, y| spread(n, texel_centre(n, first + x, first + y), reconstruction).into(),
-            Patch::turned,
-        );
-        Self { n, quadrant }
-    }
-
-    /// The spreads of the texels of the quadrant u, v >= 0, row by row; the others are their mirror images.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn quadrant(&self) -> &[Patch] {
-        &self.quadrant
-    }
-
-    #[inline]
-    pub(crate) fn at(&self, x: u32, y: u32) -> Patch {
-        let half = self.n.div_ceil(2);
-        let first = self.n - half;
-        let fold = |k: u32| if k >= first { (k - first, 1.0) } else { (self.n - 1 - k - first, -1.0) };
-        let ((x, sign_x), (y, sign_z)) = (fold(x), fold(y));
-        self.quadrant[y as usize * half as usize + x as usize].mirrored(Vec3::new(sign_x, 1.0, sign_z))
-    }
-}
-
-/// A row-major table of `half` x `half` values, symmetric under mirroring: the value at (y, x) is the mirror
-/// image of that at (x, y). `value` is called for one of each pair.
-pub(crate) fn mirrored_in_diagonal<T: Copy + Default + Send + Sync>(
-    half: u32,
-    value: impl Fn(u32, u32) -> T + Sync,
-    mirror: impl Fn(T) -> T,
-) -> Vec<T> {
-    let edge = half as usize;
-    let mut table = vec![T::default(); edge * edge];
-    table.par_chunks_mut(edge.max(1)).zip(0..half).for_each(|(row, y)| {
-        for (place, x) in row.iter_mut().zip(0..=y) {
-            *place = value(x, y);
-        }
-    });
-    for y in 0..edge {
-        for x in y + 1..edge {
-            table[y * edge + x] = mirror(table[x * edge + y]);
-        }
-    }
-    table
+/// The spreads of all texels of an n x n square.
+pub(crate) fn tents(n: u32, reconstruction: Reconstruction) -> Quadrant<Patch> {
+    Quadrant::new(n, |x, y| spread(n, texel_centre(n, x, y), reconstruction).into())
 }
 
 /// Whether the map has a kink (axis, fold diagonal or edge of the square) nearer than `reach` to `centre`, u,
@@ -313,7 +272,7 @@ mod tests {
             (16, Reconstruction::Constant),
             (17, Reconstruction::Constant),
         ] {
-            let tents = Tents::new(n, reconstruction);
+            let tents = tents(n, reconstruction);
             let reach = reconstruction.reach();
             for (x, y) in [(0, 0), (3, 9), (12, 12), (11, 14), (8, 8), (15, 2), (4, 13)] {
                 let (centre, h) = (texel_centre(n, x, y), 2.0 / f64::from(n));
@@ -350,7 +309,7 @@ mod tests {
     fn centroids_are_exact_at_every_size() {
         for n in [1, 2, 3, 4, 5, 8, 15, 16, 31, 32, 33, 64, 511, 512] {
             for reconstruction in [Reconstruction::Constant, Reconstruction::Bilinear] {
-                let tents = Tents::new(n, reconstruction);
+                let tents = tents(n, reconstruction);
                 let h = 2.0 / f64::from(n);
                 // All texels of small maps; for others a subset that includes the last column and row.
                 for (x, y) in (0..n).flat_map(|y| (0..n).map(move |x| (x, y))) {

@@ -70,7 +70,6 @@ impl Packet {
     ///
     /// # Panics
     /// If there are no directions or more than [`LANES`].
-    #[must_use]
     pub fn new(directions: &[DVec3]) -> Self {
         assert!(!directions.is_empty() && directions.len() <= LANES, "1 to {LANES} directions");
         // Use a reference point that float32 represents exactly; offsets from it are then exact.
@@ -190,7 +189,6 @@ pub struct Answers {
 ///
 /// # Panics
 /// If there are no parts or more than two.
-#[must_use]
 pub fn stage(context: &Context, parts: &[LobePart<'_>], packets: &Packets) -> Stage {
     assert!((1..=2).contains(&parts.len()), "one or two parts");
     let Packets { count, packets, results, leaves } = packets;

@@ -56,14 +56,12 @@ impl SatTextures {
     }
 
     /// Layout of a bind group with the resources of `common/sat.wgsl`, for the shader stages `visibility`.
-    #[must_use]
     pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
         let texture = texture_binding(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2);
         group_layout(context, "octagloss table", visibility, &[UNIFORM, texture, texture])
     }
 
     /// Bind group of the table's resources, with `layout`.
-    #[must_use]
     pub fn bind_group(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         let [low, high] = [&self.low, &self.high].map(wgpu::BindingResource::TextureView);
         group(context, "octagloss table", layout, [self.header.as_entire_binding(), low, high])
@@ -71,7 +69,6 @@ impl SatTextures {
 }
 
 /// The stage that copies the words of `sat` into `textures`.
-#[must_use]
 pub fn pack(context: &Context, sat: &SatPlanes, textures: &SatTextures) -> Stage {
     let table = Table::new(sat.size());
     let uniform = context.uniform("table", &table);

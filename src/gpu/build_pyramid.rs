@@ -61,7 +61,6 @@ const fn squares(size: OemSize) -> [u32; 3] {
 ///
 /// # Panics
 /// If `maps` were made for another size.
-#[must_use]
 pub fn stages(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Vec<Stage> {
     assert_eq!(oem.size().inner, maps.octaves().inner(), "maps for this size");
     vec![suns_of(context, oem, maps), levels(context, oem, maps), moments(context, oem, maps)]

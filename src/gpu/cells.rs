@@ -1,5 +1,6 @@
 //! Builds the quadtree of moments over an OEM's planes, level by level.
 
+use super::device::resources::layers;
 use super::device::stage::Dispatch;
 use super::least;
 use super::oem::Table;
@@ -8,7 +9,7 @@ use crate::cpu::cells::{Cells, QUAD_FIELDS, SubdivisionTables, omitted_radiance}
 use crate::environment::Layout;
 use crate::error::Result;
 use crate::geometry::source_texels::{SourceGrid, most_runs};
-use crate::geometry::tent::{Reconstruction, Tents};
+use crate::geometry::tent::{Reconstruction, tents};
 
 /// Quads along an edge of a workgroup.
 pub const EDGE: u32 = 8;
@@ -89,18 +90,8 @@ fn smaller_source(_: u64) -> String {
     "bake from a smaller source, or with `engine` cpu".to_owned()
 }
 
-/// The view of all layers of a source's texture.
-fn layers(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        mip_level_count: Some(1),
-        ..Default::default()
-    })
-}
-
 /// First quad and quads along an edge of every level, from the finest to the root, over `cells` cells along
 /// an edge; and the number of quads in all levels.
-#[must_use]
 pub fn levels_over(cells: u32) -> (Vec<[u32; 2]>, u32) {
     let mut levels: Vec<[u32; 2]> = Vec::new();
     let mut first = 0;
@@ -149,7 +140,6 @@ impl CellTree {
     }
 
     /// A tree with the given levels, as [`levels_over`] has them, and quads.
-    #[must_use]
     pub fn holding(
         context: &Context,
         inner: u32,
@@ -211,8 +201,8 @@ pub fn stage(
     let cells = inner.div_ceil(block);
     let (levels, count) = levels_over(cells);
     let bytes = QUAD * u64::from(count);
-    let tents: Vec<Tent> = Tents::new(inner, reconstruction)
-        .quadrant()
+    let tents: Vec<Tent> = tents(inner, reconstruction)
+        .values()
         .iter()
         .map(|patch| Tent {
             centroid: patch.centroid.to_array(),

@@ -8,7 +8,6 @@ pub const GROUP_SIZE: u32 = 256;
 
 /// Copies three planes of `sat` to the others. This moves the least number of bytes of a scan, 48 per
 /// texel: a scan reads 16 and writes 32, the copy reads and writes 24.
-#[must_use]
 pub fn stage(context: &Context, sat: &SatPlanes) -> Stage {
     let dispatches = [(0, 3), (1, 0), (2, 1)].map(|(from, to)| {
         let groups = u32::try_from(sat.planes[from].size() / 16).expect("a bound buffer");

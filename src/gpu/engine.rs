@@ -16,7 +16,7 @@ use crate::cpu::cells::{Cells, SourceLight};
 use crate::cpu::leaves::LANES;
 use crate::direction::units;
 use crate::environment::{Environment, Layout, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::filter::{Answer, Filter};
 use crate::geometry::footprints::footprints_over;
 use crate::geometry::source_texels::{SourceTexels, cells_across};
@@ -55,7 +55,6 @@ impl Engine {
     }
 
     /// The device.
-    #[must_use]
     pub const fn context(&self) -> &Context {
         &self.context
     }
@@ -121,7 +120,7 @@ impl Engine {
         settings: &BakeSettings,
     ) -> Result<Vec<Stage>> {
         let Filter::Adaptive(error) = settings.filter else {
-            return Err(Error::Parameter("`bake_stages` requires the adaptive filter".to_owned()));
+            return wrong("`bake_stages` requires the adaptive filter");
         };
         let job = Job::new(environment, std::slice::from_ref(settings))?;
         let reflector = GpuReflector::new(self, environment, &job.reflector_settings())?;
@@ -132,7 +131,7 @@ impl Engine {
             if level.is_mirror() {
                 let texture = &reflector.texture;
                 let Layout::Cube { size } = spec.layout else {
-                    return Err(Error::Parameter("`bake_stages` requires cube mirror levels".to_owned()));
+                    return wrong("`bake_stages` requires cube mirror levels");
                 };
                 levels.push(reparameterise::footprints(context, environment, texture, size)?.0);
                 continue;
@@ -204,7 +203,6 @@ impl<'a> GpuReflector<'a> {
     /// The exponent k, where the OEM holds the source's light times 2^k; see
     /// [`crate::reflector::Reflector::light_exponent`].
     #[cfg(feature = "internals")]
-    #[must_use]
     pub const fn light_exponent(&self) -> i32 {
         self.scale.exponent()
     }
@@ -306,7 +304,7 @@ impl<'a> GpuReflector<'a> {
         filter: Filter,
     ) -> Result<Answers> {
         if !(0.0..=1.0).contains(&roughness) {
-            return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
+            return wrong(format!("roughness {roughness} is outside [0, 1]"));
         }
         filter.check(lobe, Some(self.planes.size().inner))?;
         let context = &self.engine.context;

@@ -22,7 +22,6 @@ pub(super) fn groups(inner: u32) -> u32 {
 const PARTIAL: u64 = 48;
 
 /// The stage that writes the exponents of `oem` into `sat`: [`crate::sat::FixedPoint`].
-#[must_use]
 pub fn stage(context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
     let file = "fixed_point.wgsl";
     let partials = context.storage("fixed-point partials", PARTIAL * u64::from(GROUPS));

@@ -68,7 +68,6 @@ impl Lamp {
 }
 
 /// Adds to `oem` the [`Lamp`] that the uniform buffer `lamp` holds when the stage runs.
-#[must_use]
 pub fn stage(context: &Context, lamp: &wgpu::Buffer, oem: &OemPlanes) -> Stage {
     let resources = [oem.bindings(), vec![(5, lamp.as_entire_binding())]].concat();
     let groups = oem.table().side.div_ceil(EDGE);

@@ -8,17 +8,16 @@
 //! The texture is the renderer's, or the octahedral map that [`LiveEnvironment::draw`] draws into.
 
 use super::build_pyramid;
-use super::device::names::named;
-use super::device::shader;
 use super::direct::{Surroundings, view_layout};
 use super::pyramid::{PyramidMaps, wgsl};
 use super::reflection::{self, Surfaces};
 use super::reparameterise::{self, check_readable, upload};
 use super::{Context, OemPlanes, Stage};
 use crate::environment::{Environment, Layout};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::oem::OemSize;
 use crate::pyramid::Octaves;
+use crate::shader::{self, names::named};
 use glam::{DMat3, DVec3};
 
 /// Glossy reflections of any roughness out of a texture that changes, for the caller's own shaders.
@@ -218,9 +217,9 @@ impl LiveEnvironment {
         let off = (source_from_world.transpose() * source_from_world - DMat3::IDENTITY).to_cols_array();
         // NaN is off, too.
         if !off.iter().all(|entry| entry.abs() <= 1e-3) {
-            return Err(Error::Parameter(format!(
+            return wrong(format!(
                 "`source_from_world` is {source_from_world}; its columns must be unit vectors at right angles"
-            )));
+            ));
         }
         self.maps.set_rotation(&self.context, columns(source_from_world.transpose()));
         Ok(())
@@ -336,7 +335,7 @@ pub(super) fn draw_wgsl(group: u32) -> String {
 fn checked_inner(context: &Context, size: u32, count: u32) -> Result<u32> {
     let most = Octaves::LARGEST;
     if !(1..=most).contains(&size) {
-        return Err(Error::Parameter(format!("`size` is {size}; choose 1 to {most} texels along an edge")));
+        return wrong(format!("`size` is {size}; choose 1 to {most} texels along an edge"));
     }
     let inner = Octaves::size_for(size);
     match PyramidMaps::check_fits(context, Octaves::over(inner)?, count) {
@@ -355,10 +354,10 @@ fn layout_of(size: wgpu::Extent3d) -> Result<Layout> {
         6 if width == height => Ok(Layout::Cube { size: width }),
         1 if width == height => Ok(Layout::Octahedral { size: width }),
         1 if width == 2 * height => Ok(Layout::Panorama { width, height }),
-        _ => Err(Error::Parameter(format!(
+        _ => wrong(format!(
             "a texture of {width} x {height} in {layers} layers is no environment; six square layers are a \
              cube, one layer of 2:1 is a panorama, one square layer is an octahedral map"
-        ))),
+        )),
     }
 }
 

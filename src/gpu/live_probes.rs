@@ -4,7 +4,7 @@ use super::Context;
 use super::live::LiveEnvironment;
 use super::pyramid::{MAX_PROBES, wgsl};
 use super::reflection::{self, Surfaces};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use std::ops::{Deref, DerefMut};
 
 /// Probes of a scene: environments whose maps are layers of the same textures, so that one draw blends any of
@@ -28,9 +28,9 @@ impl LiveProbes {
     /// rounded up as [`LiveEnvironment::new`] does. All are black until their first update.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a size of 0, and for no or more than [`Self::MAX`] environments;
-    /// [`Error::Limit`] where their tables exceed one binding of the device, or its textures: it names the
-    /// count and size that fit.
+    /// [`crate::Error::Parameter`] for a size of 0, and for no or more than [`Self::MAX`] environments;
+    /// [`crate::Error::Limit`] where their tables exceed one binding of the device, or its textures: it names
+    /// the count and size that fit.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32, count: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
         Self::on(&context, size, count)
@@ -40,7 +40,7 @@ impl LiveProbes {
     pub(crate) fn on(context: &Context, size: u32, count: u32) -> Result<Self> {
         if !(1..=Self::MAX).contains(&count) {
             let most = Self::MAX;
-            return Err(Error::Parameter(format!("`count` is {count} environments; choose 1 to {most}")));
+            return wrong(format!("`count` is {count} environments; choose 1 to {most}"));
         }
         let probes = LiveEnvironment::several(context, size, count)?;
         let bind_group = probes[0].maps().bind_group_of_all(context, probes[0].bind_group_layout());

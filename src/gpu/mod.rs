@@ -37,8 +37,6 @@ pub mod live_probes;
 pub mod oem;
 pub mod pyramid;
 pub mod reflection;
-#[cfg(feature = "internals")]
-pub mod reflection_query;
 pub mod reparameterise;
 pub mod sat_f32;
 pub mod sat_hensley;

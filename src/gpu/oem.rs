@@ -24,14 +24,12 @@ pub struct Table {
 
 impl Table {
     /// The layout of an OEM of `size`.
-    #[must_use]
     pub const fn new(size: OemSize) -> Self {
         let side = size.bordered();
         Self { inner: size.inner, border: size.border, side, pitch: side.next_multiple_of(4) }
     }
 
     /// Entries of a plane.
-    #[must_use]
     pub const fn count(self) -> u64 {
         self.pitch as u64 * self.side as u64
     }
@@ -91,13 +89,11 @@ impl OemPlanes {
     }
 
     /// Size of the OEM.
-    #[must_use]
     pub const fn size(&self) -> OemSize {
         self.size
     }
 
     /// Memory layout of the planes.
-    #[must_use]
     pub const fn table(&self) -> Table {
         Table::new(self.size)
     }
@@ -150,7 +146,6 @@ impl SatPlanes {
     }
 
     /// Size of the OEM summed.
-    #[must_use]
     pub const fn size(&self) -> OemSize {
         self.size
     }

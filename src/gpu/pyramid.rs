@@ -1,8 +1,7 @@
 //! Pyramids on the GPU: their maps, their look-up for lists of directions, and as WGSL for callers' shaders.
 
 use super::device::readback;
-use super::device::resources::{SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding};
-use super::device::shader;
+use super::device::resources::{SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding, trilinear};
 use super::device::stage::{Dispatch, in_rows};
 use super::{Context, Stage};
 use crate::error::{Error, Result};
@@ -10,6 +9,7 @@ use crate::oem::OemSize;
 use crate::pyramid::fit::{self, INTERVALS, WEIGHTS};
 use crate::pyramid::light::OctaglossLight;
 use crate::pyramid::{COARSEST, Octaves, cells, suns};
+use crate::shader;
 use glam::DVec3;
 
 /// Invocations of a workgroup over queries.
@@ -95,12 +95,7 @@ impl PyramidMaps {
             levels: texture("levels", size, probes, octaves.count()),
             sharp: texture("sharp levels", size, 2 * probes, 1),
             cosine: texture("cosine levels", COSINE, probes, 1),
-            linear: context.device().create_sampler(&wgpu::SamplerDescriptor {
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                mipmap_filter: wgpu::MipmapFilterMode::Linear,
-                ..Default::default()
-            }),
+            linear: trilinear(context),
             blocks: context.storage("brightness of blocks", 4 * squares(suns::FINEST)),
             cells: context.storage("light of cells", 48 * squares(cells::FINEST)),
         };
@@ -145,7 +140,6 @@ impl PyramidMaps {
 
     /// Bytes of the textures of one environment.
     #[cfg(any(test, feature = "internals"))]
-    #[must_use]
     pub fn bytes(&self) -> u64 {
         let texels = |size: OemSize| u64::from(size.bordered()).pow(2);
         let chain: u64 = (0..self.octaves.count()).map(|level| texels(self.octaves.size(level))).sum();
@@ -153,7 +147,6 @@ impl PyramidMaps {
     }
 
     /// The levels.
-    #[must_use]
     pub const fn octaves(&self) -> Octaves {
         self.octaves
     }
@@ -189,7 +182,6 @@ impl PyramidMaps {
     }
 
     /// Layout of a bind group with the resources of `wgsl`, for the shader stages `visibility`.
-    #[must_use]
     pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
         let filterable = wgpu::TextureSampleType::Float { filterable: true };
         let layers = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
@@ -198,7 +190,6 @@ impl PyramidMaps {
     }
 
     /// Bind group of these resources, with `layout`.
-    #[must_use]
     pub fn bind_group(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         self.with_resources(false, |resources| group(context, "octagloss pyramid", layout, resources))
     }
@@ -233,16 +224,6 @@ impl PyramidMaps {
         let lights = if all { self.lights.as_entire_binding() } else { self.light() };
         let linear = wgpu::BindingResource::Sampler(&self.linear);
         make([self.table.as_entire_binding(), lights, levels, sharp, cosine, linear])
-    }
-
-    /// Reads the light back.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] if the device fails.
-    #[cfg(any(test, feature = "internals"))]
-    pub async fn read_light(&self, context: &Context) -> Result<OctaglossLight> {
-        let lights: Vec<OctaglossLight> = readback::read(context, &self.lights).await?;
-        Ok(lights[self.probe as usize])
     }
 }
 
@@ -280,7 +261,6 @@ pub(super) fn wgsl(count: u32, group: u32) -> String {
 ///
 /// # Panics
 /// If there are more queries than fit a buffer.
-#[must_use]
 pub fn stage(context: &Context, maps: &PyramidMaps, queries: &[(DVec3, f64)]) -> (Stage, wgpu::Buffer) {
     let pipeline = context.pipeline("pyramid/query.wgsl", "query", None);
     let queries: Vec<[f32; 4]> = queries

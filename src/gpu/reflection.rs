@@ -1,11 +1,11 @@
 //! True reflections out of pyramids on the GPU: their tables, and their look-up as WGSL for callers' shaders.
 
 use super::Context;
-use super::device::resources::{SAMPLER, UNIFORM, group, group_layout, texture_binding};
-use super::device::shader;
+use super::device::resources::{SAMPLER, UNIFORM, group, group_layout, layers, texture_binding};
 use super::pyramid::{PyramidMaps, RESOURCES};
 use crate::pyramid::reads::{LAYERS, NODES, table};
 use crate::pyramid::{Octaves, albedo, anisotropic};
+use crate::shader;
 use half::f16;
 
 /// Surfaces that shaders ask for. The table of anisotropic ones takes seconds to fit.
@@ -70,7 +70,6 @@ fn filled(
 }
 
 /// Layout of a bind group with the resources of `wgsl`, for the shader stages `visibility`.
-#[must_use]
 pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
     let filterable = wgpu::TextureSampleType::Float { filterable: true };
     let layers = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
@@ -81,7 +80,6 @@ pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> w
 
 /// Bind group of `maps`, or `all` that share their textures, and the tables, with `layout`. The first call
 /// for a size of maps fits the tables.
-#[must_use]
 pub fn bind_group(
     context: &Context,
     maps: &PyramidMaps,
@@ -89,10 +87,7 @@ pub fn bind_group(
     surfaces: Surfaces,
     layout: &wgpu::BindGroupLayout,
 ) -> wgpu::BindGroup {
-    let view = texture(context, maps.octaves()).create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        ..Default::default()
-    });
+    let view = layers(&texture(context, maps.octaves()));
     let rows = rows_texture(context, maps.octaves(), surfaces).create_view(&Default::default());
     maps.with_resources(all, |resources| {
         let tables = [&view, &rows].map(wgpu::BindingResource::TextureView);
@@ -108,29 +103,4 @@ pub(super) fn wgsl(count: u32, group: u32) -> String {
     resources.push("var octagloss_reflections: texture_2d_array<f32>");
     resources.push("var octagloss_rows: texture_3d<f32>");
     shader::for_callers("common/reflect_maps.wgsl", &resources, group, "octagloss")
-}
-
-/// How the look-ups of files are used.
-#[cfg(any(test, feature = "internals"))]
-const READER: &str = "\
-// Reads files of `octagloss bake --target pyramid`: reflections of any roughness and view, and irradiance.
-// octagloss_lights holds the 256 floats `uniform` of NAME_pyramid.json, octagloss_maps NAME_pyramid.ktx2,
-// octagloss_tables pyramid_tables.ktx2, octagloss_rows pyramid_rows.ktx2, of which isotropic reflections read
-// nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
-// Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
-// octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-";
-
-/// WGSL of the look-ups of pyramids in files, as [`crate::target::READERS`] has it.
-#[cfg(any(test, feature = "internals"))]
-#[must_use]
-pub fn reader_wgsl() -> String {
-    let resources = [
-        "var<uniform> octagloss_lights: array<OctaglossLight, 1>",
-        "var octagloss_maps: texture_2d_array<f32>",
-        "var octagloss_tables: texture_2d<f32>",
-        "var octagloss_linear: sampler",
-        "var octagloss_rows: texture_3d<f32>",
-    ];
-    READER.to_owned() + &shader::for_callers("common/pyramid_file.wgsl", &resources, 0, "octagloss")
 }

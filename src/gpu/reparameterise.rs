@@ -1,13 +1,14 @@
 //! Resamples the environment to the OEM and to the cube of footprints: applies the CPU's overlap matrix to a
 //! texture.
 
+use super::device::resources::layers;
 use super::device::stage::Dispatch;
 use super::oem::Table;
 use super::{Context, OemPlanes, Stage};
 use crate::environment::{Environment, Layout};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::geometry::overlap::{Overlaps, Target};
-use crate::geometry::solid_angles::SolidAngles;
+use crate::geometry::solid_angles::solid_angles;
 use crate::oem::OemSize;
 
 /// Invocations along an edge of a workgroup.
@@ -39,7 +40,6 @@ pub struct Gather {
 }
 
 /// Columns, rows and layers of the texture for `layout`.
-#[must_use]
 pub(crate) const fn texture_size(layout: Layout) -> [u32; 3] {
     match layout {
         Layout::Panorama { width, height } => [width, height, 1],
@@ -154,20 +154,20 @@ pub fn footprints(
 /// # Errors
 /// [`Error::Parameter`] naming what it has and what it needs.
 pub(super) fn check_readable(context: &Context, texture: &wgpu::Texture) -> Result<()> {
-    let wrong = |has: String, needs: &str| Err(Error::Parameter(format!("a texture of {has}; {needs}")));
+    let refused = |has: String, needs: &str| wrong(format!("a texture of {has}; {needs}"));
     let (format, usage) = (texture.format(), texture.usage());
     if !usage.contains(wgpu::TextureUsages::TEXTURE_BINDING) {
-        return wrong(format!("the usage {usage:?}"), "its usage must include TEXTURE_BINDING");
+        return refused(format!("the usage {usage:?}"), "its usage must include TEXTURE_BINDING");
     }
     if texture.dimension() != wgpu::TextureDimension::D2 {
-        return wrong(format!("the dimension {:?}", texture.dimension()), "its dimension must be D2");
+        return refused(format!("the dimension {:?}", texture.dimension()), "its dimension must be D2");
     }
     if texture.sample_count() != 1 {
-        return wrong(format!("{} samples", texture.sample_count()), "resolve it to one sample");
+        return refused(format!("{} samples", texture.sample_count()), "resolve it to one sample");
     }
     let sampled = format.sample_type(None, Some(context.device().features()));
     if !matches!(sampled, Some(wgpu::TextureSampleType::Float { .. })) || format.components() < 3 {
-        return wrong(
+        return refused(
             format!("the format {format:?}"),
             "choose one of three or four float channels, as Rgba16Float",
         );
@@ -178,7 +178,7 @@ pub(super) fn check_readable(context: &Context, texture: &wgpu::Texture) -> Resu
 /// Writes the solid angles of `planes`, which depend only on their size.
 fn upload_solid_angles(context: &Context, planes: &OemPlanes) {
     let Table { inner, border, side, pitch } = planes.table();
-    let weights = SolidAngles::new(inner);
+    let weights = solid_angles(inner);
     let mut words = vec![0.0_f32; planes.table().count() as usize];
     for (row, y) in words.chunks_exact_mut(pitch as usize).zip(0..side) {
         for (word, x) in row.iter_mut().zip(0..side) {
@@ -208,13 +208,13 @@ impl Matrix {
         target: Table,
     ) -> Result<Self> {
         check_readable(context, texture)?;
-        let [width, height, layers] = texture_size(layout);
+        let [width, height, depth] = texture_size(layout);
         let size = texture.size();
-        if [size.width, size.height, size.depth_or_array_layers] != [width, height, layers] {
-            return Err(Error::Parameter(format!(
-                "texture of {} x {} x {}; {layout:?} requires {width} x {height} x {layers}",
+        if [size.width, size.height, size.depth_or_array_layers] != [width, height, depth] {
+            return wrong(format!(
+                "texture of {} x {} x {}; {layout:?} requires {width} x {height} x {depth}",
                 size.width, size.height, size.depth_or_array_layers
-            )));
+            ));
         }
         let (starts, entries) = overlaps.rows();
         context.fits("the overlap of source and target texels", 8 * entries.len() as u64, |_| {
@@ -245,16 +245,11 @@ impl Matrix {
             padding: 0,
             source_maps: overlaps.source_maps(),
         };
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            mip_level_count: Some(1),
-            ..Default::default()
-        });
         Ok(Self {
             gather: context.uniform("gather", &gather),
             starts: context.storage_of("overlap rows", starts),
             entries: context.storage_of("overlaps", &entries),
-            view,
+            view: layers(texture),
             by_groups,
         })
     }

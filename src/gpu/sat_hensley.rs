@@ -23,7 +23,6 @@ pub struct Doubling {
 ///
 /// # Panics
 /// If `radix` is below 2.
-#[must_use]
 pub fn stage(context: &Context, radix: u32, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
     assert!(radix >= 2, "a radix of at least 2");
     let double_sums = context.pipeline("sat_hensley.wgsl", "double_sums", Some(("RADIX", radix)));

@@ -24,7 +24,6 @@ pub struct Scan {
 const FILE: &str = "sat_scan.wgsl";
 
 /// Stage that writes the table of `oem` to `sat`, whose exponents must be filled.
-#[must_use]
 pub fn stage(context: &Context, oem: &OemPlanes, sat: &SatPlanes) -> Stage {
     let Table { side, pitch, .. } = oem.table();
     let tiles = side.div_ceil(TILE);

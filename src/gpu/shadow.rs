@@ -6,11 +6,11 @@
 
 use super::Context;
 use super::device::resources::{DEPTH, UNIFORM, group, group_layout, texture_binding};
-use super::device::shader;
 use super::direct::{OctantDraws, cleared_depth, depth_texture, view_layout};
 use super::live::draw_wgsl;
 use crate::direct::DirectMap;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
+use crate::shader;
 use glam::DVec3;
 
 /// Bias at first.
@@ -53,7 +53,7 @@ impl ShadowMap {
     /// Allocates a map of even `size` texels along an edge. Nothing is in shadow until the first draw.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a size that is odd, 0, or beyond the device's textures.
+    /// [`crate::Error::Parameter`] for a size that is odd, 0, or beyond the device's textures.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
         let map = DirectMap::Octahedral { size };
@@ -84,7 +84,7 @@ impl ShadowMap {
     /// Lamp and `near` take effect with the next submission: submit once for each draw.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a `near` that is not positive or a `lamp` that is not finite.
+    /// [`crate::Error::Parameter`] for a `near` that is not positive or a `lamp` that is not finite.
     pub fn draw(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -108,10 +108,10 @@ impl ShadowMap {
     /// normals that are not the triangle's own.
     ///
     /// # Errors
-    /// [`Error::Parameter`] unless it is between 0 and 1/2.
+    /// [`crate::Error::Parameter`] unless it is between 0 and 1/2.
     pub fn set_bias(&mut self, bias: f32) -> Result<()> {
         if !(0.0..=0.5).contains(&bias) {
-            return Err(Error::Parameter(format!("`bias` is {bias}; choose a share from 0 to 0.5")));
+            return wrong(format!("`bias` is {bias}; choose a share from 0 to 0.5"));
         }
         self.set(Shadow { bias, ..self.shadow });
         Ok(())

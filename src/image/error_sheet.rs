@@ -8,7 +8,7 @@ use super::faces::draw_cross;
 use crate::analysis::channels::{Relative, shown_errors};
 use crate::chain::Level;
 use crate::environment::Layout;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::percent::percent;
 use glam::DVec2;
 use image::Rgb as Pixel;
@@ -41,11 +41,12 @@ const LABELS: f64 = 48.0;
 /// bar: |difference| / (reference + 0.001 of its mean), of luminance or the channel where it is greatest.
 ///
 /// # Errors
-/// [`Error::Parameter`] if a level and its reference differ in size or are no cubes, or there is no level.
+/// [`crate::Error::Parameter`] if a level and its reference differ in size or are no cubes, or there is no
+/// level.
 pub fn error_sheet(title: &str, against: &str, levels: &[LevelErrors<'_>]) -> Result<Scene> {
     let errors = levels.iter().map(relative_errors).collect::<Result<Vec<_>>>()?;
     if errors.is_empty() {
-        return Err(Error::Parameter("an error sheet needs at least one level".to_owned()));
+        return wrong("an error sheet needs at least one level");
     }
     let columns = (1..=3).find(|n| n * n >= errors.len()).unwrap_or(3);
     let rows = errors.len().div_ceil(columns);
@@ -92,10 +93,10 @@ fn relative_errors(errors: &LevelErrors<'_>) -> Result<Level> {
     let LevelErrors { level, reference, .. } = errors;
     let is_cube = matches!(level.layout, Layout::Cube { size: 1.. });
     if !is_cube || level.layout != reference.layout || level.texels.len() != reference.texels.len() {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "cannot show errors of a {:?} against a {:?}; both must be cubes of one size",
             level.layout, reference.layout
-        )));
+        ));
     }
     let got = level.texels.iter().map(|texel| texel.map(f64::from));
     let texels = shown_errors(got, &reference.texels).into_iter().map(|error| [error as f32; 3]).collect();

@@ -61,11 +61,10 @@ impl FromStr for Exposure {
 }
 
 /// The automatic exposure for `environment`, in powers of two.
-#[must_use]
 pub fn of_environment(environment: &Environment) -> f64 {
-    let mut average = LogAverage::new(environment.texels());
+    let mut average = LogAverage::new(environment.texels().iter());
     environment.for_each_texel(|_, solid_angle, rgb| average.add(solid_angle, rgb));
-    average.exposure()
+    average.exposure(MIDDLE_GREY)
 }
 
 /// Exposure of a picture and its compression of highlights: Reinhard et al. 2002, equation 4, of the
@@ -127,7 +126,7 @@ fn brightest(radiance: &Rgb) -> f64 {
 }
 
 /// Mean of logarithms of luminance.
-struct LogAverage {
+pub(super) struct LogAverage {
     /// Threshold of black: twenty stops below the brightest.
     least: f64,
     sum: f64,
@@ -135,21 +134,22 @@ struct LogAverage {
 }
 
 impl LogAverage {
-    fn new(texels: &[Rgb]) -> Self {
-        let brightest = texels.iter().map(|texel| exact_luminance(*texel)).fold(0.0, f64::max);
+    pub(super) fn new<'a>(texels: impl Iterator<Item = &'a Rgb>) -> Self {
+        let brightest = texels.map(|texel| exact_luminance(*texel)).fold(0.0, f64::max);
         Self { least: brightest * 1e-6, sum: 0.0, weights: 0.0 }
     }
 
-    fn add(&mut self, weight: f64, rgb: Rgb) {
+    pub(super) fn add(&mut self, weight: f64, rgb: Rgb) {
         self.sum += weight * exact_luminance(rgb).max(self.least).ln();
         self.weights += weight;
     }
 
-    fn exposure(&self) -> f64 {
+    /// The exposure that shows the mean as `grey`, in powers of two.
+    pub(super) fn exposure(&self, grey: f64) -> f64 {
         if self.least == 0.0 {
             return 0.0;
         }
-        (MIDDLE_GREY / (self.sum / self.weights).exp()).log2().clamp(-MAX, MAX)
+        (grey / (self.sum / self.weights).exp()).log2().clamp(-MAX, MAX)
     }
 }
 

@@ -60,7 +60,6 @@ pub struct OemMips {
 
 impl OemMips {
     /// The quadratic layout of `oem`, with its border.
-    #[must_use]
     pub fn quadratic(oem: &Oem, weights: Weights) -> Self {
         let (inner, border) = (oem.size().inner, oem.size().border);
         let texels = oem.texels().iter().map(|texel| texel.map(f64::from)).collect();
@@ -69,7 +68,6 @@ impl OemMips {
 
     /// The rectangular layout with one layer of `inner` texels along an edge per hemisphere, upper one first,
     /// of the `radiance` of its texels' centres. Border texels are those of the other layer.
-    #[must_use]
     pub fn rectangular(inner: u32, border: u32, weights: Weights, radiance: impl Fn(DVec3) -> Rgb) -> Self {
         let (n, b) = (i64::from(inner), i64::from(border));
         let place = |k: u32| f64::from(k) * 2.0 / f64::from(inner);
@@ -131,25 +129,21 @@ impl OemMips {
     }
 
     /// Texels along an edge of a layer, without the border.
-    #[must_use]
     pub const fn inner(&self) -> u32 {
         self.inner
     }
 
     /// The levels, the finest first.
-    #[must_use]
     pub fn levels(&self) -> &[MipLevel] {
         &self.levels
     }
 
     /// The greatest level whose look-ups are right everywhere; `None` without a border.
-    #[must_use]
     pub const fn greatest_level(&self) -> Option<u32> {
         greatest_level(self.inner, self.border)
     }
 
     /// Layer and coordinates in [-1, 1]^2 of `direction`.
-    #[must_use]
     pub fn place(&self, direction: DVec3) -> (u32, DVec2) {
         match self.arrangement {
             OemLayout::Quadratic => (0, oct_from_direction(direction)),
@@ -158,14 +152,12 @@ impl OemMips {
     }
 
     /// Radiance at `direction` and `level`, trilinear. Levels are clamped to those whose look-ups are right.
-    #[must_use]
     pub fn radiance(&self, direction: DVec3, level: f64) -> [f64; 3] {
         let greatest = f64::from(self.greatest_level().unwrap_or(0));
         self.look_up(self.place(direction), level.clamp(0.0, greatest), Addressing::Clamp)
     }
 
     /// Radiance at a layer and coordinates in [-1, 1]^2, trilinear between any levels of the texture.
-    #[must_use]
     pub fn look_up(&self, place: (u32, DVec2), level: f64, addressing: Addressing) -> [f64; 3] {
         let level = level.clamp(0.0, (self.levels.len() - 1) as f64);
         let (fine, share) = (level.floor() as usize, level.fract());

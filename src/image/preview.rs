@@ -11,7 +11,7 @@ use crate::analysis::sun::{Brightest, Sun};
 use crate::chain::{Chain, Level};
 use crate::chain_lookup::ChainLookup;
 use crate::environment::{Environment, Layout, Rgb, exact_luminance};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::geometry::footprints::footprints_over;
 use crate::sphere::equirect::equirect_from_direction;
 use glam::{DVec2, DVec3};
@@ -66,14 +66,14 @@ pub struct Origin<'a> {
 /// brightest one, else the brighter side behind its left shoulder.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a chain without levels, [`Error::Limit`] for an environment whose panorama does
-/// not fit.
+/// [`crate::Error::Parameter`] for a chain without levels, [`crate::Error::Limit`] for an environment whose
+/// panorama does not fit.
 pub fn contact_sheet(chain: &Chain, origin: Origin<'_>, exposure: Exposure) -> Result<Scene> {
     let distance = |level: &Level| (level.roughness - BACKDROP_ROUGHNESS).abs();
     let nearest = (0..chain.levels.len())
         .min_by(|a, b| distance(&chain.levels[*a]).total_cmp(&distance(&chain.levels[*b])));
     let Some(backdrop) = nearest else {
-        return Err(Error::Parameter("a preview needs at least one level".to_owned()));
+        return wrong("a preview needs at least one level");
     };
     let source = match origin.source {
         Some(environment) => Cow::Borrowed(environment),
@@ -147,7 +147,6 @@ fn sides(layout: Layout) -> String {
 }
 
 /// Stacks sheets.
-#[must_use]
 pub fn stacked(sheets: &[Scene]) -> RgbImage {
     let width = sheets.iter().map(|sheet| sheet.width).max().unwrap_or(1);
     let height: u32 = sheets.iter().map(|sheet| sheet.height).sum();

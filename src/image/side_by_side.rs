@@ -4,9 +4,10 @@ use super::drawing::page::{BAR_WIDTH, colour_bar, page};
 use super::drawing::scale::RELATIVE_ERROR;
 use super::drawing::scene::{Anchor, Frame, Scene};
 use super::drawing::style::{GAP, INK, LABEL, LINE, MARGIN, PAPER, SMALL, SOFT, mix};
+use super::exposure::LogAverage;
 use super::tone::display;
 use crate::analysis::channels::{Relative, shown_errors};
-use crate::environment::{Rgb, exact_luminance};
+use crate::environment::Rgb;
 use crate::percent::percent;
 use glam::{DVec2, DVec3};
 use image::{Rgb as Pixel, RgbImage};
@@ -41,7 +42,6 @@ pub struct Column {
 
 /// Directions that the pixels of a sphere reflect to an orthographic camera, row by row; pixels outside take
 /// those of the silhouette. A `sun` is reflected beside the middle.
-#[must_use]
 pub fn directions(sun: Option<DVec3>) -> Vec<DVec3> {
     let behind = match sun.map(|sun| DVec3::new(sun.x, 0.0, sun.z).normalize_or_zero()) {
         Some(sun) if sun != DVec3::ZERO => {
@@ -68,7 +68,6 @@ pub fn directions(sun: Option<DVec3>) -> Vec<DVec3> {
 /// Draws the bakes called `names` against `against`: a row of spheres for each, for the reference, and for
 /// the relative errors of each: |difference| / (reference + 0.001 of its mean) of luminance or the channel
 /// where it is greatest.
-#[must_use]
 pub fn side_by_side(names: [&str; 2], against: &str, columns: &[Column]) -> Scene {
     let tile = f64::from(TILE);
     let cell = tile + GAP;
@@ -152,11 +151,8 @@ fn disc(shade: impl Fn(usize) -> Pixel<u8>) -> RgbImage {
 /// The exposure that shows the log-average luminance of the reference's spheres as a dark grey, in powers of
 /// two: a highlight is brighter.
 fn exposure(columns: &[Column]) -> f64 {
-    let all = || columns.iter().flat_map(|column| &column.reference).map(|rgb| exact_luminance(*rgb));
-    let least = all().fold(0.0, f64::max) * 1e-6;
-    if least == 0.0 {
-        return 0.0;
-    }
-    let mean = all().map(|luminance| luminance.max(least).ln()).sum::<f64>() / all().count() as f64;
-    (GREY / mean.exp()).log2().clamp(-160.0, 160.0)
+    let all = || columns.iter().flat_map(|column| &column.reference);
+    let mut average = LogAverage::new(all());
+    all().for_each(|rgb| average.add(1.0, *rgb));
+    average.exposure(GREY)
 }

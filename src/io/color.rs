@@ -34,7 +34,7 @@ fn xyz_from_xy([x, y]: [f64; 2]) -> DVec3 {
 
 impl Primaries {
     /// Whether these are Rec. 709 within the rounding of their digits.
-    pub(super) fn are_rec709(&self) -> bool {
+    fn are_rec709(&self) -> bool {
         let pairs =
             [(self.red, REC709.red), (self.green, REC709.green), (self.blue, REC709.blue), (self.white, D65)];
         pairs.iter().all(|(a, b)| (a[0] - b[0]).abs() < SAME && (a[1] - b[1]).abs() < SAME)
@@ -48,8 +48,21 @@ impl Primaries {
         invertible(columns * DMat3::from_diagonal(scale))
     }
 
+    /// Converts `texels` to Rec. 709 if these primaries, which their file names `what`, are others. Returns a
+    /// warning.
+    pub(super) fn converted(&self, what: &str, texels: &mut [Rgb]) -> Option<String> {
+        if self.are_rec709() {
+            return None;
+        }
+        let Some(matrix) = self.rec709_from_rgb() else {
+            return Some(format!("its {what} are degenerate; ignored"));
+        };
+        transform(texels, matrix);
+        Some(format!("its {what} are not Rec. 709; converted"))
+    }
+
     /// Rec. 709 from these primaries, with Bradford adaptation; `None` if they are degenerate.
-    pub(super) fn rec709_from_rgb(&self) -> Option<DMat3> {
+    fn rec709_from_rgb(&self) -> Option<DMat3> {
         Some(rec709_from_xyz(self.white)? * self.xyz_from_rgb()?)
     }
 

@@ -1,7 +1,7 @@
 //! A cube chain as a file in memory, and the checks common to all containers.
 
 use crate::chain::Chain;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::Pixel;
 
 /// A file in memory.
@@ -24,26 +24,26 @@ impl CubeFile {
 /// level 0.
 pub(super) fn check_sizes(format: &str, chain: &Chain) -> Result<u32> {
     let Some(first) = chain.levels.first() else {
-        return Err(Error::Parameter(format!("a {format} file needs at least one level")));
+        return wrong(format!("a {format} file needs at least one level"));
     };
     let most = first.size().checked_ilog2().map_or(0, |log2| log2 as usize + 1);
     if chain.levels.len() > most {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "{} levels are more than the {most} that {format} allows a cube of {}",
             chain.levels.len(),
             first.size()
-        )));
+        ));
     }
     for (index, level) in chain.levels.iter().enumerate() {
         let size = first.size() >> index;
         if level.size() != size || level.texels.len() != 6 * size as usize * size as usize {
-            return Err(Error::Parameter(format!(
+            return wrong(format!(
                 "level {index} of a {format} cube of {} must have 6 faces of {size}, not {} texels in faces \
                  of {}",
                 first.size(),
                 level.texels.len(),
                 level.size()
-            )));
+            ));
         }
     }
     Ok(first.size())

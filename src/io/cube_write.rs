@@ -6,7 +6,7 @@ use super::exr::write::attributes;
 use super::provenance::Provenance;
 use super::{dds, ktx1, ktx2};
 use crate::chain::Chain;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::container::Container;
 use crate::format::{LevelName, Pixel};
 use crate::sphere::cube::Face;
@@ -15,8 +15,8 @@ use crate::sphere::cube::Face;
 /// flip.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel format that the
-/// container cannot hold ([`Container::holds`]), and for invalid keys.
+/// [`crate::Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel format that
+/// the container cannot hold ([`Container::holds`]), and for invalid keys.
 pub fn cube_bytes(
     container: Container,
     chain: &Chain,
@@ -33,9 +33,7 @@ pub fn cube_bytes(
             Ok(file)
         }
         Container::Exr => exr_bytes(chain, pixel, metadata),
-        Container::Hdr => {
-            Err(Error::Parameter("a cube in .hdr files is a folder of images, not one file".to_owned()))
-        }
+        Container::Hdr => wrong("a cube in .hdr files is a folder of images, not one file"),
     }
 }
 

@@ -65,7 +65,6 @@ pub(crate) fn readable_extensions() -> impl Iterator<Item = &'static str> {
 }
 
 /// Whether `path` has one of them.
-#[must_use]
 pub(crate) fn has_readable_name(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     extension.is_some_and(|own| readable_extensions().any(|extension| extension == own))

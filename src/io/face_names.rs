@@ -1,6 +1,6 @@
 //! Recognises cube faces by file name.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::sphere::cube::Face;
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ fn named_face(path: &Path) -> Option<Face> {
 /// does.
 pub(super) fn in_face_order(paths: &[PathBuf]) -> Result<Vec<&Path>> {
     if paths.len() != 6 {
-        return Err(Error::Parameter(format!("a cube takes six face files, got {}", paths.len())));
+        return wrong(format!("a cube takes six face files, got {}", paths.len()));
     }
     let named: Vec<Option<Face>> = paths.iter().map(|path| named_face(path)).collect();
     if named.iter().all(Option::is_none) {
@@ -47,11 +47,11 @@ pub(super) fn in_face_order(paths: &[PathBuf]) -> Result<Vec<&Path>> {
             let at = named.iter().position(|name| *name == Some(face));
             match (at, count) {
                 (Some(at), 1) => Ok(paths[at].as_path()),
-                _ => Err(Error::Parameter(format!(
+                _ => wrong(format!(
                     "{count} of the six face files are named as {}; name each once (px nx py ny pz nz) or \
                      none",
                     face.short_name()
-                ))),
+                )),
             }
         })
         .collect()

@@ -1,7 +1,7 @@
 //! Key/value pairs of headers, and their encoding in KTX 1 and KTX 2: a length, the key and a text value,
 //! both NUL-terminated.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 
 /// The value of `key`.
 pub(super) fn value_of(pairs: &[(String, String)], key: &str) -> Option<String> {
@@ -11,15 +11,15 @@ pub(super) fn value_of(pairs: &[(String, String)], key: &str) -> Option<String> 
 /// Encodes `pairs` in the given order, each padded to four bytes; `format` names the file format in messages.
 ///
 /// # Errors
-/// [`Error::Parameter`] for keys that are empty, contain a NUL or are duplicated.
+/// [`crate::Error::Parameter`] for keys that are empty, contain a NUL or are duplicated.
 pub(super) fn key_value_bytes(format: &str, pairs: &[(&str, &str)]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     for (index, (key, value)) in pairs.iter().enumerate() {
         if key.is_empty() || key.contains('\0') {
-            return Err(Error::Parameter(format!("{key:?} cannot be a key of {format} metadata")));
+            return wrong(format!("{key:?} cannot be a key of {format} metadata"));
         }
         if pairs[..index].iter().any(|(other, _)| other == key) {
-            return Err(Error::Parameter(format!("the {format} metadata has {key:?} twice")));
+            return wrong(format!("the {format} metadata has {key:?} twice"));
         }
         bytes.extend((key.len() as u32 + 1 + value.len() as u32 + 1).to_le_bytes());
         for text in [key, value] {

@@ -61,7 +61,6 @@ const TURNED: (u32, u32) = (1, 3);
 
 /// Arranges six faces of `size` x `size` texels in a row-major image, black elsewhere; returns its columns
 /// and texels. `None` for layouts that do not unfold cubes.
-#[must_use]
 pub fn image_from_faces(layout: OutputLayout, size: u32, texels: &[Rgb]) -> Option<(u32, Vec<Rgb>)> {
     let (cells, columns, rows) = match layout {
         OutputLayout::Cross => (&CROSS_CELLS, 4, 3),

@@ -242,9 +242,11 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
 
 /// File of a level stored as one image.
 fn image_file(folder: &Path, level: u32) -> Option<PathBuf> {
-    let files = ["exr", "hdr"]
-        .into_iter()
-        .map(|extension| folder.join(format!("{}.{extension}", LevelName::whole(level))));
+    stored(folder, &LevelName::whole(level).to_string())
+}
+
+fn stored(folder: &Path, stem: &str) -> Option<PathBuf> {
+    let files = ["exr", "hdr"].map(|extension| folder.join(format!("{stem}.{extension}")));
     files.into_iter().find(|path| path.is_file())
 }
 
@@ -272,15 +274,11 @@ fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pict
 }
 
 fn face_file(folder: &Path, level: u32, face: Face) -> Result<PathBuf> {
-    let stem = LevelName::face(level, face);
-    ["exr", "hdr"]
-        .into_iter()
-        .map(|extension| folder.join(format!("{stem}.{extension}")))
-        .find(|path| path.is_file())
-        .ok_or_else(|| {
-            Error::input(
-                folder,
-                format!("{stem}.exr (or .hdr) is missing, though report.json lists its level; bake it again"),
-            )
-        })
+    let stem = LevelName::face(level, face).to_string();
+    stored(folder, &stem).ok_or_else(|| {
+        Error::input(
+            folder,
+            format!("{stem}.exr (or .hdr) is missing, though report.json lists its level; bake it again"),
+        )
+    })
 }

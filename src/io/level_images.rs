@@ -6,7 +6,7 @@ use super::hdr::write::hdr_bytes;
 use super::ktx2::write::{ROUGHNESS_KEY, roughness_text};
 use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::Pixel;
 use crate::format::container::Container;
 
@@ -27,8 +27,8 @@ pub struct ImageFormat<'a> {
 /// lines.
 ///
 /// # Errors
-/// [`Error::Parameter`] for other containers, for pixel formats that the container does not support, and if
-/// the samples do not fill the image.
+/// [`crate::Error::Parameter`] for other containers, for pixel formats that the container does not support,
+/// and if the samples do not fill the image.
 pub(crate) fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat<'_>) -> Result<Vec<u8>> {
     let ImageFormat { container, pixel, roughness, metadata } = *format;
     let count = match samples {
@@ -46,7 +46,7 @@ pub(crate) fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat
             let pairs: Vec<_> = own.into_iter().chain(metadata.iter().cloned()).collect();
             hdr_bytes(width, height, texels, &pairs)
         }
-        _ => Err(Error::Parameter(format!("an image of a level is exr or hdr, not {}", container.name()))),
+        _ => wrong(format!("an image of a level is exr or hdr, not {}", container.name())),
     }
 }
 
@@ -54,10 +54,10 @@ pub(crate) fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat
 /// `metadata` in attributes.
 ///
 /// # Errors
-/// [`Error::Parameter`] for other levels, and for pixel formats that EXR does not support.
+/// [`crate::Error::Parameter`] for other levels, and for pixel formats that EXR does not support.
 pub(crate) fn mips_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let Some(Layout::Panorama { width, height }) = levels.first().map(|level| level.layout) else {
-        return Err(Error::Parameter("a lat-long MIP map is made of panoramas".to_owned()));
+        return wrong("a lat-long MIP map is made of panoramas");
     };
     let roughness = roughness_text(levels.iter().map(|level| level.roughness));
     let roughness = (ROUGHNESS_KEY.to_owned(), roughness);

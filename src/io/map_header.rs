@@ -24,7 +24,6 @@ pub(super) struct MapHeader {
 }
 
 /// The keys of a picture of `map` with `border` texels around every component.
-#[must_use]
 pub(crate) fn map_pairs(map: &NamedMap, border: u32) -> Vec<(String, String)> {
     vec![(MAP_KEY.to_owned(), map.name.to_owned()), (BORDER_KEY.to_owned(), border.to_string())]
 }

@@ -54,7 +54,7 @@ pub use source::DEFAULT_MEMORY_LIMIT;
 
 use crate::chain::{Chain, Level};
 use crate::environment::{Environment, Layout, Rgb, of_sound};
-use crate::error::{Error, Result, printable};
+use crate::error::{Error, Result, printable, wrong};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use crate::sphere::registry::NamedMap;
@@ -243,7 +243,7 @@ pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Res
 /// As [`read`]; [`Error::Parameter`] unless there are six files, and for contradicting names.
 pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     if !matches!(options.layout, InputLayout::Auto | InputLayout::Faces) {
-        return Err(Error::Parameter("six files are one cube; use `layout` faces".to_owned()));
+        return wrong("six files are one cube; use `layout` faces");
     }
     let ordered = face_names::in_face_order(paths)?;
     let (picture, repaired) = read_square_faces(&ordered, options)?;
@@ -334,15 +334,24 @@ pub(crate) fn pyramid_irradiance(path: &Path) -> Result<Option<Level>> {
     if !path.is_file() {
         return Ok(None);
     }
+    decoded_if(path, Format::Ktx2, |source| {
+        let texture = ktx2::read::open(source)?;
+        pyramid_read::is_pyramid(&texture).then(|| pyramid_read::decode_irradiance(&texture)).transpose()
+    })
+}
+
+/// What `decode` makes of the file `path`; `None` if it is no `format`.
+fn decoded_if<T>(
+    path: &Path,
+    format: Format,
+    decode: impl FnOnce(&Source<'_>) -> Result<Option<T>>,
+) -> Result<Option<T>> {
     let bytes = read_regular(path, DEFAULT_MEMORY_LIMIT)?;
-    if Format::sniff(&bytes) != Some(Format::Ktx2) {
+    if Format::sniff(&bytes) != Some(format) {
         return Ok(None);
     }
     let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
-    catching_panics(path, || {
-        let texture = ktx2::read::open(&source)?;
-        pyramid_read::is_pyramid(&texture).then(|| pyramid_read::decode_irradiance(&texture)).transpose()
-    })
+    catching_panics(path, || decode(&source))
 }
 
 /// Undoes the flip of a chain as it is stored.
@@ -378,12 +387,7 @@ pub(crate) fn target_panorama(path: &Path) -> Result<Option<LoadedChain>> {
 /// # Errors
 /// As [`read_chain`].
 pub(crate) fn filament_harmonics(path: &Path) -> Result<Option<String>> {
-    let bytes = read_regular(path, DEFAULT_MEMORY_LIMIT)?;
-    if Format::sniff(&bytes) != Some(Format::Ktx1) {
-        return Ok(None);
-    }
-    let source = Source { path, bytes: &bytes, memory_limit: DEFAULT_MEMORY_LIMIT };
-    catching_panics(path, || ktx1::read::harmonics(&source))
+    decoded_if(path, Format::Ktx1, ktx1::read::harmonics)
 }
 
 /// The file or level folder that [`read`] reads for `path`: for a target's folder, the file with its levels.
@@ -396,7 +400,6 @@ pub(crate) fn levels_path(path: &Path) -> Result<PathBuf> {
 
 /// Whether the folder `path` holds a bake rather than sources: levels, a report, or the levels of a target.
 /// Panoramas do not count, since sources have such names too.
-#[must_use]
 pub(crate) fn is_bake_folder(path: &Path) -> bool {
     let levels = || target_folder::levels_file(path).ok().flatten();
     path.join(side_report::REPORT).is_file()
@@ -405,7 +408,6 @@ pub(crate) fn is_bake_folder(path: &Path) -> bool {
 }
 
 /// Origin of the file `path` with the given BLAKE3 `hash`, from its report.
-#[must_use]
 pub(crate) fn reported(path: &Path, hash: blake3::Hash) -> Option<Provenance> {
     side_report::of_file(path, || hash).map(|described| described.provenance)
 }
@@ -511,7 +513,7 @@ fn finish(path: &Path, mut picture: Picture, options: &ReadOptions) -> Result<Lo
 /// Multiplies radiance by `scale`; returns warnings.
 fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>> {
     if !(scale.is_finite() && scale > 0.0) {
-        return Err(Error::Parameter(format!("`scale` {scale} must be finite and above 0")));
+        return wrong(format!("`scale` {scale} must be finite and above 0"));
     }
     if scale == 1.0 {
         return Ok(None);

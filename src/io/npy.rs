@@ -5,6 +5,8 @@
 //! parser generators.
 
 use crate::error::quoted;
+use serde::Deserialize;
+use serde_json::Value;
 use std::io::Read;
 
 /// First bytes of every file.
@@ -94,7 +96,6 @@ pub fn read_table(mut from: impl Read, columns: &[usize], most_rows: usize) -> R
 ///
 /// # Panics
 /// If `values` does not divide into such rows.
-#[must_use]
 pub fn table_bytes(columns: usize, values: &[f32]) -> Vec<u8> {
     assert!(columns > 0 && values.len().is_multiple_of(columns), "rows of {columns} numbers");
     let shape = format!("({}, {columns})", values.len() / columns);
@@ -158,44 +159,29 @@ fn read_header(from: &mut impl Read) -> Result<Vec<u8>, String> {
     Ok(header)
 }
 
-/// Parses a header: the literal of a dictionary with the keys `descr`, `fortran_order` and `shape`.
+/// The dictionary of a header: its fields, each of which may be missing.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Fields {
+    descr: Option<Value>,
+    fortran_order: Option<bool>,
+    shape: Option<Vec<u64>>,
+}
+
+/// Parses a header, a literal of Python.
 fn parsed(header: &[u8]) -> Result<Header, String> {
     let text = std::str::from_utf8(header).map_err(|_| "its header is not text".to_owned())?;
-    let wrong = |rest: &str| format!("its header is not that of an array, at {}", quoted(rest.trim()));
-    let (mut descr, mut fortran_order, mut shape) = (None, None, None);
-    let mut rest = Literal(text);
-    rest.symbol('{').ok_or_else(|| wrong(rest.0))?;
-    loop {
-        if rest.symbol('}').is_some() {
-            break;
-        }
-        let start = rest.0;
-        let key = rest.string().filter(|_| rest.symbol(':').is_some()).ok_or_else(|| wrong(start))?;
-        let start = rest.0;
-        let is_read = match key {
-            "descr" if rest.0.trim_start().starts_with('[') => {
-                return Err("it holds records; save an array of float32 or float64".to_owned());
-            }
-            "descr" if descr.is_none() => set(&mut descr, rest.string()),
-            "fortran_order" if fortran_order.is_none() => set(&mut fortran_order, rest.boolean()),
-            "shape" if shape.is_none() => set(&mut shape, rest.tuple()),
-            _ => false,
-        };
-        if !is_read {
-            return Err(wrong(start));
-        }
-        // A comma follows each entry, and may follow the last.
-        if rest.symbol(',').is_none() && !rest.0.trim_start().starts_with('}') {
-            return Err(wrong(rest.0));
-        }
+    let fields: Fields = serde_json::from_str(&json_of(text)).map_err(|error| {
+        let rest = text.get(error.column().saturating_sub(1)..).unwrap_or_default();
+        format!("its header is not that of an array, at {}", quoted(rest.trim()))
+    })?;
+    if fields.descr.as_ref().is_some_and(Value::is_array) {
+        return Err("it holds records; save an array of float32 or float64".to_owned());
     }
-    if !rest.0.trim().is_empty() {
-        return Err(wrong(rest.0));
-    }
-    let (Some(descr), Some(fortran_order), Some(shape)) = (descr, fortran_order, shape) else {
+    let Fields { descr: Some(descr), fortran_order: Some(fortran_order), shape: Some(shape) } = fields else {
         return Err("its header lacks one of descr, fortran_order and shape".to_owned());
     };
-    let (big_endian, precision) = match descr {
+    let (big_endian, precision) = match descr.as_str().unwrap_or_default() {
         "<f4" => (false, Precision::Single),
         "<f8" => (false, Precision::Double),
         ">f4" => (true, Precision::Single),
@@ -210,10 +196,16 @@ fn parsed(header: &[u8]) -> Result<Header, String> {
     Ok(Header { big_endian, precision, fortran_order, shape })
 }
 
-/// Stores `value` in `place`; whether there is one.
-fn set<T>(place: &mut Option<T>, value: Option<T>) -> bool {
-    *place = value;
-    place.is_some()
+/// JSON that is as long as the literal `text`, with each character at its place.
+fn json_of(text: &str) -> String {
+    let pairs = [("'", "\""), ("True", "true"), ("False", "false"), ("(", "["), (")", "]"), ("\n", " ")];
+    let mut json = pairs.iter().fold(text.to_owned(), |json, (own, other)| json.replace(own, other));
+    for at in text.match_indices(',').map(|(at, _)| at) {
+        if json[at + 1..].trim_start().starts_with([']', '}']) {
+            json.replace_range(at..=at, " ");
+        }
+    }
+    json
 }
 
 /// A shape as Python writes it.
@@ -223,59 +215,6 @@ fn shown(shape: &[u64]) -> String {
         // A header of 10,000 bytes has room for thousands of dimensions.
         many if many.len() > 8 => format!("of {} dimensions", many.len()),
         many => format!("({})", many.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
-    }
-}
-
-/// The rest of a Python literal. Each method skips spaces and takes one value from the front, or takes
-/// nothing and returns `None`.
-#[derive(Clone, Copy)]
-struct Literal<'a>(&'a str);
-
-impl<'a> Literal<'a> {
-    fn symbol(&mut self, symbol: char) -> Option<()> {
-        self.0 = self.0.trim_start().strip_prefix(symbol)?;
-        Some(())
-    }
-
-    /// A string without escapes.
-    fn string(&mut self) -> Option<&'a str> {
-        let rest = self.0.trim_start();
-        let quote = rest.chars().next().filter(|quote| ['\'', '"'].contains(quote))?;
-        let (text, rest) = rest[1..].split_once(quote)?;
-        self.0 = rest;
-        Some(text).filter(|text| !text.contains('\\'))
-    }
-
-    fn boolean(&mut self) -> Option<bool> {
-        let rest = self.0.trim_start();
-        let values = [("True", true), ("False", false)];
-        let (rest, value) =
-            values.into_iter().find_map(|(name, value)| Some((rest.strip_prefix(name)?, value)))?;
-        self.0 = rest;
-        Some(value)
-    }
-
-    /// A tuple of integers that are not negative.
-    fn tuple(&mut self) -> Option<Vec<u64>> {
-        let mut rest = *self;
-        rest.symbol('(')?;
-        let mut values = Vec::new();
-        loop {
-            if rest.symbol(')').is_some() {
-                break;
-            }
-            let text = rest.0.trim_start();
-            let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
-            values.push(text[..end].parse().ok()?);
-            rest.0 = &text[end..];
-            let comma = rest.symbol(',').is_some();
-            // One value without a comma is a number, not a tuple.
-            if !comma && (values.len() == 1 || !rest.0.trim_start().starts_with(')')) {
-                return None;
-            }
-        }
-        *self = rest;
-        Some(values)
     }
 }
 
@@ -359,7 +298,7 @@ mod tests {
             (file(1, &header("<f8", "False", "(18446744073709551616, 3)"), b""), "not that of an array, at"),
             (file(1, &header("<f8", "False", "(-1, 3)"), b""), "not that of an array, at"),
             (file(1, &header("<f8", "False", "(2 3)"), b""), "not that of an array, at"),
-            (file(1, &header("<f8", "False", "(3)"), b""), "not that of an array, at"),
+            (file(1, &header("<f8", "False", "(3)"), b""), "its shape is (3,); (N, 3) or (N, 4) is needed"),
             (file(1, &header("<f8", "maybe", "(2, 3)"), b""), "not that of an array, at \"maybe"),
             (file(1, &header("<f8", "False", "(9, 3)"), &[0; 10]), "truncated: 10 of the 216 bytes"),
             (file(1, &header("<f4", "False", "(1, 3)"), &[0; 13]), "more than the 12 bytes"),
@@ -369,7 +308,7 @@ mod tests {
             (file(1, "{'descr': '<f8', }", b""), "lacks one of descr, fortran_order and shape"),
             (file(1, "{'descr': '<f8', 'descr': '<f8', }", b""), "not that of an array"),
             (file(1, "{'descr': '<f8'", b""), "not that of an array"),
-            (file(1, "{'\u{1b}[2J': 1}", b""), "not that of an array, at \"1}\""),
+            (file(1, "{'\u{1b}[2J': 1}", b""), "not that of an array, at"),
             (file(1, "", b""), "not that of an array, at \"\""),
             (file(1, &(header("<f4", "False", "(1, 3)") + "x"), &[0; 12]), "not that of an array, at \"x\""),
         ] {

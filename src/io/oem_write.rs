@@ -14,7 +14,7 @@ use super::ktx2::write::{ROUGHNESS_KEY, format_of, roughness_text};
 use super::map_header::BORDER_KEY;
 use crate::chain::Level;
 use crate::environment::{Layout, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::container::Container;
 use crate::format::texel_bytes::texel_bytes;
 use crate::format::{LevelName, Pixel};
@@ -45,8 +45,8 @@ const CONVENTIONS: [(&str, &str); 4] = [
 /// `m0`, `m1`, ... `metadata` are further text key/value pairs.
 ///
 /// # Errors
-/// [`Error::Parameter`] for other containers or levels, and for pixel formats and keys that the container
-/// cannot hold.
+/// [`crate::Error::Parameter`] for other containers or levels, and for pixel formats and keys that the
+/// container cannot hold.
 pub fn oem_bytes(
     container: Container,
     levels: &[Level],
@@ -57,14 +57,14 @@ pub fn oem_bytes(
     let sizes = level_sizes(size, levels.len() as u32)?;
     for (index, (level, size)) in levels.iter().zip(&sizes).enumerate() {
         if level.layout != (Layout::Octahedral { size: size.inner }) {
-            return Err(Error::Parameter(format!(
+            return wrong(format!(
                 "level {index} of an octahedral map must be a square of {}, not {:?}",
                 size.inner, level.layout
-            )));
+            ));
         }
     }
     if !container.holds(pixel) {
-        return Err(Error::Parameter(format!("{} files cannot hold {}", container.name(), pixel.name())));
+        return wrong(format!("{} files cannot hold {}", container.name(), pixel.name()));
     }
     let list =
         |of: fn(&OemSize) -> u32| sizes.iter().map(|s| of(s).to_string()).collect::<Vec<_>>().join(",");
@@ -83,16 +83,7 @@ pub fn oem_bytes(
         Container::Ktx2 => {
             let roughness = roughness_text(levels.iter().map(|level| level.roughness));
             pairs.push((ROUGHNESS_KEY, &roughness));
-            let side = sizes[0].bordered();
-            let shape = TextureShape {
-                format: format_of(pixel)?,
-                width: side,
-                height: side,
-                depth: 0,
-                layers: 0,
-                faces: 1,
-                levels: levels.len(),
-            };
+            let shape = TextureShape::flat(format_of(pixel)?, [sizes[0].bordered(); 2], levels.len());
             ktx2_file(&shape, &pairs, |index| texel_bytes(sizes[index].bordered(), &bordered[index], pixel))?
         }
         Container::Exr => {
@@ -112,10 +103,7 @@ pub fn oem_bytes(
             exr_parts_bytes(&parts, pixel)?
         }
         Container::Ktx1 | Container::Dds | Container::Hdr => {
-            return Err(Error::Parameter(format!(
-                "an octahedral map is written as ktx2 or exr, not {}",
-                container.name()
-            )));
+            return wrong(format!("an octahedral map is written as ktx2 or exr, not {}", container.name()));
         }
     };
     Ok(CubeFile { bytes, clamped: levels.iter().map(|level| pixel.clamped(&level.texels)).collect() })

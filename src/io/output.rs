@@ -188,7 +188,6 @@ impl Staged {
     }
 
     /// Temporary path until it is committed.
-    #[must_use]
     pub fn path(&self) -> PathBuf {
         self.temporary.new_path()
     }

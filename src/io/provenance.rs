@@ -252,14 +252,13 @@ fn old_value(field: &str, text: &str) -> Value {
         ("quarter_turns" | "rotate_y" | "scale", _) => {
             text.parse::<Number>().map_or_else(|_| json!(text), Value::Number)
         }
-        ("removed_suns", _) => taken_suns(text).map_or_else(|| json!(text), |suns| json!(suns)),
+        ("removed_suns", _) => {
+            // Separated by semicolons.
+            let suns: Option<Vec<TakenSun>> = text.split(';').map(taken_sun).collect();
+            suns.map_or_else(|| json!(text), |suns| json!(suns))
+        }
         _ => json!(text),
     }
-}
-
-/// Parses suns separated by semicolons.
-fn taken_suns(text: &str) -> Option<Vec<TakenSun>> {
-    text.split(';').map(taken_sun).collect()
 }
 
 /// Parses `x y z, r g b, steradians`.

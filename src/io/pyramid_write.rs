@@ -12,12 +12,12 @@
 //! Reflections along a tangent have a table of their own, of three dimensions.
 
 use super::cube_file::CubeFile;
-use super::ktx2::file::{TextureShape, ktx2_file};
+use super::ktx2::file::{TextureShape, halves_file, ktx2_file};
 use super::ktx2::write::format_of;
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
+use crate::format::Pixel;
 use crate::format::texel_bytes::texel_bytes;
-use crate::format::{Pixel, push_halves};
 use crate::pyramid::fit::{self, WEIGHTS};
 use crate::pyramid::levels::Map;
 use crate::pyramid::reads::{LAYERS, NODES, table};
@@ -40,8 +40,8 @@ const WEIGHT_ROWS: usize = WEIGHTS / 4;
 /// Encodes the maps of `baked`. `metadata` are text key/value pairs.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a map of less than 64 texels, for pixels that KTX2 cannot hold or that end below
-/// the light of half floats, and for keys that it cannot hold.
+/// [`crate::Error::Parameter`] for a map of less than 64 texels, for pixels that KTX2 cannot hold or that end
+/// below the light of half floats, and for keys that it cannot hold.
 pub(crate) fn maps_bytes(
     baked: &BakedPyramid,
     pixel: Pixel,
@@ -66,16 +66,8 @@ pub(crate) fn maps_bytes(
                 .collect()
         })
         .collect();
-    let side = octaves.size(0).bordered();
-    let shape = TextureShape {
-        format: format_of(pixel)?,
-        width: side,
-        height: side,
-        depth: 0,
-        layers: SQUARES as u32,
-        faces: 1,
-        levels: levels.len(),
-    };
+    let flat = TextureShape::flat(format_of(pixel)?, [octaves.size(0).bordered(); 2], levels.len());
+    let shape = TextureShape { layers: SQUARES as u32, ..flat };
     let pairs: Vec<(&str, &str)> = metadata.iter().map(|(key, value)| (&key[..], &value[..])).collect();
     let bytes = ktx2_file(&shape, &pairs, |mip| {
         texel_bytes(octaves.size(mip as u32).bordered(), &bordered[mip], pixel)
@@ -86,21 +78,21 @@ pub(crate) fn maps_bytes(
 /// Checks that a map of `inner` texels along an edge can be written.
 ///
 /// # Errors
-/// [`Error::Parameter`] if it has no pyramid, or one of a single level.
+/// [`crate::Error::Parameter`] if it has no pyramid, or one of a single level.
 pub(crate) fn check_size(inner: u32) -> Result<()> {
     match Octaves::over(inner) {
         Ok(_) if inner >= LEAST => Ok(()),
-        _ => Err(Error::Parameter(format!(
+        _ => wrong(format!(
             "a `size` of {inner} has no pyramid to write; choose a power of two from {LEAST} to {}",
             Octaves::LARGEST
-        ))),
+        )),
     }
 }
 
 /// Encodes the tables for pyramids of `octaves`.
 ///
 /// # Errors
-/// [`Error::Parameter`] if compression fails.
+/// [`crate::Error::Parameter`] if compression fails.
 pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
     let ([across, rows], side) = (NODES, NODES[0] + 2);
     let (nodes, weights) = (table(octaves), fit::table(octaves));
@@ -121,19 +113,9 @@ pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
             radiance[row * width + k] = *texel;
         }
     }
-    let mut data = Vec::with_capacity(8 * texels.len());
-    push_halves(texels.as_flattened(), &mut data);
-    let shape = TextureShape {
-        format: Format::R16G16B16A16_SFLOAT,
-        width: width as u32,
-        height: height as u32,
-        depth: 0,
-        layers: 0,
-        faces: 1,
-        levels: 1,
-    };
+    let sides = [width as u32, height as u32, 0];
     let content = format!("tables of pyramids over maps of {}", octaves.inner());
-    ktx2_file(&shape, &[("octaglossContent", &content)], |_| data.clone())
+    halves_file(Format::R16G16B16A16_SFLOAT, sides, texels.as_flattened(), &content)
 }
 
 /// The KTX2 file that shaders of `--target pyramid` read as `octagloss_rows`: the table of reflections along
@@ -141,14 +123,10 @@ pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
 /// RGBA16F, 1.6 MB, which takes three seconds of one core.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a `size` that is not a power of two from 64 to 2048.
+/// [`crate::Error::Parameter`] for a `size` that is not a power of two from 64 to 2048.
 pub fn anisotropic_table(size: u32) -> Result<Vec<u8>> {
     check_size(size)?;
-    let mut data = Vec::new();
-    push_halves(anisotropic::texels(Octaves::over(size)?).as_flattened(), &mut data);
-    let [width, height, depth] = anisotropic::TEXTURE;
-    let format = Format::R16G16B16A16_SFLOAT;
-    let shape = TextureShape { format, width, height, depth, layers: 0, faces: 1, levels: 1 };
+    let texels = anisotropic::texels(Octaves::over(size)?);
     let content = format!("table of anisotropic reflections from pyramids over maps of {size}");
-    ktx2_file(&shape, &[("octaglossContent", &content)], |_| data.clone())
+    halves_file(Format::R16G16B16A16_SFLOAT, anisotropic::TEXTURE, texels.as_flattened(), &content)
 }

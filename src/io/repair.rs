@@ -102,7 +102,6 @@ pub(super) fn non_finite(
 
 /// Sets NaN and minus infinity to 0, and infinity to the largest finite value in the nearest ring of
 /// neighbours that has one. Returns whether every infinity was repaired.
-#[must_use]
 fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &mut Repairs) -> bool {
     let height = texels.len() / width;
     // Values propagate inwards from the rim of each region, one ring a round; each texel is set once.

@@ -38,7 +38,6 @@ impl<'a> Adaptive<'a> {
     ///
     /// # Panics
     /// If `tables` have a border, or `cells` are of another map or size.
-    #[must_use]
     pub fn new(tables: &'a Tables, cells: &'a Cells, lobe: Lobe, alpha: f64, error: f64) -> Self {
         assert_eq!(tables.border, 0, "a table of domains only");
         assert_eq!(tables.grid.texel_count(), cells.grid.texel_count(), "cells of the table's map");
@@ -49,7 +48,6 @@ impl<'a> Adaptive<'a> {
 
     /// The lobe around `direction`, a unit vector, and a bound of its luminance's error against exhaustive
     /// integration over the map's own texels, but for float64 rounding.
-    #[must_use]
     pub fn radiance(&self, direction: DVec3) -> (LobeAnswer, f64) {
         let least = self.tables.least;
         let (mut sum, mut bound, mut reads) = ([0.0; 3], 0.0, 0);

@@ -25,14 +25,12 @@ pub struct Boxes<'a> {
 
 impl<'a> Boxes<'a> {
     /// The boxes of `stack` over `tables`.
-    #[must_use]
     pub const fn new(tables: &'a Tables, stack: &'a [StackedBox]) -> Self {
         Self { tables, stack }
     }
 
     /// The boxes' weighted energy over their weighted solid angle around `direction`. A one-texel box is
     /// added in quadrature, as in the engines.
-    #[must_use]
     pub fn radiance(&self, direction: DVec3) -> LobeAnswer {
         let (grid, charts) = (&self.tables.grid, self.tables.charts);
         let place = grid.map().locate(direction);
@@ -54,7 +52,6 @@ impl<'a> Boxes<'a> {
 }
 
 /// The paper's single box for `lobe` at `alpha`.
-#[must_use]
 pub fn single(lobe: Lobe, alpha: f64) -> Vec<StackedBox> {
     vec![single_box(lobe, alpha)]
 }
@@ -67,7 +64,6 @@ const STEPS: u32 = 4096;
 ///
 /// With K_j the mean in ring j and A_j the solid angle up to it, the sum of (K_j - K_(j+1)) over boxes of
 /// A_j is K_j in every ring.
-#[must_use]
 pub fn stack(lobe: Lobe, alpha: f64, count: u32) -> Vec<StackedBox> {
     // Equal steps in ln(s + alpha^2 / 4), around which the kernel changes.
     let near = alpha * alpha / 4.0;

@@ -1,6 +1,7 @@
 //! A tree of cells over a map's texels: rectangles with their directions' mean, covariance and reach. It
 //! depends on map and size only; energies come from the tables.
 
+use crate::geometry::exact::outer;
 use crate::sphere::grid::Grid;
 use glam::{DMat3, DVec2, DVec3};
 
@@ -39,7 +40,6 @@ const POINTS: u32 = 4;
 
 impl Cells {
     /// The cells of `grid`.
-    #[must_use]
     pub fn new(grid: Grid) -> Self {
         let mut tree = Self { grid, cells: Vec::new(), roots: Vec::new() };
         for component in 0..grid.map().components() {
@@ -155,8 +155,4 @@ fn texel(grid: &Grid, component: u32, low: [u32; 2]) -> Option<Cell> {
     }
     let reach = 1.1 * reach + 1e-9 * area.max_element();
     Some(Cell { component, low, high, mean, covariance, reach, children: (0, 0), solid_angle })
-}
-
-fn outer(v: DVec3) -> DMat3 {
-    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }

@@ -8,7 +8,7 @@ use crate::analysis::delivered::even_directions;
 use crate::analysis::oracle::Oracle;
 use crate::cpu::box_filter::StackedBox;
 use crate::environment::{Environment, exact_luminance};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::lobe::Lobe;
 use crate::names::named;
 use crate::sphere::map::Place;
@@ -166,7 +166,6 @@ fn special_sites() -> Vec<Site> {
 
 /// Points along the edges of the map's components, found by bisection between directions that lie far apart
 /// in the map.
-#[must_use]
 pub fn seam_sites(charts: &dyn Charts, count: usize) -> Vec<Site> {
     let map = charts.named().map;
     let is_apart = |a: Place, b: Place, angle: f64| {
@@ -328,16 +327,14 @@ impl Settings {
     /// Checks that everything can be measured.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a size, a roughness or an error that cannot be measured.
+    /// [`crate::Error::Parameter`] for a size, a roughness or an error that cannot be measured.
     pub fn check(&self) -> Result<()> {
         let Self { size, turns, directions, roughnesses, error, subjects, methods, .. } = self;
         if !(8..=MAX_SIZE).contains(size) {
-            return Err(Error::Parameter(format!(
-                "an octahedral square of `size` {size}; choose 8 to {MAX_SIZE} texels"
-            )));
+            return wrong(format!("an octahedral square of `size` {size}; choose 8 to {MAX_SIZE} texels"));
         }
         if let Some(roughness) = roughnesses.iter().find(|r| !(0.1..=1.0).contains(*r)) {
-            return Err(Error::Parameter(format!("roughness {roughness}; choose from 0.1 to 1")));
+            return wrong(format!("roughness {roughness}; choose from 0.1 to 1"));
         }
         let counts = [
             ("turns", *turns as usize),
@@ -347,10 +344,10 @@ impl Settings {
             ("methods", methods.len()),
         ];
         if let Some((name, _)) = counts.iter().find(|(_, count)| *count == 0) {
-            return Err(Error::Parameter(format!("no `{name}`; choose at least one")));
+            return wrong(format!("no `{name}`; choose at least one"));
         }
         if !(1e-6..1.0).contains(error) {
-            return Err(Error::Parameter(format!("`error` {error}; choose from 1e-6 to 1")));
+            return wrong(format!("`error` {error}; choose from 1e-6 to 1"));
         }
         self.check_grids()
     }
@@ -368,10 +365,10 @@ impl Settings {
             Some(least) => format!("choose {least} to {MAX_SIZE}, or leave the map out"),
             None => "leave the map out".to_owned(),
         };
-        Err(Error::Parameter(format!(
+        wrong(format!(
             "`size` {} leaves no texel to {} (map {}) inside the border of its widest box; {remedy}",
             self.size, subject.title, subject.map
-        )))
+        ))
     }
 
     fn lobes(&self) -> Vec<Prepared> {
@@ -382,13 +379,12 @@ impl Settings {
 /// Checks that `environment` has light: errors are relative to its mean luminance.
 ///
 /// # Errors
-/// [`Error::Parameter`] if it is black.
+/// [`crate::Error::Parameter`] if it is black.
 pub fn check_light(environment: &Environment) -> Result<()> {
     if environment.texels().iter().all(|texel| exact_luminance(*texel) == 0.0) {
-        return Err(Error::Parameter(
-            "the environment is black, and errors are relative to its mean luminance; give one with light"
-                .to_owned(),
-        ));
+        return wrong(
+            "the environment is black, and errors are relative to its mean luminance; give one with light",
+        );
     }
     Ok(())
 }
@@ -473,11 +469,11 @@ pub fn measure(settings: &Settings, environment: &Environment, progress: Progres
         }
     }
     if let Some((_, roughness)) = means.iter().zip(&settings.roughnesses).find(|(mean, _)| **mean == 0.0) {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "the environment is black at roughness {roughness} along all {} directions, and errors are \
              relative to its mean luminance; give one with more light",
             settings.directions
-        )));
+        ));
     }
     let mut rows = Vec::new();
     for (number, subject) in settings.subjects.iter().enumerate() {

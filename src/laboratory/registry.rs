@@ -10,7 +10,6 @@ use super::tennis_ball::TennisBallCharts;
 pub static CHARTS: [&dyn Charts; 4] = [&OctahedralCharts, &TennisBallCharts, &EquirectCharts, &CubeCharts];
 
 /// The charts of the map called `name`.
-#[must_use]
 pub fn charts_of(name: &str) -> Option<&'static dyn Charts> {
     CHARTS.into_iter().find(|charts| charts.name() == name)
 }

@@ -65,7 +65,6 @@ pub static SUBJECTS: [Subject; 7] = [
 
 impl Subject {
     /// Boxes of its map.
-    #[must_use]
     pub fn charts(&self) -> &'static dyn Charts {
         charts_of(self.map).unwrap_or(CHARTS[0])
     }
@@ -151,26 +150,22 @@ impl Carrier {
     }
 
     /// Texels of all its maps, without borders.
-    #[must_use]
     pub fn texels(&self) -> usize {
         self.parts.iter().map(|part| part.bordered.grid.texel_count()).sum()
     }
 
     /// Bytes of the tables that boxes read, and that adaptive queries read.
-    #[must_use]
     pub fn bytes(&self) -> [usize; 2] {
         let inner = |part: &CarriedMap| part.inner.as_ref().unwrap_or(&part.bordered).bytes();
         [self.parts.iter().map(|part| part.bordered.bytes()).sum(), self.parts.iter().map(inner).sum()]
     }
 
     /// The boxes of `stack` around `direction`.
-    #[must_use]
     pub fn boxes(&self, stack: &[StackedBox], direction: DVec3) -> LobeAnswer {
         self.combined(direction, |part, direction| Boxes::new(&part.bordered, stack).radiance(direction))
     }
 
     /// `lobe` at `alpha` around `direction`, adaptively, to about `error` of the mean.
-    #[must_use]
     pub fn adaptive(&self, lobe: Lobe, alpha: f64, error: f64, direction: DVec3) -> LobeAnswer {
         self.combined(direction, |part, direction| {
             let tables = part.inner.as_ref().unwrap_or(&part.bordered);

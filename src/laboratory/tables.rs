@@ -32,7 +32,6 @@ impl Texels {
     /// The texels of `grid` filled from `light`: means over the parts of texels inside their component's
     /// domain, and their solid angles. With a `border`, texels that are not wholly inside have the light and
     /// the solid angle of the map's continuation.
-    #[must_use]
     pub fn new(charts: &dyn Charts, grid: Grid, border: u32, light: &Light<'_>) -> Self {
         let radiance = resample(light, &grid);
         let continuation = Continuation::new(light, &grid);
@@ -100,7 +99,6 @@ impl Tables {
     ///
     /// # Panics
     /// If the number of texels is not that of their grid.
-    #[must_use]
     pub fn new(charts: &'static dyn Charts, texels: &Texels) -> Self {
         let Texels { grid, border, .. } = *texels;
         let all = || texels.components.iter().flatten();
@@ -125,13 +123,11 @@ impl Tables {
     }
 
     /// Bytes of the tables.
-    #[must_use]
     pub fn bytes(&self) -> usize {
         self.components.iter().map(|entries| size_of_val(&entries[..])).sum()
     }
 
     /// Luminance of the mean over all texels.
-    #[must_use]
     pub fn mean_luminance(&self) -> f64 {
         let mut sum = [0.0; 4];
         for component in 0..self.grid.map().components() {
@@ -159,7 +155,6 @@ impl Tables {
     ///
     /// # Panics
     /// If the box leaves the border.
-    #[must_use]
     pub fn sum(&self, component: u32, low: [i64; 2], high: [i64; 2]) -> [u64; 4] {
         let border = i64::from(self.border);
         let far = self.grid.sides(component).map(|side| i64::from(side) + border);
@@ -173,7 +168,6 @@ impl Tables {
 
     /// Energy and solid angle of `piece`, which may leave its component, and the number of table entries
     /// read: sixteen a part.
-    #[must_use]
     pub fn fractional(&self, piece: Piece) -> ([f64; 4], usize) {
         let (mut sum, mut reads) = ([0.0; 4], 0);
         self.charts.split(&self.grid, piece, &mut |Piece { component, low, high }| {

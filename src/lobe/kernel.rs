@@ -56,7 +56,6 @@ pub(crate) use with_radial;
 
 impl Kernel {
     /// `lobe` at `alpha` in (0, 1].
-    #[must_use]
     pub fn new(lobe: Lobe, alpha: f64) -> Self {
         let shape = match lobe {
             Lobe::Ggx => {
@@ -101,7 +100,6 @@ impl Kernel {
     }
 
     /// The kernel's integral over the sphere.
-    #[must_use]
     pub const fn integral(&self) -> f64 {
         self.integral
     }
@@ -172,7 +170,6 @@ impl Kernel {
 /// Measured, see the table of errors in docs/benchmarks.md: the leaves' errors have random signs and mostly
 /// lie far inside their intervals, farther with more leaves. With this share the error of the worst channel
 /// stays below the request from roughness 0.29 up.
-#[must_use]
 pub fn leaf_share(error: f64) -> f64 {
     0.66 * error * (error / 0.005).sqrt().min(1.0)
 }

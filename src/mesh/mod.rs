@@ -67,7 +67,6 @@ pub(crate) const MAX_BYTES: u64 = 1 << 30;
 
 impl Mesh {
     /// A torus knot (2, 3): a tube that winds twice about +Y and three times about its own ring.
-    #[must_use]
     pub fn knot() -> Self {
         const ALONG: u32 = 512;
         const AROUND: u32 = 48;

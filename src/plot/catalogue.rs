@@ -73,7 +73,6 @@ named!(Kind {
 
 impl Kind {
     /// Whether every map has such a figure.
-    #[must_use]
     pub const fn is_of_a_map(self) -> bool {
         matches!(self, Self::SolidAngle | Self::Anisotropy | Self::Layout | Self::Panorama)
     }
@@ -89,7 +88,6 @@ pub struct Entry {
 }
 
 /// All figures: map by map, then figures of several maps.
-#[must_use]
 pub fn entries() -> Vec<Entry> {
     let of_maps = MAPS.iter().flat_map(|map| {
         let kinds = Kind::ALL.into_iter().filter(|kind| kind.is_of_a_map());
@@ -101,7 +99,6 @@ pub fn entries() -> Vec<Entry> {
 
 impl Entry {
     /// Name in files: the kind, and the map for a figure of one map.
-    #[must_use]
     pub fn name(&self) -> String {
         match self.map {
             Some(map) => format!("{}-{}", self.kind.name(), map.name),

@@ -2,7 +2,7 @@
 
 use super::figure::{Figure, Form};
 use super::look::SERIES;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::image::drawing::page::{WIDTH, page};
 use crate::image::drawing::scene::{Anchor, Frame, Scene};
 use crate::image::drawing::style::{Colour, FAINT, INK, LABEL, MARGIN, PAPER, SMALL, SOFT, TINY, rgb};
@@ -93,7 +93,7 @@ impl Chart {
     /// Draws the chart.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if a value or a range cannot be drawn on its axis.
+    /// [`crate::Error::Parameter`] if a value or a range cannot be drawn on its axis.
     pub fn figure(&self) -> Result<Figure> {
         let x = Placed::new(&self.x, &self.values(0), "x")?;
         let y = Placed::new(&self.y, &self.values(1), "y")?;
@@ -139,7 +139,7 @@ impl Chart {
     /// Writes the chart to the file `path`; its extension selects `.png` or `.svg`.
     ///
     /// # Errors
-    /// As [`Chart::figure`] and [`write_file`]; [`Error::Parameter`] for another extension.
+    /// As [`Chart::figure`] and [`write_file`]; [`crate::Error::Parameter`] for another extension.
     pub fn write(&self, path: &Path, existing: Existing) -> Result<()> {
         let form = Form::from_path(path)?;
         let bytes = self.figure()?.bytes(form);
@@ -240,7 +240,7 @@ impl Placed {
             value.is_nan() || value == f64::NEG_INFINITY || below
         };
         if let Some(value) = values.iter().find(|value| bad(**value)) {
-            return Err(Error::Parameter(format!("the {name} axis {:?} cannot show {value}", axis.label)));
+            return wrong(format!("the {name} axis {:?} cannot show {value}", axis.label));
         }
         let lane = values.iter().any(|value| value.is_infinite());
         let finite = values.iter().copied().filter(|value| value.is_finite());
@@ -261,10 +261,7 @@ impl Placed {
             (None, None) => [1.0, 2.0],
         };
         if low.partial_cmp(&high) != Some(Ordering::Less) || bad(low) || !high.is_finite() {
-            return Err(Error::Parameter(format!(
-                "invalid range {low} to {high} of the {name} axis {:?}",
-                axis.label
-            )));
+            return wrong(format!("invalid range {low} to {high} of the {name} axis {:?}", axis.label));
         }
         Ok(Self { low, high, scale: axis.scale, lane })
     }

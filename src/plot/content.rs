@@ -1,7 +1,7 @@
 //! Content of figures other than the maps.
 
 use crate::environment::Environment;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::laboratory::measure::Settings;
 
 /// What figures show of the maps.
@@ -37,16 +37,14 @@ impl FigureContent {
     /// Checks that the square and its border can be drawn.
     ///
     /// # Errors
-    /// [`Error::Parameter`] naming the size or the border.
+    /// [`crate::Error::Parameter`] naming the size or the border.
     pub fn check(&self) -> Result<()> {
         let Self { size, border, .. } = *self;
         if size == 0 || size > MAX_SIZE {
-            return Err(Error::Parameter(format!("`size` is {size}; choose 1 to {MAX_SIZE} texels")));
+            return wrong(format!("`size` is {size}; choose 1 to {MAX_SIZE} texels"));
         }
         if border > size {
-            return Err(Error::Parameter(format!(
-                "`border` {border} exceeds the map's side of {size} texels"
-            )));
+            return wrong(format!("`border` {border} exceeds the map's side of {size} texels"));
         }
         Ok(())
     }

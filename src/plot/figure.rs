@@ -45,34 +45,29 @@ impl Figure {
 
     /// Caption below the figure.
     #[cfg(feature = "internals")]
-    #[must_use]
     pub fn caption(&self) -> &str {
         &self.caption
     }
 
     /// Width and height in pixels.
     #[cfg(feature = "internals")]
-    #[must_use]
     pub fn sides(&self) -> [u32; 2] {
         [self.scene.width, self.scene.height]
     }
 
     /// Every line of text and its rectangle.
     #[cfg(feature = "internals")]
-    #[must_use]
     pub fn texts(&self) -> Vec<(String, Frame)> {
         self.scene.labels()
     }
 
     /// The figure's rectangle.
     #[cfg(feature = "internals")]
-    #[must_use]
     pub fn frame(&self) -> Frame {
         self.scene.frame()
     }
 
     /// Encodes the figure in memory.
-    #[must_use]
     pub fn bytes(&self, form: Form) -> Vec<u8> {
         match form {
             Form::Png => png(&self.scene.picture()),

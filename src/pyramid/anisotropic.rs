@@ -117,7 +117,6 @@ pub struct Row {
 impl Row {
     /// The row of a lobe with `alpha` along `tangent` and across it. The tangent is a unit vector along the
     /// plane of incidence and across it, `cosine` is n.v.
-    #[must_use]
     pub fn new(alpha: DVec2, tangent: DVec2, cosine: f64) -> Self {
         let squares = alpha * alpha;
         let more = squares.x - squares.y;
@@ -180,7 +179,6 @@ fn azimuth_of(node: usize) -> f64 {
 }
 
 /// All nodes over the levels of `octaves`, first axes first.
-#[must_use]
 pub fn table(octaves: Octaves) -> Vec<Node> {
     (0..NODES.iter().product()).into_par_iter().map(|index| *node(octaves, index)).collect()
 }
@@ -190,7 +188,6 @@ pub const TEXTURE: [u32; 3] = [(NODES[0] * LAYERS) as u32, (NODES[1] * NODES[3])
 
 /// The table as shaders read it: nodes over roughness side by side, for each texel of a node; below one
 /// another those over n.v, for each anisotropy; azimuths along the third axis.
-#[must_use]
 pub(crate) fn texels(octaves: Octaves) -> Vec<[f32; 4]> {
     let [across, up, around, deep] = NODES;
     let nodes = table(octaves);
@@ -243,7 +240,6 @@ fn mean_of_azimuths(alpha: DVec2, cosine: f64) -> [f32; 2] {
 /// Roughness of the isotropic lobe whose albedo an anisotropic one's is near: that of the mean alpha seen
 /// along the normal, that of alpha along the view at grazing angles. `along` is the square of the tangent's
 /// part in the plane of incidence, a half for the mean over azimuths.
-#[must_use]
 pub fn round_roughness(alpha: DVec2, cosine: f64, along: f64) -> f64 {
     let squares = alpha * alpha;
     let mean = (0.5 * (squares.x + squares.y)).sqrt();
@@ -259,7 +255,6 @@ fn round_albedo(alpha: DVec2, cosine: f64, along: f64) -> [f64; 2] {
 /// The node for `alpha` along the tangent and across it, n.v of `cosine`, and the tangent's `azimuth` from
 /// the plane of incidence, between those of [`table`], which are fitted as they
 /// are needed.
-#[must_use]
 pub fn node_at(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
     let sharp = alpha.y.max(SHARP);
     let places = [
@@ -308,7 +303,6 @@ static DISC: LazyLock<Vec<(DVec2, f64)>> = LazyLock::new(|| {
 ///
 /// `view` is in axes of the tangent. The visible normals of an ellipsoid are those of a disc, half of it
 /// squeezed (Heitz 2018).
-#[must_use]
 pub fn albedo(view: DVec3, alpha: DVec2) -> [f64; 2] {
     let stretched = (view * alpha.extend(1.0)).normalize();
     let level = DVec2::new(stretched.x, stretched.y);
@@ -337,7 +331,6 @@ pub fn albedo(view: DVec3, alpha: DVec2) -> [f64; 2] {
 
 /// The node that fits the reflection with `alpha` along the tangent and across it, at n.v of `cosine`, its
 /// tangent at `azimuth` from the plane of incidence.
-#[must_use]
 pub fn fitted(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
     let (y, x) = azimuth.sin_cos();
     let tangent = DVec2::new(x, y);
@@ -416,7 +409,6 @@ fn place_of(k: usize) -> [usize; 2] {
 }
 
 /// The direction at angles from the normal and from the plane of incidence.
-#[must_use]
 pub fn aside([from_normal, from_plane]: [f64; 2]) -> DVec3 {
     let ((sine, cosine), (y, x)) = (from_normal.sin_cos(), from_plane.sin_cos());
     DVec3::new(sine * x, sine * y, cosine)

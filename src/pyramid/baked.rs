@@ -6,7 +6,7 @@ use super::suns::{Sun, SunChannel, Suns};
 use super::{Octaves, Pyramid, PyramidLobes};
 use crate::cpu::reparameterise::oem_from_environment;
 use crate::environment::{Environment, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::light_scale::LightScale;
 use crate::oem::OemSize;
 use glam::{DMat3, DVec3, Vec3A};
@@ -25,9 +25,9 @@ impl BakedPyramid {
     /// The pyramid of `environment` over a map of `size` texels along an edge.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a `size` that is not a power of two from 32 to 2048, and for light that is
-    /// too dim or too bright for shaders in float32; [`Error::Limit`] if the overlaps of texels exceed the
-    /// memory.
+    /// [`crate::Error::Parameter`] for a `size` that is not a power of two from 32 to 2048, and for light
+    /// that is too dim or too bright for shaders in float32; [`crate::Error::Limit`] if the overlaps of
+    /// texels exceed the memory.
     pub(crate) fn new(environment: &Environment, size: u32) -> Result<Self> {
         Octaves::over(size)?;
         let scale = LightScale::new(environment);
@@ -38,11 +38,11 @@ impl BakedPyramid {
             OctaglossLight::new(&pyramid, -scale.exponent(), environment.source_from_world().transpose());
         let is_finite = light.suns.iter().flat_map(|sun| sun.energy).all(f32::is_finite);
         if exponent.abs() > MAX_EXPONENT || !is_finite {
-            return Err(Error::Parameter(format!(
+            return wrong(format!(
                 "light of about 2^{} is beyond what shaders multiply in float32; choose a `scale` that \
                  brings it near 1",
                 exponent + super::levels::BRIGHTEST
-            )));
+            ));
         }
         Ok(Self { pyramid, light })
     }

@@ -12,7 +12,6 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// Alpha along the tangent and across it at `roughness` and `anisotropy` in [0, 1].
-#[must_use]
 pub fn alphas(roughness: f64, anisotropy: f64) -> DVec2 {
     let alpha = roughness * roughness;
     DVec2::new(alpha + (1.0 - alpha) * anisotropy * anisotropy, alpha)
@@ -29,19 +28,16 @@ pub struct Brdf {
 
 impl Brdf {
     /// The reflection at `roughness` in (0, 1] and `anisotropy` in [0, 1].
-    #[must_use]
     pub fn new(view: DVec3, roughness: f64, anisotropy: f64) -> Self {
         Self::of_alphas(view, alphas(roughness, anisotropy))
     }
 
     /// The reflection with `alpha` along the tangent and across it.
-    #[must_use]
     pub const fn of_alphas(view: DVec3, alpha: DVec2) -> Self {
         Self { view, alpha }
     }
 
     /// Radiance per irradiance from the unit vector `light`, F = 1, and the factor (1 - v.h)^5 of f90.
-    #[must_use]
     pub fn at(&self, light: DVec3) -> (f64, f64) {
         self.around(light, 0.0)
     }
@@ -50,7 +46,6 @@ impl Brdf {
     ///
     /// A light of variance v sees the lobe's slopes blurred, by v / 8 in the plane of incidence and more
     /// across it; near its centre, that is a lobe whose squared alphas are greater by four times that.
-    #[must_use]
     pub fn around(&self, light: DVec3, spread: f64) -> (f64, f64) {
         if light.z <= 0.0 {
             return (0.0, 0.0);

@@ -9,7 +9,6 @@ const STEP: f64 = 1e-4;
 impl Fit {
     /// What the fit leaves of the lobe, with its best weights for reads at `places`, and how that changes
     /// with the slopes and the logarithms of widths: by each read's own part, for weights are at their best.
-    #[must_use]
     pub fn slopes(&self, places: &[[f64; 2]; READS]) -> (f64, [f64; NUMBERS]) {
         let reads = places.map(|place| self.read(place).0);
         let beside = |[slope, width]: [f64; 2]| {

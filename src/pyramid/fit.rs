@@ -63,7 +63,6 @@ const PEAK: f64 = 3.0;
 const FLOOR: f64 = 0.015;
 
 /// Weights of the levels of `octaves` at [`INTERVALS`] + 1 nodes over roughness.
-#[must_use]
 pub fn table(octaves: Octaves) -> Vec<[f32; WEIGHTS]> {
     (0..=INTERVALS).into_par_iter().map(|index| node(octaves, index)).collect()
 }
@@ -77,7 +76,6 @@ fn node(octaves: Octaves, index: u32) -> [f32; WEIGHTS] {
 }
 
 /// Weights at `roughness` in [0, 1], between the two nodes of [`table`] around it.
-#[must_use]
 pub fn weights_at(octaves: Octaves, roughness: f32) -> [f32; WEIGHTS] {
     let place =
         (1.0 + SPREAD as f32 * roughness).log2() * ((INTERVALS as f32) / (1.0 + SPREAD as f32).log2());
@@ -88,7 +86,6 @@ pub fn weights_at(octaves: Octaves, roughness: f32) -> [f32; WEIGHTS] {
 }
 
 /// Roughness of a place in the table, a node where it is integral.
-#[must_use]
 pub fn roughness_of(place: f64) -> f64 {
     (((1.0 + SPREAD).ln() * place / f64::from(INTERVALS)).exp() - 1.0) / SPREAD
 }
@@ -100,14 +97,12 @@ pub(super) fn smooth(t: f64) -> f64 {
 }
 
 /// A normalised Gaussian lobe of standard deviation `width` at 1 - cos(theta) = `c`.
-#[must_use]
 pub fn gaussian(width: f64, c: f64) -> f64 {
     let square = width * width;
     (-c / square).exp() / (2.0 * PI * square * (1.0 - (-2.0 / square).exp()))
 }
 
 /// What the weights multiply, at 1 - cos(theta) = `c`.
-#[must_use]
 pub fn functions(octaves: Octaves, c: f64) -> [f64; WEIGHTS] {
     let mut values = [0.0; WEIGHTS];
     let widths = [octaves.mirror_width(), octaves.sharp_width()];
@@ -146,7 +141,6 @@ fn shares(octaves: Octaves, roughness: f64) -> [f64; WEIGHTS] {
 }
 
 /// The weights that fit GGX at `roughness`, as they are at a node.
-#[must_use]
 pub fn fitted(octaves: Octaves, roughness: f64) -> [f32; WEIGHTS] {
     let mut weights = [0.0; WEIGHTS];
     weights[LOBE] = suns::lobe_share(octaves, roughness) as f32;

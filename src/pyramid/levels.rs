@@ -192,7 +192,6 @@ impl Place {
 
 /// The exponent that brings light of up to `greatest` into the range of half floats: it is multiplied by
 /// 2^-exponent. Light of less than 2^-100 stays dim.
-#[must_use]
 pub fn exponent(greatest: f32) -> i32 {
     if greatest > 0.0 { ((greatest.to_bits() >> 23) as i32 - 126).max(-100) - BRIGHTEST } else { 0 }
 }
@@ -300,7 +299,6 @@ fn visit_window(
 }
 
 /// Reads around a Gaussian of covariance 1, and their weights.
-#[must_use]
 pub fn taps() -> [(Vec2, f32); TAPS] {
     let mut taps = [(Vec2::ZERO, 0.0); TAPS];
     let rings = RINGS.iter().flat_map(|&(count, radius, weight)| {

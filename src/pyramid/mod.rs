@@ -33,7 +33,7 @@ use crate::cpu::reparameterise::oem_from_environment;
 #[cfg(any(test, feature = "internals"))]
 use crate::environment::Environment;
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::oem::{Oem, OemSize};
 use crate::sh::basis;
 pub use baked::BakedPyramid;
@@ -78,50 +78,44 @@ impl Octaves {
     /// The levels over a map of `inner` texels along an edge.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048.
+    /// [`crate::Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048.
     pub fn over(inner: u32) -> Result<Self> {
         if Self::sizes().any(|size| size == inner) {
             return Ok(Self(inner.ilog2() - COARSEST.ilog2() + 1));
         }
-        Err(Error::Parameter(format!(
+        wrong(format!(
             "an OEM of {inner} texels has no pyramid; choose a power of two from {COARSEST} to {} as \
              `oem_size`",
             Self::LARGEST
-        )))
+        ))
     }
 
     /// The number of levels, without the sharp ones.
-    #[must_use]
     pub const fn count(self) -> u32 {
         self.0
     }
 
     /// Texels along an edge of the map.
-    #[must_use]
     pub const fn inner(self) -> u32 {
         COARSEST << (self.0 - 1)
     }
 
     /// Size of `level`, 0 the finest, with borders that halve with the levels.
-    #[must_use]
     pub const fn size(self, level: u32) -> OemSize {
         OemSize { inner: self.inner() >> level, border: 1 << (self.0 - 1 - level) }
     }
 
     /// Standard deviation of the Gaussian of `level`, 0 the finest.
-    #[must_use]
     pub fn width(self, level: u32) -> f64 {
         WIDEST / f64::from(1_u32 << (self.0 - 1 - level))
     }
 
     /// That of the sharp level, which has as many texels as level 0.
-    #[must_use]
     pub fn sharp_width(self) -> f64 {
         self.width(0) / 2.0
     }
 
     /// That of a bilinear read of the map itself, roughly: half of a mean texel's width.
-    #[must_use]
     pub fn mirror_width(self) -> f64 {
         1.8 / f64::from(self.inner())
     }
@@ -143,7 +137,7 @@ impl Pyramid {
     /// Builds the pyramid of `oem`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if its size is not a power of two from 32 to 2048.
+    /// [`crate::Error::Parameter`] if its size is not a power of two from 32 to 2048.
     pub fn of_oem(oem: &Oem) -> Result<Self> {
         let octaves = Octaves::over(oem.size().inner)?;
         let suns = Suns::of(oem);
@@ -162,7 +156,6 @@ impl Pyramid {
     }
 
     /// GGX lobes of `roughness` in [0, 1].
-    #[must_use]
     pub fn lobes(&self, roughness: f32) -> PyramidLobes<'_> {
         PyramidLobes {
             pyramid: self,
@@ -172,7 +165,6 @@ impl Pyramid {
     }
 
     /// Irradiance on a surface with `normal` (any length but zero) over pi.
-    #[must_use]
     pub fn irradiance(&self, normal: DVec3) -> Rgb {
         let normal = normal.normalize();
         let suns: Vec3A = self.suns.suns.iter().map(|sun| sun.diffuse(normal.as_vec3a())).sum();
@@ -180,13 +172,11 @@ impl Pyramid {
     }
 
     /// Mirror, sharp level, and levels from fine to coarse; light is multiplied by 2^-[`Self::exponent`].
-    #[must_use]
     pub fn maps(&self) -> &[Map] {
         &self.maps
     }
 
     /// Irradiance over pi, scaled so, too.
-    #[must_use]
     pub const fn cosine(&self) -> &Map {
         &self.cosine
     }
@@ -208,26 +198,24 @@ impl Pyramid {
     /// to 2048.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for another size, [`Error::Limit`] if the overlaps of texels exceed the memory.
+    /// [`crate::Error::Parameter`] for another size, [`crate::Error::Limit`] if the overlaps of texels exceed
+    /// the memory.
     pub fn build(environment: &Environment, size: u32) -> Result<Self> {
         Octaves::over(size)?;
         Self::of_oem(&oem_from_environment(environment, OemSize { inner: size, border: 0 })?)
     }
 
     /// Harmonics of radiance to order 4, scaled so, too.
-    #[must_use]
     pub const fn harmonics(&self) -> &[Vec3A; 25] {
         &self.harmonics
     }
 
     /// The suns, which are in no map but the mirror.
-    #[must_use]
     pub const fn suns(&self) -> &Suns {
         &self.suns
     }
 
     /// The power of two that brings the light into the range of half floats.
-    #[must_use]
     pub const fn exponent(&self) -> i32 {
         self.exponent
     }
@@ -243,7 +231,6 @@ pub struct PyramidLobes<'a> {
 
 impl PyramidLobes<'_> {
     /// Radiance of a reflection around `direction` (any length but zero, in the map's space).
-    #[must_use]
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         let Self { pyramid, weights, alpha } = self;
         let direction = direction.normalize();

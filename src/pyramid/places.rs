@@ -21,7 +21,6 @@ pub const NUMBERS: usize = 2 * READS;
 pub const UNITS: f64 = 1000.0;
 
 /// Control points that count at `roughness` and n.v of `cosine`, and their shares.
-#[must_use]
 pub fn shares(roughness: f64, cosine: f64) -> [(usize, f64); 16] {
     let across = (1.0 + 10.0 * roughness).ln() / 11_f64.ln();
     let up = 1.0 - cosine.max(LEAST).ln() / LEAST.ln();
@@ -41,7 +40,6 @@ fn spline(f: f64) -> [f64; 4] {
 }
 
 /// Slope and width of each read, both over alpha, where `numbers` are those of the control points in turn.
-#[must_use]
 pub fn from_controls(
     numbers: impl Fn(usize) -> [f64; NUMBERS],
     roughness: f64,
@@ -55,7 +53,6 @@ pub fn from_controls(
 }
 
 /// Slope and width of each read, both over alpha.
-#[must_use]
 pub fn places(roughness: f64, cosine: f64) -> [[f64; 2]; READS] {
     from_controls(|control| TABLE[control].map(|number| f64::from(number) / UNITS), roughness, cosine)
 }

@@ -75,7 +75,6 @@ fn width_of(octaves: Octaves, level: u32) -> f64 {
 }
 
 /// The nodes over the levels of `octaves`, fitted at the first call: those of the least roughness first.
-#[must_use]
 pub fn table(octaves: Octaves) -> &'static [Node] {
     static FITTED: [OnceLock<Vec<Node>>; Octaves::MOST as usize] =
         [const { OnceLock::new() }; Octaves::MOST as usize];
@@ -108,7 +107,6 @@ fn view_place(cosine: f32) -> f32 {
 }
 
 /// The node at `roughness` in [0, 1] and n.v of `cosine`, between those of [`table`].
-#[must_use]
 pub fn node_at(octaves: Octaves, roughness: f32, cosine: f32) -> Node {
     let table = table(octaves);
     let places = [(1.0 + 10.0 * roughness).log2() / 11_f32.log2(), view_place(cosine)];
@@ -298,7 +296,6 @@ pub struct Fit {
 
 impl Fit {
     /// The reflection at `roughness` and n.v of `cosine`.
-    #[must_use]
     pub fn new(octaves: Octaves, roughness: f64, cosine: f64) -> Self {
         let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
         // Sharper lobes than the mirror's are served by the mirror.
@@ -349,7 +346,6 @@ impl Fit {
 }
 
 /// The node that fits the reflection at `roughness` and n.v of `cosine`.
-#[must_use]
 pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
     let fit = Fit::new(octaves, roughness, cosine);
     let mut node = [[0.0; 4]; LAYERS];

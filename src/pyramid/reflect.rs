@@ -55,7 +55,6 @@ impl Pyramid {
     /// GGX with the height-correlated masking of Smith and Fresnel's term of Schlick, f0 + (f90 - f0) (1 -
     /// v.h)^5. It is not normalised: a white world gives [`Self::albedo`]. Alphas are those of
     /// KHR_materials_anisotropy; a frame without a tangent reflects isotropically.
-    #[must_use]
     pub fn reflect(&self, frame: &Frame, roughness: f32, anisotropy: f32, f0: Rgb, f90: f32) -> Rgb {
         let f0 = Vec3A::from_array(f0);
         if anisotropy == 0.0 || !frame.has_tangent {
@@ -196,7 +195,6 @@ impl Pyramid {
     /// scattering, and for what lies under a clear coat. `cosine` is n.v. With anisotropy it is the mean over
     /// the tangent's directions.
     #[cfg(any(test, feature = "internals"))]
-    #[must_use]
     pub fn albedo(&self, cosine: f32, roughness: f32, anisotropy: f32) -> [f32; 2] {
         Self::albedo_of(cosine, roughness, anisotropy, 0.5, |alpha, cosine| {
             let [.., a, b] = anisotropic::node_at(self.octaves, alpha, cosine, 0.0)[ALBEDO];
@@ -206,7 +204,6 @@ impl Pyramid {
 
     /// The same along a tangent: `along` is t.v, the tangent of length 1 and at right angles to the normal.
     #[cfg(any(test, feature = "internals"))]
-    #[must_use]
     pub fn albedo_along(&self, cosine: f32, along: f32, roughness: f32, anisotropy: f32) -> [f32; 2] {
         let sine = (1.0 - f64::from(cosine).powi(2)).max(0.0).sqrt().max(1e-4);
         let level = (f64::from(along).abs() / sine).min(1.0);

@@ -86,7 +86,6 @@ impl Suns {
 }
 
 /// The share of a texel that stays in the map.
-#[must_use]
 pub(crate) fn kept(brightness: f32, clamp: f32) -> f32 {
     if brightness > clamp { clamp / brightness } else { 1.0 }
 }

@@ -10,7 +10,7 @@ use crate::analysis::extraction::Suns;
 use crate::bake::Skybox;
 use crate::chain::ChainKind;
 use crate::environment::MAX_DEGREES;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::filter::{self, Filter};
 use crate::format::container::Container;
 use crate::format::overflow::Overflow;
@@ -76,9 +76,9 @@ pub struct Recipe {
     /// ggx, phong, cone, cosine or charlie
     ///
     /// cosine is irradiance over pi; it has no roughness and bakes one level. charlie is sheen, a band
-    /// towards the horizon; it has no mirror and clamps roughness to at least 0.125. Its levels of texels much
-    /// finer than the band are interpolated, to twice the tolerance and without bounds, unless --bounds asks
-    /// for these.
+    /// towards the horizon; it has no mirror and clamps roughness to at least 0.125. Its levels of texels
+    /// much finer than the band are interpolated, to twice the tolerance and without bounds, unless --bounds
+    /// asks for these.
     #[cfg_attr(feature = "cli", arg(long, value_name = "LOBE", default_value = "ggx"))]
     #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
     pub lobe: Lobe,
@@ -294,16 +294,11 @@ pub struct InputOptions {
     pub extract_sun: Option<Suns>,
 }
 
-/// Fails with a message about options.
-pub(crate) fn wrong<T>(message: impl Into<String>) -> Result<T> {
-    Err(Error::Parameter(message.into()))
-}
-
 /// Options of type `T` from JSON, by their names in it: numbers, `true` and `false`, lists, and texts as on
 /// the command line; null for the default.
 ///
 /// # Errors
-/// [`Error::Parameter`] for an option that there is not, and for a value that it cannot have.
+/// [`crate::Error::Parameter`] for an option that there is not, and for a value that it cannot have.
 pub fn from_json<T: Default + Serialize + DeserializeOwned>(options: Map<String, Value>) -> Result<T> {
     let mut all = fields(&T::default());
     let mut parsed = T::default();
@@ -346,7 +341,7 @@ impl Recipe {
     /// Checks each option on its own, and those that no target or source decides.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a number out of range, and for options that contradict each other.
+    /// [`crate::Error::Parameter`] for a number out of range, and for options that contradict each other.
     pub fn check(&self) -> Result<()> {
         let ranges = [
             ("size", self.size, 1, MAX_SIZE),
@@ -380,7 +375,7 @@ impl TableOptions {
     /// Checks them for `filter`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a number out of range, and for a scan that the filter does not make.
+    /// [`crate::Error::Parameter`] for a number out of range, and for a scan that the filter does not make.
     pub fn check(&self, filter: Filter) -> Result<()> {
         in_ranges(&[("oem_size", self.oem_size, 1, MAX_SIZE), ("border", self.border, 0, MAX_SIZE)])?;
         match self.scan {
@@ -396,7 +391,7 @@ impl InputOptions {
     /// Checks them.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a number out of range, and for options that contradict each other.
+    /// [`crate::Error::Parameter`] for a number out of range, and for options that contradict each other.
     pub fn check(&self) -> Result<()> {
         if let Some(degrees) = self.rotate_y.filter(|degrees| degrees.is_nan() || degrees.abs() > MAX_DEGREES)
         {

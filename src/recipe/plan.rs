@@ -1,10 +1,10 @@
 //! Recipes as plans: files to write, and the settings of their bake.
 
-use super::{Recipe, wrong};
+use super::Recipe;
 use crate::bake::{BakeSettings, Skybox};
 use crate::chain::ChainKind;
 use crate::environment::{Layout, Map};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::filter::Filter;
 use crate::format::container::Container;
 use crate::format::{OutputLayout, Pixel};

@@ -6,8 +6,8 @@
 //! the sphere, and L(d) is about the sum of c_k Y_k(d).
 
 use crate::environment::{Environment, Layout, Rgb};
-use crate::error::{Error, Result};
-use crate::geometry::exact::ExactTexels;
+use crate::error::{Result, wrong};
+use crate::geometry::exact::{ExactTexels, outer};
 use crate::sphere::quadrature::gauss_legendre;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -49,13 +49,11 @@ const POLYNOMIALS: [&str; MAX_COUNT] = [
 ];
 
 /// Number of functions up to band `order`.
-#[must_use]
 pub const fn count(order: u32) -> usize {
     ((order + 1) * (order + 1)) as usize
 }
 
 /// Band of the function at `index`.
-#[must_use]
 pub const fn band(index: usize) -> usize {
     index.isqrt()
 }
@@ -68,7 +66,6 @@ pub fn name(index: usize) -> String {
 }
 
 /// Describes the order of the first `count` coefficients.
-#[must_use]
 pub(crate) fn order_text(count: usize) -> String {
     let entry = |(index, polynomial): (usize, &&str)| match index {
         0 => name(0),
@@ -78,12 +75,10 @@ pub(crate) fn order_text(count: usize) -> String {
 }
 
 /// The basis functions at `direction` (unit length).
-#[must_use]
 pub fn basis(direction: DVec3) -> [f64; MAX_COUNT] {
     let d = direction;
-    let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
     let mut all = [0.0; MAX_COUNT];
-    all[..9].copy_from_slice(&from_moments(1.0, d, outer));
+    all[..9].copy_from_slice(&from_moments(1.0, d, outer(d)));
     let DVec3 { x, y, z } = d;
     let (xx, yy, zz) = (x * x, y * y, z * z);
     let factor = |numerator: f64, denominator: f64| (numerator / (denominator * PI)).sqrt();
@@ -116,10 +111,10 @@ pub fn basis(direction: DVec3) -> [f64; MAX_COUNT] {
 /// exact moments of the direction.
 ///
 /// # Errors
-/// [`Error::Parameter`] if `order` is above [`MAX_ORDER`].
+/// [`crate::Error::Parameter`] if `order` is above [`MAX_ORDER`].
 pub fn spherical_harmonics(environment: &Environment, order: u32) -> Result<Vec<[f64; 3]>> {
     if order > MAX_ORDER {
-        return Err(Error::Parameter(format!("`order` is {order}; it must be 0 to {MAX_ORDER}")));
+        return wrong(format!("`order` is {order}; it must be 0 to {MAX_ORDER}"));
     }
     let texels = ExactTexels::new(environment.layout());
     let coefficients = match (environment.layout(), order) {

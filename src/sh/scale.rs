@@ -47,7 +47,6 @@ pub fn scaled(coefficients: &[[f64; 3]], scale: ShScale) -> Vec<[f64; 3]> {
 /// Irradiance over pi at the unit `normal`, from coefficients of [`ShScale::Filament`], as evaluated by
 /// Filament's shader (shaders/src/surface_light_indirect.fs, `Irradiance_SphericalHarmonics`).
 #[cfg(any(test, feature = "internals"))]
-#[must_use]
 pub fn filament_irradiance(coefficients: &[[f64; 3]], normal: glam::DVec3) -> [f64; 3] {
     let n = normal;
     let terms =

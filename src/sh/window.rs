@@ -1,6 +1,6 @@
 //! Windows for spherical harmonics: attenuate high bands to reduce the ringing of bright sources.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::sh::scale::{ShScale, scaled};
 use crate::sh::{MAX_COUNT, band, basis};
 use glam::DVec3;
@@ -29,13 +29,13 @@ impl ShWindow {
     /// Checks the width.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if it is not finite and above 0.
+    /// [`crate::Error::Parameter`] if it is not finite and above 0.
     pub(crate) fn check(self) -> Result<()> {
         match self {
             Self::Hanning(width) | Self::Lanczos(width) | Self::Sinc4(width)
                 if !(width.is_finite() && width > 0.0) =>
             {
-                Err(Error::Parameter(format!("`sh_window` of width {width}; it must be finite and above 0")))
+                wrong(format!("`sh_window` of width {width}; it must be finite and above 0"))
             }
             _ => Ok(()),
         }
@@ -61,7 +61,7 @@ impl ShWindow {
     /// Multiplies `coefficients` of radiance by the window.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if its width is not finite and above 0.
+    /// [`crate::Error::Parameter`] if its width is not finite and above 0.
     pub fn apply(self, coefficients: &[[f64; 3]]) -> Result<Vec<[f64; 3]>> {
         self.check()?;
         Ok(self.settled(coefficients).applied(coefficients))
@@ -135,7 +135,6 @@ pub fn parsed(text: &str) -> Result<ShWindow, String> {
 const STARTS: u32 = 2000;
 
 /// Minimum irradiance over all normals, per channel, from coefficients of radiance.
-#[must_use]
 pub(crate) fn least_irradiance(coefficients: &[[f64; 3]]) -> [f64; 3] {
     let irradiance = scaled(coefficients, ShScale::Irradiance);
     std::array::from_fn(|c| {

@@ -1,7 +1,7 @@
 //! The cube map: six faces in the order +X -X +Y -Y +Z -Z, each with the s_c/t_c axes of OpenGL, Vulkan and
 //! Direct3D. Texel (i, j) of an n x n face lies at s = (i + 1/2)/n*2 - 1, t downwards by the same formula.
 
-use super::map::{Component, Place, SphereMap};
+use super::map::{Place, SphereMap};
 use glam::{DVec2, DVec3};
 
 /// The map: component k is face k, u is s and v is t; outside a face its plane continues, to 90 degrees from
@@ -12,10 +12,6 @@ pub struct Cube;
 impl SphereMap for Cube {
     fn components(&self) -> u32 {
         6
-    }
-
-    fn component(&self, index: u32) -> Component {
-        Component::square(1.0, [index, 0])
     }
 
     fn direction(&self, component: u32, uv: DVec2) -> DVec3 {
@@ -85,7 +81,6 @@ impl Face {
 }
 
 /// Point on the cube (not normalised) at `s`, `t` in [-1, 1] of `face`.
-#[must_use]
 pub fn cube_point(face: Face, s: f64, t: f64) -> DVec3 {
     match face {
         Face::PosX => DVec3::new(1.0, -t, -s),
@@ -98,13 +93,11 @@ pub fn cube_point(face: Face, s: f64, t: f64) -> DVec3 {
 }
 
 /// Unit direction at `s`, `t` in [-1, 1] of `face`.
-#[must_use]
 pub fn direction_from_cube(face: Face, s: f64, t: f64) -> DVec3 {
     cube_point(face, s, t).normalize()
 }
 
 /// Unit direction of the centre of texel (`i`, `j`) of an `n` x `n` face.
-#[must_use]
 pub fn direction_from_texel(face: Face, n: u32, i: u32, j: u32) -> DVec3 {
     let scale = 2.0 / f64::from(n);
     direction_from_cube(face, (f64::from(i) + 0.5) * scale - 1.0, (f64::from(j) + 0.5) * scale - 1.0)
@@ -113,7 +106,6 @@ pub fn direction_from_texel(face: Face, n: u32, i: u32, j: u32) -> DVec3 {
 /// The face that `direction` (any length but zero) points through, and s, t in [-1, 1] on it.
 ///
 /// On edges and corners the axis first in x, y, z order among the greatest wins.
-#[must_use]
 pub fn cube_from_direction(direction: DVec3) -> (Face, f64, f64) {
     let d = direction;
     let a = d.abs();
@@ -142,7 +134,6 @@ fn rectangle_solid_angle(low: DVec2, high: DVec2) -> f64 {
 }
 
 /// Exact solid angle of texel (`i`, `j`) of an `n` x `n` face, in steradians.
-#[must_use]
 pub fn texel_solid_angle(n: u32, i: u32, j: u32) -> f64 {
     let edge = |k: u32| f64::from(k) / f64::from(n) * 2.0 - 1.0;
     rectangle_solid_angle(DVec2::new(edge(i), edge(j)), DVec2::new(edge(i + 1), edge(j + 1)))

@@ -5,7 +5,7 @@
 //! hemisphere.
 
 use super::azimuthal::{Disc, Profile};
-use super::map::{Component, Place, SphereMap};
+use super::map::{Place, SphereMap};
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -30,10 +30,6 @@ impl Dual {
 impl SphereMap for Dual {
     fn components(&self) -> u32 {
         2
-    }
-
-    fn component(&self, index: u32) -> Component {
-        Component::square(1.0, [index, 0])
     }
 
     fn contains(&self, component: u32, uv: DVec2) -> bool {

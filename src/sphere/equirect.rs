@@ -14,10 +14,6 @@ use std::f64::consts::{PI, TAU};
 pub struct Equirect;
 
 impl SphereMap for Equirect {
-    fn components(&self) -> u32 {
-        1
-    }
-
     fn component(&self, _: u32) -> Component {
         Component { low: DVec2::ZERO, high: DVec2::new(TAU, PI), cells: [2, 1], at: [0, 0] }
     }
@@ -61,7 +57,6 @@ impl SphereMap for Equirect {
 }
 
 /// Unit direction at `u`, `v` in [0, 1].
-#[must_use]
 pub fn direction_from_equirect(u: f64, v: f64) -> DVec3 {
     let (sin_phi, cos_phi) = ((u - 0.5) * TAU).sin_cos();
     let (sin_theta, cos_theta) = (v * PI).sin_cos();
@@ -70,7 +65,6 @@ pub fn direction_from_equirect(u: f64, v: f64) -> DVec3 {
 
 /// Panorama coordinates of `direction` (any length but zero): u in [0, 1], v in [0, 1]. At the poles u is
 /// 1/2.
-#[must_use]
 pub fn equirect_from_direction(direction: DVec3) -> (f64, f64) {
     let d = direction;
     // atan2 keeps full precision near the poles, where acos(y) loses half its digits.
@@ -79,7 +73,6 @@ pub fn equirect_from_direction(direction: DVec3) -> (f64, f64) {
 }
 
 /// Exact solid angle of each texel of row `j` of a `width` x `height` panorama, in steradians.
-#[must_use]
 pub fn texel_solid_angle(width: u32, height: u32, j: u32) -> f64 {
     let edge = |k: u32| f64::from(k) / f64::from(height) * PI;
     band_height(edge(j), edge(j + 1)) * TAU / f64::from(width)

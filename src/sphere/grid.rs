@@ -1,7 +1,7 @@
 //! A map of the sphere divided into texels.
 
 use super::map::{Component, Place, SphereMap, Texel};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use glam::DVec2;
 
 /// A map whose images are divided into texels. Texels are numbered component by component, row by row.
@@ -18,46 +18,40 @@ impl Grid {
     /// `map` with `size` texels along the shorter side of each component, 1 to [`MAX_SIZE`].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for another size.
+    /// [`crate::Error::Parameter`] for another size.
     pub fn new(map: &'static dyn SphereMap, size: u32) -> Result<Self> {
         if size == 0 || size > MAX_SIZE {
-            return Err(Error::Parameter(format!("a map of {size} texels a side; use 1 to {MAX_SIZE}")));
+            return wrong(format!("a map of {size} texels a side; use 1 to {MAX_SIZE}"));
         }
         Ok(Self { map, size })
     }
 
     /// The map.
-    #[must_use]
     pub fn map(&self) -> &'static dyn SphereMap {
         self.map
     }
 
     /// Texels along the shorter side of each component.
-    #[must_use]
     pub const fn size(&self) -> u32 {
         self.size
     }
 
     /// Columns and rows of the image of `component`.
-    #[must_use]
     pub fn sides(&self, component: u32) -> [u32; 2] {
         self.map.component(component).cells.map(|cells| cells * self.size)
     }
 
     /// Total number of texels.
-    #[must_use]
     pub fn texel_count(&self) -> usize {
         self.first_texel(self.map.components())
     }
 
     /// Index of the first texel of `component`; for one past the last component the number of texels.
-    #[must_use]
     pub(crate) fn first_texel(&self, component: u32) -> usize {
         (0..component).map(|k| self.sides(k).map(|side| side as usize).iter().product::<usize>()).sum()
     }
 
     /// Columns and rows of a picture of all components, in texels, each with `border` texels around it.
-    #[must_use]
     pub fn picture_sides(&self, border: u32) -> [u32; 2] {
         let mut sides = [0; 2];
         for index in 0..self.map.components() {
@@ -80,20 +74,17 @@ impl Grid {
     }
 
     /// Position of column 0, row 0 of `component` in [`Grid::picture_sides`], without its border.
-    #[must_use]
     pub fn picture_origin(&self, component: u32, border: u32) -> [u32; 2] {
         let at = self.map.component(component).at;
         [0, 1].map(|axis| at[axis] * self.size + border * (2 * self.rank(component, axis) - 1))
     }
 
     /// Width and height of a texel of `component` in the map's own coordinates.
-    #[must_use]
     pub fn step(&self, component: &Component) -> DVec2 {
         component.extent() / DVec2::from(component.cells.map(|cells| f64::from(cells * self.size)))
     }
 
     /// Coordinates of the point (`x`, `y`), in texels from the image's corner, of `component`.
-    #[must_use]
     pub fn uv(&self, component: u32, x: f64, y: f64) -> DVec2 {
         let component = self.map.component(component);
         component.low + self.step(&component) * DVec2::new(x, y)
@@ -101,7 +92,6 @@ impl Grid {
 
     /// Unit direction of the centre of `texel`.
     #[cfg(any(test, feature = "internals"))]
-    #[must_use]
     pub fn direction_from_texel(&self, texel: Texel) -> glam::DVec3 {
         let uv = self.uv(texel.component, f64::from(texel.x) + 0.5, f64::from(texel.y) + 0.5);
         self.map.direction(texel.component, uv)
@@ -109,7 +99,6 @@ impl Grid {
 
     /// The texel that `direction` (any length but zero) falls into.
     #[cfg(any(test, feature = "internals"))]
-    #[must_use]
     pub fn texel_from_direction(&self, direction: glam::DVec3) -> Texel {
         let place = self.map.locate(direction);
         let component = self.map.component(place.component);
@@ -144,13 +133,11 @@ impl Grid {
 
     /// The texel whose directions are those of `texel` with their coordinate `axis` (0 to 2 for x to z)
     /// negated; `None` if this mirror does not map texels onto texels.
-    #[must_use]
     pub fn mirrored(&self, texel: Texel, axis: usize) -> Option<Texel> {
         self.texel_from_centre(self.map.mirrored(self.centre(texel), axis)?)
     }
 
     /// Index of `texel`.
-    #[must_use]
     pub fn index(&self, texel: Texel) -> usize {
         let width = self.sides(texel.component)[0] as usize;
         self.first_texel(texel.component) + texel.y as usize * width + texel.x as usize
@@ -160,7 +147,6 @@ impl Grid {
     ///
     /// # Panics
     /// If there is no such texel.
-    #[must_use]
     pub(crate) fn texel(&self, index: usize) -> Texel {
         let mut rest = index;
         for component in 0..self.map.components() {
@@ -174,7 +160,6 @@ impl Grid {
     }
 
     /// Exact solid angle, in steradians, of the part of `texel` in its component's domain.
-    #[must_use]
     pub fn solid_angle(&self, texel: Texel) -> f64 {
         let (x, y) = (f64::from(texel.x), f64::from(texel.y));
         let low = self.uv(texel.component, x, y);

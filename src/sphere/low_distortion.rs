@@ -10,7 +10,7 @@
 //! quadrant; the lower one is unfolded as in [`super::octahedral`], with the same wrapping. Kinks along the
 //! axes and the fold diagonals; the corners are -Y.
 
-use super::map::{Component, Place, SphereMap, Texel};
+use super::map::{Place, SphereMap, Texel};
 use super::octahedral::{mirrored_oct, wrap_oct, wrap_texel};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -20,14 +20,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub struct LowDistortion;
 
 impl SphereMap for LowDistortion {
-    fn components(&self) -> u32 {
-        1
-    }
-
-    fn component(&self, _: u32) -> Component {
-        Component::square(1.0, [0, 0])
-    }
-
     fn direction(&self, _: u32, uv: DVec2) -> DVec3 {
         let uv = wrap_oct(uv);
         let (a, b) = (uv.x.abs(), uv.y.abs());

@@ -63,10 +63,14 @@ pub struct Texel {
 /// sphere once. Components are numbered from 0; methods may panic for a missing component.
 pub trait SphereMap: Debug + Sync {
     /// Number of components, at least 1.
-    fn components(&self) -> u32;
+    fn components(&self) -> u32 {
+        1
+    }
 
-    /// Rectangle and image of component `index`.
-    fn component(&self, index: u32) -> Component;
+    /// Rectangle and image of component `index`; by default [-1, 1]^2, one beside another.
+    fn component(&self, index: u32) -> Component {
+        Component::square(1.0, [index, 0])
+    }
 
     /// Whether `uv`, a point of the rectangle, is in the domain of `component`.
     fn contains(&self, component: u32, uv: DVec2) -> bool {

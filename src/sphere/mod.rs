@@ -32,7 +32,6 @@ use glam::DVec3;
 /// counter-clockwise seen from outside.
 ///
 /// Van Oosterom and Strackee 1983, equation 8; exact for every triangle smaller than a hemisphere.
-#[must_use]
 pub(crate) fn triangle_solid_angle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     // (a x b).c from differences: three nearby vectors would cancel in the plain triple product.
     let numerator = (b - a).cross(c - a).dot(a);
@@ -41,7 +40,6 @@ pub(crate) fn triangle_solid_angle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 }
 
 /// Unsigned solid angle of a convex spherical polygon (unit vectors in order): a fan of triangles.
-#[must_use]
 pub(crate) fn polygon_solid_angle(corners: &[DVec3]) -> f64 {
     let Some((&first, rest)) = corners.split_first() else { return 0.0 };
     rest.windows(2).map(|edge| triangle_solid_angle(first, edge[0], edge[1])).sum::<f64>().abs()

@@ -9,7 +9,7 @@
 //! where i + j is even, and the square turned by 180 degrees where it is odd. [`wrap_oct`] and [`wrap_texel`]
 //! bring any point and any texel of that plane back to the square.
 
-use super::map::{Component, Place, SphereMap, Texel};
+use super::map::{Place, SphereMap, Texel};
 use super::projected_solid_angle;
 use glam::{DVec2, DVec3};
 
@@ -18,14 +18,6 @@ use glam::{DVec2, DVec3};
 pub struct Octahedral;
 
 impl SphereMap for Octahedral {
-    fn components(&self) -> u32 {
-        1
-    }
-
-    fn component(&self, _: u32) -> Component {
-        Component::square(1.0, [0, 0])
-    }
-
     fn direction(&self, _: u32, uv: DVec2) -> DVec3 {
         direction_from_oct(wrap_oct(uv))
     }
@@ -53,7 +45,6 @@ impl SphereMap for Octahedral {
 }
 
 /// Point on the octahedron |x| + |y| + |z| = 1 at `uv` in [-1, 1]^2.
-#[must_use]
 pub fn octahedron_from_oct(uv: DVec2) -> DVec3 {
     let y = 1.0 - uv.x.abs() - uv.y.abs();
     if y >= 0.0 {
@@ -64,13 +55,11 @@ pub fn octahedron_from_oct(uv: DVec2) -> DVec3 {
 }
 
 /// Unit direction at `uv` in [-1, 1]^2.
-#[must_use]
 pub fn direction_from_oct(uv: DVec2) -> DVec3 {
     octahedron_from_oct(uv).normalize()
 }
 
 /// Octahedral coordinates in [-1, 1]^2 of `direction` (any length but zero). -Y goes to the corner (1, 1).
-#[must_use]
 pub fn oct_from_direction(direction: DVec3) -> DVec2 {
     let p = direction / (direction.x.abs() + direction.y.abs() + direction.z.abs());
     if p.y >= 0.0 {
@@ -81,7 +70,6 @@ pub fn oct_from_direction(direction: DVec3) -> DVec2 {
 }
 
 /// The point of the square that `uv`, anywhere on the unfolded plane, stands for.
-#[must_use]
 pub fn wrap_oct(uv: DVec2) -> DVec2 {
     let tile = ((uv + 1.0) / 2.0).floor();
     let inside = uv - tile * 2.0;
@@ -91,7 +79,6 @@ pub fn wrap_oct(uv: DVec2) -> DVec2 {
 
 /// The point of the square whose direction is that at `uv`, in the square, with its coordinate `axis`
 /// negated.
-#[must_use]
 pub(super) fn mirrored_oct(uv: DVec2, axis: usize) -> DVec2 {
     match axis {
         0 => DVec2::new(-uv.x, uv.y),
@@ -104,7 +91,6 @@ pub(super) fn mirrored_oct(uv: DVec2, axis: usize) -> DVec2 {
 /// The texel of the `n` x `n` square that texel (`x`, `y`), anywhere on the unfolded plane, stands for.
 ///
 /// Agrees with [`wrap_oct`] of the texel's centre at every distance; `n` must be at least 1.
-#[must_use]
 pub fn wrap_texel(n: u32, x: i64, y: i64) -> (u32, u32) {
     let n = i64::from(n);
     let (tile_x, tile_y) = (x.div_euclid(n), y.div_euclid(n));
@@ -119,20 +105,17 @@ pub fn wrap_texel(n: u32, x: i64, y: i64) -> (u32, u32) {
 
 /// Solid angle of a unit of (u, v) area at `uv` in [-1, 1]^2: 1/|p|^3, p on the octahedron. Between 1
 /// (vertices) and 3^1.5 (face centres).
-#[must_use]
 pub fn solid_angle_density(uv: DVec2) -> f64 {
     let squared = octahedron_from_oct(uv).length_squared();
     1.0 / (squared * squared.sqrt())
 }
 
 /// Centre of texel (`x`, `y`) of the `n` x `n` square in (u, v).
-#[must_use]
 pub fn texel_centre(n: u32, x: u32, y: u32) -> DVec2 {
     (DVec2::new(f64::from(x), f64::from(y)) + 0.5) * (2.0 / f64::from(n)) - 1.0
 }
 
 /// Exact solid angle of texel (`x`, `y`) of the `n` x `n` square, in steradians.
-#[must_use]
 pub fn texel_solid_angle(n: u32, x: u32, y: u32) -> f64 {
     let edge = |k: u32| (2.0 * f64::from(k) - f64::from(n)) / f64::from(n);
     rectangle_solid_angle(DVec2::new(edge(x), edge(y)), DVec2::new(edge(x + 1), edge(y + 1)), |p| p)

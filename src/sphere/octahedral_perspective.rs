@@ -7,7 +7,7 @@
 //! |d_k| / (m.|d|), and so (ax, by, cz) / (ax + by + cz) with (a, b, c) = m. With the face as image plane,
 //! m = (1, 1, 1), this is the planar projection. Every other plane samples less evenly: see `docs/maps.md`.
 
-use super::map::{Component, Place, SphereMap, Texel};
+use super::map::{Place, SphereMap, Texel};
 use super::octahedral::{
     mirrored_oct, oct_from_direction, octahedron_from_oct, rectangle_solid_angle, wrap_oct, wrap_texel,
 };
@@ -27,7 +27,6 @@ impl OctahedralPerspective {
     ///
     /// # Panics
     /// If a component is not positive: the frustum would not intersect the plane.
-    #[must_use]
     pub const fn with_image_plane(normal: DVec3) -> Self {
         assert!(normal.x > 0.0 && normal.y > 0.0 && normal.z > 0.0, "the image plane crosses the frustum");
         Self { normal }
@@ -35,14 +34,6 @@ impl OctahedralPerspective {
 }
 
 impl SphereMap for OctahedralPerspective {
-    fn components(&self) -> u32 {
-        1
-    }
-
-    fn component(&self, _: u32) -> Component {
-        Component::square(1.0, [0, 0])
-    }
-
     fn direction(&self, _: u32, uv: DVec2) -> DVec3 {
         (octahedron_from_oct(wrap_oct(uv)) / self.normal).normalize()
     }

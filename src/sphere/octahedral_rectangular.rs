@@ -38,10 +38,6 @@ fn plane(uv: DVec2) -> (DVec2, f64) {
 }
 
 impl SphereMap for OctahedralRectangular {
-    fn components(&self) -> u32 {
-        1
-    }
-
     fn component(&self, _: u32) -> Component {
         let high = DVec2::new(2.0, 1.0);
         Component { low: -high, high, cells: [2, 1], at: [0, 0] }

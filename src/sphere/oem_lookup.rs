@@ -14,13 +14,11 @@ pub type Cell = [DVec3; 3];
 ///
 /// The listing of section 4.2, corrected: its upper half keeps `d.xy` where the map has `d.xz`, and its
 /// `sign` is 0 in the planes x = 0 and z = 0.
-#[must_use]
 pub fn quadratic_coordinates(direction: DVec3) -> DVec2 {
     oct_from_direction(direction) * 0.5 + 0.5
 }
 
 /// Equation 4: the mip level of a cell with `corners` in texels of level 0; negative for magnification.
-#[must_use]
 pub fn level_of_corners(corners: [DVec2; 3]) -> f64 {
     let [own, right, below] = corners;
     0.5 * (right - own).length_squared().max((below - own).length_squared()).log2()
@@ -28,7 +26,6 @@ pub fn level_of_corners(corners: [DVec2; 3]) -> f64 {
 
 /// Equation 4 for `cell` in a quadratic layout of `inner` texels, as it is: too coarse where the cell
 /// crosses x = 0 or z = 0 in the lower hemisphere.
-#[must_use]
 pub fn level_of_cell(cell: Cell, inner: u32) -> f64 {
     level_of_corners(cell.map(|direction| quadratic_coordinates(direction) * f64::from(inner)))
 }
@@ -38,7 +35,6 @@ pub fn level_of_cell(cell: Cell, inner: u32) -> f64 {
 ///
 /// The reflection has the same shape in the texture and the cuts of the other hemisphere, so one of the two
 /// is contiguous, except around ±X and ±Z, where both jump by less than the cell's own size.
-#[must_use]
 pub fn quadratic_level(cell: Cell, inner: u32) -> f64 {
     let mirrored = cell.map(|direction| DVec3::new(direction.x, -direction.y, direction.z));
     level_of_cell(cell, inner).min(level_of_cell(mirrored, inner))
@@ -46,7 +42,6 @@ pub fn quadratic_level(cell: Cell, inner: u32) -> f64 {
 
 /// Array layer (0 for y >= 0, else 1) and coordinates in [-1, 1]^2 of `direction` in the rectangular layout
 /// with one layer per hemisphere: equation 3 without its shift.
-#[must_use]
 pub fn rectangular_place(direction: DVec3) -> (u32, DVec2) {
     let p = direction / (direction.x.abs() + direction.y.abs() + direction.z.abs());
     if p.y >= 0.0 { (0, DVec2::new(p.x - p.z, p.x + p.z)) } else { (1, DVec2::new(p.z - p.x, p.x + p.z)) }
@@ -57,7 +52,6 @@ pub fn rectangular_place(direction: DVec3) -> (u32, DVec2) {
 ///
 /// A look-up at the edge of the square reads half a texel beyond it: level k needs a border of 2^(k-1)
 /// texels. The whole side must halve k times, or texels of level k are not means of whole texels.
-#[must_use]
 pub const fn greatest_level(inner: u32, border: u32) -> Option<u32> {
     if border == 0 {
         return None;

@@ -34,7 +34,6 @@ pub const CONFORMAL: PolarCapped = PolarCapped::conformal(42.2 / 180.0 * PI);
 
 impl PolarCapped {
     /// The conformal map with caps from `latitude`, in (0, pi/2) radians.
-    #[must_use]
     pub const fn conformal(latitude: f64) -> Self {
         Self { kind: Projection::Conformal, latitude }
     }

@@ -9,7 +9,6 @@ pub(crate) const THREE_NODES: [(f64, f64); 3] =
     [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
 /// Nodes in (0, 1) and weights of the Gauss-Legendre rule of `order` points.
-#[must_use]
 pub fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
     let n = f64::from(order);
     (0..order)

@@ -14,7 +14,7 @@ use super::rhombic_dodecahedron::RhombicDodecahedron;
 use super::sphere_map::MirrorBall;
 use super::tennis_ball::TennisBall;
 use crate::direction::units;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use glam::DVec3;
 
 /// A row of the table of maps.
@@ -47,19 +47,19 @@ impl NamedMap {
     /// Rectangle and image of component `index`, from 0.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a component that there is not.
+    /// [`crate::Error::Parameter`] for a component that there is not.
     pub fn component(&self, index: u32) -> Result<Component> {
         if index < self.components() {
             return Ok(self.map.component(index));
         }
         let last = self.components() - 1;
-        Err(Error::Parameter(format!("`component` is {index}; {} has 0 to {last}", self.name)))
+        wrong(format!("`component` is {index}; {} has 0 to {last}", self.name))
     }
 
     /// The place of `direction`, of any length but zero.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a direction that is zero or not finite.
+    /// [`crate::Error::Parameter`] for a direction that is zero or not finite.
     pub fn place(&self, direction: DVec3) -> Result<Place> {
         Ok(self.map.locate(units(&[direction])?[0]))
     }
@@ -68,7 +68,7 @@ impl NamedMap {
     /// the others.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a component that there is not, and a point outside its rectangle.
+    /// [`crate::Error::Parameter`] for a component that there is not, and a point outside its rectangle.
     pub fn direction(&self, place: Place) -> Result<DVec3> {
         self.check(place)?;
         Ok(self.map.direction(place.component, place.uv))
@@ -89,7 +89,7 @@ impl NamedMap {
         if uv.cmpge(low).all() && uv.cmple(high).all() {
             return Ok(());
         }
-        Err(Error::Parameter(format!("the point {uv} is outside the rectangle from {low} to {high}")))
+        wrong(format!("the point {uv} is outside the rectangle from {low} to {high}"))
     }
 }
 

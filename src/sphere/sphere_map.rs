@@ -5,7 +5,7 @@
 //! projection. The rim is singular: all of it is -Z, and the stretch grows without bound towards it.
 
 use super::azimuthal::{Disc, Profile};
-use super::map::{Component, Place, SphereMap};
+use super::map::{Place, SphereMap};
 use glam::{DVec2, DVec3};
 
 const DISC: Disc =
@@ -16,14 +16,6 @@ const DISC: Disc =
 pub struct MirrorBall;
 
 impl SphereMap for MirrorBall {
-    fn components(&self) -> u32 {
-        1
-    }
-
-    fn component(&self, _: u32) -> Component {
-        Component::square(1.0, [0, 0])
-    }
-
     fn contains(&self, _: u32, uv: DVec2) -> bool {
         DISC.contains(uv)
     }

@@ -19,7 +19,6 @@ pub struct TennisBall;
 const REACH: f64 = 3.0 * FRAC_PI_4;
 
 /// The panel that holds `direction`, a unit vector: 0 or 1.
-#[must_use]
 pub fn panel(direction: DVec3) -> u32 {
     let d = direction;
     let first = if d.z >= 0.0 { d.y.abs() <= FRAC_1_SQRT_2 } else { d.x.abs() >= FRAC_1_SQRT_2 };
@@ -29,7 +28,6 @@ pub fn panel(direction: DVec3) -> u32 {
 /// Theta of the seam at `phi`, both of a panel's own coordinates and at least 0, phi at most 3/4 pi.
 ///
 /// Along the sides theta is pi/4; around the ends sin(phi) cos(theta) is sqrt(1/2).
-#[must_use]
 pub fn seam(phi: f64) -> f64 {
     if phi <= FRAC_PI_2 { FRAC_PI_4 } else { (FRAC_1_SQRT_2 / phi.sin()).min(1.0).acos() }
 }
@@ -38,7 +36,6 @@ pub fn seam(phi: f64) -> f64 {
 ///
 /// Section 2.1: segments (t, sqrt(1/2), sqrt(1/2 - t^2)), reflected and turned; here by the angle along
 /// each half circle.
-#[must_use]
 pub fn seam_point(t: f64) -> DVec3 {
     let quarter = (t * 4.0).floor();
     let (sin, cos) = ((t * 4.0 - quarter) * PI).sin_cos();

@@ -34,7 +34,6 @@ impl Flip {
 
 /// Flips `level`: its content at a direction moves to the flipped direction. Texels are permuted, not
 /// resampled.
-#[must_use]
 pub fn flipped(level: &Level, flip: Flip) -> Level {
     if flip == Flip::None {
         return level.clone();
@@ -61,7 +60,6 @@ pub fn flipped(level: &Level, flip: Flip) -> Level {
 }
 
 /// Flips every level of `chain`.
-#[must_use]
 pub fn flipped_chain(chain: &Chain, flip: Flip) -> Chain {
     Chain { levels: chain.levels.iter().map(|level| flipped(level, flip)).collect() }
 }

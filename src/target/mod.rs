@@ -10,14 +10,16 @@ pub use flip::{Flip, flipped, flipped_chain};
 
 use crate::chain::ChainKind;
 use crate::environment::Map;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::container::Container;
 use crate::format::{LevelName, OutputLayout, Pixel, Shown};
 use crate::ladder::{Ladder, UNITY_LEVELS};
 use crate::lobe::Lobe;
 use crate::names::named;
 use crate::sh::scale::ShScale;
+use crate::shader::reader_wgsl;
 use crate::sphere::cube::Face;
+use std::borrow::Cow;
 
 /// Content of a target's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +46,7 @@ pub enum Content {
     PyramidLight,
     /// The tables of pyramids of its size.
     PyramidTables,
-    /// The entry of [`READERS`] named by its path.
+    /// The [`reader`] named by its path.
     Reader,
     /// Level 0 as one image; the path's extension selects the format.
     Panorama,
@@ -61,15 +63,22 @@ pub enum Content {
 }
 
 /// Shader code for reading octahedral maps and pyramids, by file name.
-pub const READERS: [(&str, &str); 7] = [
+pub const READERS: [(&str, &str); 6] = [
     ("oem.wgsl", include_str!("../../shaders/readers/oem.wgsl")),
     ("oem.glsl", include_str!("../../shaders/readers/oem.glsl")),
     ("oem.hlsl", include_str!("../../shaders/readers/oem.hlsl")),
-    ("pyramid.wgsl", include_str!("../../shaders/readers/pyramid.wgsl")),
     ("pyramid.glsl", include_str!("../../shaders/readers/pyramid.glsl")),
     ("pyramid.hlsl", include_str!("../../shaders/readers/pyramid.hlsl")),
     ("pyramid.metal", include_str!("../../shaders/readers/pyramid.metal")),
 ];
+
+/// The file of that name of [`READERS`], or `pyramid.wgsl`, which is made of the shaders.
+pub fn reader(name: &str) -> Option<Cow<'static, str>> {
+    if name == "pyramid.wgsl" {
+        return Some(reader_wgsl().into());
+    }
+    READERS.iter().find(|(own, _)| *own == name).map(|(_, code)| (*code).into())
+}
 
 /// A file of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -449,7 +458,6 @@ impl Target {
         if self.name == GENERIC.name {
             return Ok(());
         }
-        let wrong = |message: String| Err(Error::Parameter(message));
         if ladder != self.ladder {
             let (own, other) = (self.ladder.name(), ladder.name());
             return wrong(format!("its reader looks levels up by the ladder {own}; omit `ladder` {other}"));
@@ -463,8 +471,7 @@ impl Target {
         if self.map != Map::Panorama && levels < 2 {
             return wrong(
                 "its reader looks roughness up between levels, and one level is a mirror; choose a greater \
-                 `size`, or `levels` of at least 2"
-                    .to_owned(),
+                 `size`, or `levels` of at least 2",
             );
         }
         Ok(())
@@ -552,7 +559,7 @@ impl TargetPlan {
     /// Checks that the container can hold the pixel format.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if it cannot.
+    /// [`crate::Error::Parameter`] if it cannot.
     pub fn check(&self) -> Result<()> {
         // Images use floats if half floats are insufficient.
         let is_chosen_later = self.pixel == Pixel::Auto && !self.is_single();
@@ -561,18 +568,18 @@ impl TargetPlan {
         }
         let target =
             if self.is_targeted() { format!("target {}: ", self.target.name) } else { String::new() };
-        Err(Error::Parameter(format!(
+        wrong(format!(
             "{target}{} files cannot hold {}; use another `pixel` or `format`",
             self.container.name(),
             self.pixel.name()
-        )))
+        ))
     }
 
     /// Checks that the files can hold `levels` levels of `ladder` from `size` down, and that the reader finds
     /// every roughness among them.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if not.
+    /// [`crate::Error::Parameter`] if not.
     pub fn check_levels(&self, size: u32, levels: u32, ladder: Ladder) -> Result<()> {
         self.target.check_look_ups(levels, ladder)?;
         self.target.files.iter().try_for_each(|file| match file.content {
@@ -635,7 +642,6 @@ impl TargetPlan {
 }
 
 /// Whether a bake for some target writes a file at `path`, relative to its folder.
-#[must_use]
 pub fn is_target_file(path: &str) -> bool {
     let is_shared = ["report.json", "sun.json"].contains(&path);
     is_shared || TARGETS.iter().any(|target| target.content_of(path).is_some())

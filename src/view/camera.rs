@@ -56,7 +56,6 @@ pub struct Frame {
 
 /// Half the width and the height, at distance 1, that a picture shows around `spheres`, by centre and radius,
 /// from the default camera's distance. Either may exceed it, by the picture's shape.
-#[must_use]
 pub fn field_around(spheres: impl IntoIterator<Item = (DVec3, f64)>) -> DVec2 {
     let reach = |offset: f64, radius: f64| {
         let outer = (offset / DISTANCE).atan() + (radius / DISTANCE.hypot(offset)).asin();
@@ -76,7 +75,6 @@ pub(super) fn field_of_angle(angle: f64) -> DVec2 {
 impl Camera {
     /// The frame of a picture `aspect` times as wide as high, which shows at least `field`, half its width
     /// and height at distance 1, unless the camera has an angle of view.
-    #[must_use]
     pub fn frame(&self, aspect: f64, field: DVec2) -> Frame {
         let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
         let (sin_pitch, cos_pitch) = self.pitch.clamp(-MAX_PITCH, MAX_PITCH).sin_cos();

@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn uniforms_are_as_large_as_the_shaders_structs() {
-        let source = crate::gpu::device::shader::source("view/levels.wgsl");
+        let source = crate::shader::source("view/levels.wgsl");
         let module = naga::front::wgsl::parse_str(&source).expect("a shader that parses");
         for (name, size) in [("ViewFrame", size_of::<ViewFrame>()), ("Diffuse", size_of::<Diffuse>())] {
             let (_, found) =

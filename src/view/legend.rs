@@ -62,7 +62,6 @@ pub(super) fn legend(look: &Look, light: &Light, size: [u32; 2], shown: Shown) -
 }
 
 /// The legend as a drawing; `ev` is the picture's exposure.
-#[must_use]
 pub fn legend_scene(look: &Look, OemSize { inner, border }: OemSize, ev: f64, shown: Shown) -> Option<Scene> {
     let Shown { mean, least, greatest } = shown;
     let luminance = || {

@@ -4,7 +4,7 @@ use super::frame::{LadderUniform, MAX_LEVELS};
 use super::resources::{filled_texture, write_level};
 use crate::chain::Chain;
 use crate::environment::Layout;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::gpu::Context;
 use glam::DMat3;
 use half::f16;
@@ -29,24 +29,27 @@ impl Levels {
             return Ok(None);
         }
         let largest = chain.levels[0].size();
-        let wrong = |message: String| Err(Error::Parameter(format!("cannot show these levels: {message}")));
+        let refused = |message: String| wrong(format!("cannot show these levels: {message}"));
         if chain.levels.len() > MAX_LEVELS {
-            return wrong(format!("{} levels; at most {MAX_LEVELS} are supported", chain.levels.len()));
+            return refused(format!("{} levels; at most {MAX_LEVELS} are supported", chain.levels.len()));
         }
         for (number, level) in (0..).zip(&chain.levels) {
             let expected = largest.checked_shr(number).unwrap_or(0).max(1);
             if level.size() != expected || level.texels.len() != 6 * expected as usize * expected as usize {
-                return wrong(format!(
+                return refused(format!(
                     "level {number} has {} texels per side instead of {expected}",
                     level.size()
                 ));
             }
         }
         if largest.ilog2() + 1 < chain.levels.len() as u32 {
-            return wrong(format!("{} levels for faces of {largest} texels", chain.levels.len()));
+            return refused(format!("{} levels for faces of {largest} texels", chain.levels.len()));
         }
         if let Some([a, b]) = chain.levels.array_windows().find(|[a, b]| a.roughness > b.roughness) {
-            return wrong(format!("roughness {} follows {}; it must not decrease", b.roughness, a.roughness));
+            return refused(format!(
+                "roughness {} follows {}; it must not decrease",
+                b.roughness, a.roughness
+            ));
         }
         Ok(Some(Self { chain, levels_from_world }))
     }

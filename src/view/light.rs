@@ -143,13 +143,11 @@ impl Light {
 
     /// The environment, in its own space. Light beyond the range of float32 arithmetic is scaled by a power
     /// of two; the exposure compensates.
-    #[must_use]
     pub const fn environment(&self) -> &Environment {
         &self.environment
     }
 
     /// Maps directions of a world rotated by `degrees` about +Y to the environment's own space.
-    #[must_use]
     pub fn source_from_world(&self, degrees: f64) -> DMat3 {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let turn = DMat3::from_cols_array(&[cos, 0.0, sin, 0.0, 1.0, 0.0, -sin, 0.0, cos]);
@@ -157,7 +155,6 @@ impl Light {
     }
 
     /// Stages that rebuild the tables, in order; record them whenever the light changes.
-    #[must_use]
     pub fn stages(&self) -> &[Stage] {
         &self.stages
     }
@@ -176,7 +173,6 @@ impl Light {
     }
 
     /// The automatic exposure, in powers of two.
-    #[must_use]
     pub const fn exposure(&self) -> f64 {
         self.exposure
     }

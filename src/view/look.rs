@@ -2,13 +2,10 @@
 
 use super::camera::{Camera, FRONT, field_around};
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
-use crate::filter::FITTED;
+use crate::error::{Result, wrong};
 use crate::image::exposure::{self, Exposure};
 use crate::names::named;
 use glam::{DVec2, DVec3};
-use std::fmt::{self, Display, Formatter};
-use std::str::FromStr;
 
 /// The object under the environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,7 +26,7 @@ pub enum Object {
 named!(Object { Sphere = "sphere", Row = "row", Knot = "knot", Mesh = "mesh" });
 
 /// Technique of the reflections.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Technique {
     /// The single box of the octahedron environment maps paper.
     Box,
@@ -43,31 +40,23 @@ pub enum Technique {
     Adaptive,
 }
 
-impl Display for Technique {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+named!(Technique {
+    Box = "box",
+    Pyramid = "pyramid",
+    Reflect = "reflect",
+    Levels = "levels",
+    Adaptive = "adaptive",
+});
+
+impl Technique {
+    /// Shader file of the radiance of pixels.
+    pub(super) const fn file(self) -> &'static str {
         match self {
-            Self::Box => f.write_str("box"),
-            Self::Pyramid => f.write_str("pyramid"),
-            Self::Reflect => f.write_str("reflect"),
-            Self::Levels => f.write_str("levels"),
-            Self::Adaptive => f.write_str("adaptive"),
-        }
-    }
-}
-
-/// Parses the output of [`Display`].
-impl FromStr for Technique {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match text {
-            "box" => Ok(Self::Box),
-            "pyramid" => Ok(Self::Pyramid),
-            "reflect" => Ok(Self::Reflect),
-            "levels" => Ok(Self::Levels),
-            "adaptive" => Ok(Self::Adaptive),
-            _ if text.starts_with("fitted") => Err(FITTED.to_owned()),
-            _ => Err("must be box, pyramid, reflect, levels or adaptive".to_owned()),
+            Self::Box => "view/box.wgsl",
+            Self::Pyramid => "view/pyramid.wgsl",
+            Self::Reflect => "view/reflect.wgsl",
+            Self::Levels => "view/levels.wgsl",
+            Self::Adaptive => "view/truth.wgsl",
         }
     }
 }
@@ -260,7 +249,7 @@ impl Look {
     /// Checks that every value is in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`] naming the value and its range.
+    /// [`crate::Error::Parameter`] naming the value and its range.
     pub fn check(&self) -> Result<()> {
         let Self { camera, metal: [red, green, blue], tint, finish, .. } = self;
         let within = [
@@ -286,27 +275,24 @@ impl Look {
         ];
         for (name, value, least, most) in within {
             if !(least..=most).contains(&value) {
-                return Err(Error::Parameter(format!("{name} {value} is outside [{least}, {most}]")));
+                return wrong(format!("{name} {value} is outside [{least}, {most}]"));
             }
         }
         Ok(())
     }
 
     /// The initial camera: faces the front of a mesh, otherwise the centre of a panorama.
-    #[must_use]
     pub fn first_camera(&self) -> Camera {
         let yaw = if self.object == Object::Mesh { FRONT } else { 0.0 };
         Camera { yaw, ..Camera::default() }
     }
 
     /// Whether the materials of a mesh's file are shown, if it has any.
-    #[must_use]
     pub(crate) fn shows_materials(&self) -> bool {
         self.object == Object::Mesh && self.paint == Paint::File
     }
 
     /// Whether the picture needs the certified tier.
-    #[must_use]
     pub fn needs_truth(&self) -> bool {
         match self.show {
             Show::Scene => self.filter == Technique::Adaptive,
@@ -328,7 +314,6 @@ impl Look {
     }
 
     /// Whether the picture reads a summed-area table.
-    #[must_use]
     pub const fn reads_sat(&self) -> bool {
         match self.show {
             Show::Scene | Show::Error => matches!(self.filter, Technique::Box),
@@ -347,7 +332,6 @@ impl Look {
 
     /// Half the width and the height at distance 1 that a picture shows, at least, if the camera has no
     /// angle.
-    #[must_use]
     pub fn field(&self) -> DVec2 {
         let spheres = match self.object {
             // Meshes are scaled to the unit sphere.
@@ -362,7 +346,6 @@ impl Look {
     /// Roughness of the backdrop's lobe for texels of the angle `texel` in a picture of half the height
     /// `half_height` at distance 1. An automatic one adds to a pixel what it lacks to a texel's width, so
     /// that fine environments stay sharp; it is the same for every size of the picture.
-    #[must_use]
     pub fn backdrop_roughness(&self, texel: f64, half_height: f64) -> f64 {
         let pixel = 2.0 * half_height / BACKDROP_PIXELS;
         let automatic =

@@ -3,7 +3,7 @@
 use super::frame::brush;
 use super::mip_levels::{Space, halved};
 use super::resources::{filled_texture, texture_of, write_level};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::gpu::Context;
 use crate::mesh::{Image, Material, Mesh, SubMesh, Texture, Wrap};
 use std::collections::HashMap;
@@ -24,13 +24,6 @@ pub(super) struct MaterialUniform {
     pad: [f32; 3],
 }
 
-/// Origin of a material.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Owner {
-    File,
-    Viewer,
-}
-
 /// A material on the GPU.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
@@ -42,13 +35,13 @@ pub(super) struct Surface {
 impl Surface {
     /// A metal with the reflectance and roughness of the picture's uniform.
     pub(super) fn plain(context: &Context) -> Self {
-        Self::new(context, &Material::default(), Owner::Viewer, &white(context), &white(context))
+        Self::new(context, &Material::default(), false, &white(context), &white(context))
     }
 
     fn new(
         context: &Context,
         material: &Material,
-        owner: Owner,
+        is_of_file: bool,
         base: &(wgpu::TextureView, wgpu::Sampler),
         surface: &(wgpu::TextureView, wgpu::Sampler),
     ) -> Self {
@@ -57,7 +50,7 @@ impl Surface {
             metallic: material.metallic,
             roughness: material.roughness,
             cutoff: material.cutoff.unwrap_or(-1.0),
-            own: if owner == Owner::File { 1.0 } else { 0.0 },
+            own: f32::from(is_of_file),
             brush: brush(f64::from(material.direction).to_degrees()),
             anisotropy: material.anisotropy,
             clearcoat: material.clearcoat,
@@ -148,7 +141,7 @@ impl Model {
         for material in &mesh.materials {
             let base = texture(material.base_texture, Space::Srgb)?;
             let surface = texture(material.surface_texture, Space::Linear)?;
-            surfaces.push(Surface::new(context, material, Owner::File, &base, &surface));
+            surfaces.push(Surface::new(context, material, true, &base, &surface));
         }
         Ok(Self {
             vertices: buffer("corners", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&mesh.vertices))?,
@@ -182,9 +175,9 @@ fn upload(context: &Context, image: &Image, space: Space) -> Result<wgpu::Textur
     let most = context.device().limits().max_texture_dimension_2d;
     let (width, height) = (image.width, image.height);
     if width.max(height) > most {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "texture of {width} x {height} texels; this GPU supports {most} per side, use a smaller one"
-        )));
+        ));
     }
     let levels = width.max(height).ilog2() + 1;
     let format = match space {

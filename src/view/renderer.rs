@@ -16,7 +16,7 @@ use crate::gpu::Context;
 use crate::gpu::box_filter::SatTextures;
 use crate::gpu::device::readback;
 use crate::gpu::device::resources::{
-    Draw, SAMPLER, UNIFORM, group, group_layout, pipeline_layout, texture_binding,
+    Draw, SAMPLER, UNIFORM, group, group_layout, pipeline_layout, texture_binding, trilinear,
 };
 use crate::gpu::device::timer::Timer;
 use crate::gpu::pyramid::PyramidMaps;
@@ -32,28 +32,6 @@ use std::ops::Range;
 const SPLIT_SUM: u32 = 64;
 
 const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
-
-/// Source of a pixel's radiance: a shader file and its resources.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum RadianceSource {
-    Box,
-    Pyramid,
-    Reflect,
-    Levels,
-    Truth,
-}
-
-impl RadianceSource {
-    const fn file(self) -> &'static str {
-        match self {
-            Self::Box => "view/box.wgsl",
-            Self::Pyramid => "view/pyramid.wgsl",
-            Self::Reflect => "view/reflect.wgsl",
-            Self::Levels => "view/levels.wgsl",
-            Self::Truth => "view/truth.wgsl",
-        }
-    }
-}
 
 /// Output of a pass per pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -119,7 +97,7 @@ pub struct Renderer {
     boxes_layout: wgpu::BindGroupLayout,
     pyramid_layout: wgpu::BindGroupLayout,
     reflect_layout: wgpu::BindGroupLayout,
-    pipelines: HashMap<(RadianceSource, PassOutput, bool), wgpu::RenderPipeline>,
+    pipelines: HashMap<(Technique, PassOutput, bool), wgpu::RenderPipeline>,
     split_sum: wgpu::TextureView,
     roughness: wgpu::TextureView,
     /// An even roughness map.
@@ -144,7 +122,6 @@ impl Renderer {
     /// # Errors
     /// [`crate::Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context) -> Result<Self> {
-        let device = context.device();
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let texture =
             |filterable, dimension| texture_binding(wgpu::TextureSampleType::Float { filterable }, dimension);
@@ -175,12 +152,7 @@ impl Renderer {
             ),
             roughness: roughness(roughness_map::SIZE, &roughness_map()),
             even: roughness(1, &[255]),
-            trilinear: device.create_sampler(&wgpu::SamplerDescriptor {
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                mipmap_filter: wgpu::MipmapFilterMode::Linear,
-                ..Default::default()
-            }),
+            trilinear: trilinear(&context),
             plain: Surface::plain(&context),
             knot: Model::new(&context, &Mesh::knot())?,
             mesh: None,
@@ -196,7 +168,6 @@ impl Renderer {
     }
 
     /// The device.
-    #[must_use]
     pub const fn context(&self) -> &Context {
         &self.context
     }
@@ -246,7 +217,7 @@ impl Renderer {
     ) -> Result<()> {
         look.check()?;
         self.make_next(size)?;
-        let source = if look.show.is_of_scene() { source_of(look.filter) } else { RadianceSource::Box };
+        let source = if look.show.is_of_scene() { look.filter } else { Technique::Box };
         let picture = self.next.as_ref().expect("made").picture.clone();
         let done = rows.end >= size.1;
         self.draw_into(&picture, source, PassOutput::Shown(look.show), look, light, rows)?;
@@ -273,7 +244,7 @@ impl Renderer {
             let output = PassOutput::Samples(asked);
             let texture = target(&self.context, "samples", output.format(), [width, height]);
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-            self.draw_into(&view, RadianceSource::Truth, output, look, light, 0..height)?;
+            self.draw_into(&view, Technique::Adaptive, output, look, light, 0..height)?;
             Ok(texture)
         };
         let lobes = draw(Asked::Lobe)?;
@@ -345,7 +316,7 @@ impl Renderer {
     fn draw_into(
         &mut self,
         view: &wgpu::TextureView,
-        source: RadianceSource,
+        source: Technique,
         output: PassOutput,
         look: &Look,
         light: &Light,
@@ -357,7 +328,7 @@ impl Renderer {
         if has_mesh {
             self.pipeline(source, output, true);
         }
-        let cube = if source == RadianceSource::Levels { Some(light.levels(&self.context)?) } else { None };
+        let cube = if source == Technique::Levels { Some(light.levels(&self.context)?) } else { None };
         let Targets { size: (width, height), depth, .. } = self.next.as_ref().expect("made before");
         let frame = look.camera.frame(f64::from(*width) / f64::from(*height), look.field());
         let uniform = ViewFrame::new(
@@ -391,21 +362,19 @@ impl Renderer {
             })
             .collect();
         let answers = match (source, cube) {
-            (RadianceSource::Box, _) => Some(light.boxes.bind_group(&self.context, &self.boxes_layout)),
-            (RadianceSource::Pyramid, _) => {
-                Some(light.pyramid.bind_group(&self.context, &self.pyramid_layout))
-            }
-            (RadianceSource::Reflect, _) => {
+            (Technique::Box, _) => Some(light.boxes.bind_group(&self.context, &self.boxes_layout)),
+            (Technique::Pyramid, _) => Some(light.pyramid.bind_group(&self.context, &self.pyramid_layout)),
+            (Technique::Reflect, _) => {
                 let is_brushed = look.finish.anisotropy > 0.0 || mesh.is_some_and(|mesh| mesh.is_brushed);
                 let surfaces = if is_brushed { Surfaces::Any } else { Surfaces::Isotropic };
                 Some(light.reflections(&self.context, surfaces, &self.reflect_layout))
             }
-            (RadianceSource::Levels, Some(cube)) => {
+            (Technique::Levels, Some(cube)) => {
                 let view = wgpu::BindingResource::TextureView(&cube.view);
                 let sampler = wgpu::BindingResource::Sampler(&self.trilinear);
                 Some(group(&self.context, "prefiltered cube", &self.levels_layout, [view, sampler]))
             }
-            (RadianceSource::Levels, None) | (RadianceSource::Truth, _) => None,
+            (Technique::Levels, None) | (Technique::Adaptive, _) => None,
         };
         let (first, last) = (rows.start == 0, rows.end >= *height);
         self.context.submit(|encoder| {
@@ -442,17 +411,17 @@ impl Renderer {
     }
 
     /// Compiles the pipeline for `output`: for meshes, or for the triangle that covers the picture.
-    fn pipeline(&mut self, source: RadianceSource, output: PassOutput, of_mesh: bool) {
+    fn pipeline(&mut self, source: Technique, output: PassOutput, of_mesh: bool) {
         if self.pipelines.contains_key(&(source, output, of_mesh)) {
             return;
         }
         let module = self.context.module(source.file());
         let own = match source {
-            RadianceSource::Box => Some(&self.boxes_layout),
-            RadianceSource::Pyramid => Some(&self.pyramid_layout),
-            RadianceSource::Reflect => Some(&self.reflect_layout),
-            RadianceSource::Levels => Some(&self.levels_layout),
-            RadianceSource::Truth => None,
+            Technique::Box => Some(&self.boxes_layout),
+            Technique::Pyramid => Some(&self.pyramid_layout),
+            Technique::Reflect => Some(&self.reflect_layout),
+            Technique::Levels => Some(&self.levels_layout),
+            Technique::Adaptive => None,
         };
         let groups = std::iter::once(&self.frame_layout).chain(own);
         let layout = pipeline_layout(&self.context, source.file(), groups);
@@ -499,16 +468,5 @@ impl Renderer {
     pub fn present(&mut self, display: Display<'_>, look: &Look) {
         let picture = &self.shown.as_ref().expect("a picture was drawn").picture;
         self.presenter.present(picture, display, look);
-    }
-}
-
-/// The source for `filter`.
-const fn source_of(filter: Technique) -> RadianceSource {
-    match filter {
-        Technique::Box => RadianceSource::Box,
-        Technique::Pyramid => RadianceSource::Pyramid,
-        Technique::Reflect => RadianceSource::Reflect,
-        Technique::Levels => RadianceSource::Levels,
-        Technique::Adaptive => RadianceSource::Truth,
     }
 }

@@ -1,6 +1,6 @@
 //! Textures and passes of the viewer's pictures.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::gpu::Context;
 use crate::gpu::device::resources::DEPTH;
 
@@ -99,14 +99,12 @@ pub(super) struct Targets {
 
 impl Targets {
     /// # Errors
-    /// [`Error::Parameter`] for a size that the device does not have.
+    /// [`crate::Error::Parameter`] for a size that the device does not have.
     pub(super) fn new(context: &Context, size: (u32, u32)) -> Result<Self> {
         let most = context.device().limits().max_texture_dimension_2d;
         let (width, height) = size;
         if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
-            return Err(Error::Parameter(format!(
-                "a picture of {width} x {height} pixels; each side must be 1 to {most}"
-            )));
+            return wrong(format!("a picture of {width} x {height} pixels; each side must be 1 to {most}"));
         }
         let view = |label, format| {
             let texture = target(context, label, format, [width, height]);

@@ -148,7 +148,6 @@ pub struct Viewer {
 
 impl Viewer {
     /// Samples of the current picture, columns and rows.
-    #[must_use]
     pub fn picture_size(&self) -> (u32, u32) {
         self.drawn.as_ref().map_or((0, 0), |(_, size)| *size)
     }
@@ -612,31 +611,26 @@ impl Viewer {
     }
 
     /// The current look.
-    #[must_use]
     pub const fn look(&self) -> &Look {
         &self.look
     }
 
     /// The message to the user, if any.
-    #[must_use]
     pub fn message(&self) -> Option<&str> {
         self.message.as_deref()
     }
 
     /// Whether a mesh is loaded.
-    #[must_use]
     pub const fn has_mesh(&self) -> bool {
         self.has_mesh
     }
 
     /// Name of the environment.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// Position of the roughness slider in the panel: left, top, right and bottom in points.
-    #[must_use]
     pub fn roughness_slider(&self) -> Option<[f32; 4]> {
         self.slider.map(|slider| [slider.left(), slider.top(), slider.right(), slider.bottom()])
     }

@@ -70,7 +70,6 @@ fn integrate_inside<P: Cut, V: FnMut(Sample, f64)>(
 }
 
 /// The integral of `kernel`, given in the block's own space, over block `block` of `layout`.
-#[must_use]
 pub fn over_texel(
     layout: Layout,
     block: usize,

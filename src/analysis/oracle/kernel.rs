@@ -64,7 +64,6 @@ pub struct Kernel {
 
 impl Kernel {
     /// `roughness` in (0, 1], `direction` of unit length.
-    #[must_use]
     pub fn new(lobe: Lobe, roughness: f64, direction: DVec3) -> Self {
         let alpha_squared = roughness.powi(4);
         let profile = match lobe {
@@ -99,7 +98,6 @@ impl Kernel {
     }
 
     /// Whether the support ends at a great circle.
-    #[must_use]
     pub fn is_hemisphere(&self) -> bool {
         match self.profile {
             Profile::Cone { cosine, .. } => cosine < 1e-15,
@@ -109,7 +107,6 @@ impl Kernel {
 
     /// Signed distance of `point` (any length) from the boundary of the support, positive inside, in units of
     /// the point's length times a slope: linear in `point` where the boundary is a great circle.
-    #[must_use]
     pub fn depth(&self, point: DVec3) -> f64 {
         let along = self.direction.dot(point);
         match self.profile {
@@ -119,7 +116,6 @@ impl Kernel {
     }
 
     /// Where the cap of chord `radius` around the unit vector `centre` lies.
-    #[must_use]
     pub fn side(&self, centre: DVec3, radius: f64) -> Side {
         let distance = centre.distance(self.direction);
         if distance - radius >= self.vanishes {
@@ -132,7 +128,6 @@ impl Kernel {
     }
 
     /// The kernel at `point` of squared length `length_squared`.
-    #[must_use]
     pub fn at(&self, point: DVec3, length_squared: f64) -> f64 {
         let cosine = self.direction.dot(point) / length_squared.sqrt();
         if let Profile::Cone { cosine: edge, .. } = self.profile {
@@ -156,7 +151,6 @@ impl Kernel {
     }
 
     /// The kernel as a function of the cosine, and its second derivative; inside the support.
-    #[must_use]
     pub fn curve(&self, cosine: f64) -> (f64, f64) {
         match self.profile {
             Profile::Ggx { alpha_squared } => {
@@ -182,7 +176,6 @@ impl Kernel {
 
     /// The kernel over a texel of `solid_angle`, across the edge of the support, as if cosines were spread
     /// evenly over `cosine` +- `half_width`; and how far off that may be.
-    #[must_use]
     pub fn estimate_at_edge(&self, cosine: f64, half_width: f64, solid_angle: f64) -> (f64, f64) {
         let (mean, doubt) = self.mean_at_edge(cosine, half_width);
         (mean * solid_angle, doubt * solid_angle)
@@ -210,7 +203,6 @@ impl Kernel {
 
     /// How far the kernel is from its nearest complex pole, seen from a chord `distance` off its axis: the
     /// length over which quadrature must resolve it. At most 1, where the maps of the sphere have theirs.
-    #[must_use]
     pub fn reach(&self, distance: f64) -> f64 {
         match self.profile {
             Profile::Ggx { alpha_squared } => (distance * distance + 4.0 * alpha_squared).sqrt().min(1.0),
@@ -226,7 +218,6 @@ impl Kernel {
 
     /// The same for quadrature alone, which takes entire functions of larger pieces than second moments do:
     /// Gauss's rule of order 8 misses 1e-9 of a change by a factor e^7.
-    #[must_use]
     pub fn panel(&self, distance: f64) -> f64 {
         match self.profile {
             Profile::Charlie { power } => charlie_reach(power, distance, 6.0),

@@ -13,7 +13,7 @@ pub mod kernel;
 pub mod reflection;
 
 use crate::environment::{Environment, Layout, Rgb};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::geometry::exact::ExactTexels;
 use crate::geometry::exact::patch::Accuracy;
 use crate::lobe::Lobe;
@@ -82,17 +82,18 @@ impl<'a> Oracle<'a> {
     /// no mirror.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a roughness outside [0, 1], and a direction that is zero or not finite.
+    /// [`crate::Error::Parameter`] for a roughness outside [0, 1], and a direction that is zero or not
+    /// finite.
     pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> Result<[f64; 3]> {
         if !(0.0..=1.0).contains(&roughness) {
-            return Err(Error::Parameter(format!("roughness {roughness} is outside [0, 1]")));
+            return wrong(format!("roughness {roughness} is outside [0, 1]"));
         }
         // Scale first: squares of tiny and huge lengths exceed the range of floats.
         let longest = direction.abs().max_element();
         if !(direction.is_finite() && longest > 0.0) {
-            return Err(Error::Parameter(format!(
+            return wrong(format!(
                 "the direction is {direction}; finite numbers that are not all 0 are needed"
-            )));
+            ));
         }
         let direction = if (1e-100..1e100).contains(&longest) { direction } else { direction / longest };
         Ok(self.reflected(lobe, roughness, direction))

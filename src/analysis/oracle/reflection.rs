@@ -116,7 +116,6 @@ impl Reflection {
 /// Radiance reflected to the viewer of `frame` (in the world), at `roughness` in (0, 1] and `anisotropy`
 /// in [0, 1]: without Fresnel's term, and times (1 - v.h)^5. With f0 and f90 it is f0 times the first
 /// plus (f90 - f0) times the second. A frame without a tangent reflects isotropically.
-#[must_use]
 pub fn reflection(oracle: &Oracle<'_>, frame: &Frame, roughness: f64, anisotropy: f64) -> [[f64; 3]; 2] {
     let axes: DMat3 = oracle.environment.source_from_world() * frame.axes;
     let view = axes * frame.view;

@@ -29,14 +29,13 @@ pub struct Texel {
 
 impl Texel {
     /// Mean of l l^T.
-    #[must_use]
     pub fn second_moment(&self) -> DMat3 {
         self.covariance + outer(self.mean)
     }
 }
 
 /// v v^T.
-fn outer(v: DVec3) -> DMat3 {
+pub(crate) fn outer(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
@@ -53,7 +52,6 @@ const CUBE_PLANE: Plane = Plane { origin: DVec3::Z, along_u: DVec3::X, along_v: 
 
 impl ExactTexels {
     /// Works out the distinct texels of `layout`.
-    #[must_use]
     pub fn new(layout: Layout) -> Self {
         let (block_count, frames) = match layout {
             Layout::Panorama { width, height } => {
@@ -77,13 +75,11 @@ impl ExactTexels {
     }
 
     /// The distinct texels.
-    #[must_use]
     pub fn blocks(&self) -> &[Texel] {
         &self.blocks
     }
 
     /// Rotations (or reflections) from the source's space into the blocks' own.
-    #[must_use]
     pub fn frames(&self) -> &[DMat3] {
         &self.frames
     }
@@ -169,7 +165,6 @@ fn sample<P: Patch>(patch: &P, accuracy: &Accuracy, visit: &mut impl FnMut(DVec3
 }
 
 /// The piece that is row `row` around longitude 0.
-#[must_use]
 pub fn panorama_texel(width: u32, height: u32, row: usize) -> Band {
     let half = PI / f64::from(width);
     let edge = |k: usize| k as f64 / f64::from(height) * PI;
@@ -177,7 +172,6 @@ pub fn panorama_texel(width: u32, height: u32, row: usize) -> Band {
 }
 
 /// The piece that is texel `block` of the canonical face.
-#[must_use]
 pub fn cube_texel(size: u32, block: usize) -> Flat {
     let edge = |k: usize| 2.0 * k as f64 / f64::from(size) - 1.0;
     let (i, j) = (block % size as usize, block / size as usize);

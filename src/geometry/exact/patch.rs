@@ -34,7 +34,6 @@ impl Accuracy {
     ///
     /// Gauss's rule of order q misses (1/rho)^2q of an integrand whose nearest pole is at its reach: over a
     /// side h, rho = 4 reach/h for small h, less for large ones.
-    #[must_use]
     pub fn new(tolerance: f64) -> Self {
         Self(ORDERS.map(|q| {
             // rho = z + sqrt(z^2 + 1), z = 2 reach/h, solved for h.
@@ -44,7 +43,6 @@ impl Accuracy {
     }
 
     /// The cheapest rule for a piece of this side, in units of the reach; `None` where it must be split.
-    #[must_use]
     pub fn rule(&self, side: f64) -> Option<Rule> {
         let order = self.0.iter().position(|&limit| side <= limit)?;
         Some(&RULES[order])
@@ -52,7 +50,6 @@ impl Accuracy {
 }
 
 /// The rule of the greatest order.
-#[must_use]
 pub fn finest_rule() -> Rule {
     &RULES[ORDERS.len() - 1]
 }
@@ -85,7 +82,6 @@ pub struct Plane {
 
 impl Plane {
     /// The point at (u, v).
-    #[must_use]
     pub fn point(&self, uv: DVec2) -> DVec3 {
         self.origin + self.along_u * uv.x + self.along_v * uv.y
     }
@@ -103,14 +99,12 @@ pub struct Flat {
 
 impl Flat {
     /// The rectangle from `low` to `high`.
-    #[must_use]
     pub fn rectangle(plane: Plane, low: DVec2, high: DVec2) -> Self {
         let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
         Self { plane, corners }
     }
 
     /// The triangle `a` `b` `c`.
-    #[must_use]
     pub const fn triangle(plane: Plane, a: DVec2, b: DVec2, c: DVec2) -> Self {
         Self { plane, corners: [a, b, c, a] }
     }
@@ -229,7 +223,6 @@ const MAX_PART_WIDTH: f64 = 2.0;
 
 impl Band {
     /// The rectangle between two longitudes and two polar angles.
-    #[must_use]
     pub fn new(longitude: [f64; 2], polar: [f64; 2]) -> Self {
         Self { longitude: Span::new(longitude), polar: Span::new(polar), part: None }
     }

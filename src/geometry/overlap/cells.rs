@@ -65,18 +65,11 @@ pub(super) fn for_each_octant_cell(
         }
         Layout::Cube { size } => {
             let half = size / 2;
-            let edge = |k: u32| f64::from(k) / f64::from(half);
             for row in band {
                 let (family, j) = (row / half, row % half);
                 for i in 0..half {
-                    let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| {
-                        let (s, t) = (edge(i), edge(j));
-                        match family {
-                            0 => DVec3::new(1.0, t, s),
-                            1 => DVec3::new(s, 1.0, t),
-                            _ => DVec3::new(s, t, 1.0),
-                        }
-                    });
+                    let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+                        .map(|(i, j)| Target::Cube(size).octant_corner(family, i, j));
                     let solid_angle = cube::texel_solid_angle(size, half + i, half + j);
                     visit(Cell { corners: &corners, index: pack(family, half + i, half + j), solid_angle });
                 }
@@ -84,10 +77,7 @@ pub(super) fn for_each_octant_cell(
         }
         Layout::Octahedral { size } => {
             let half = size / 2;
-            let point = |x: u32, y: u32| {
-                let (a, b) = (f64::from(x) / f64::from(half), f64::from(y) / f64::from(half));
-                DVec3::new(a, f64::from(half - x - y) / f64::from(half), b)
-            };
+            let point = |x: u32, y: u32| Target::Octahedral(size).octant_corner(0, x, y);
             for y in band {
                 for x in 0..half - y {
                     // The last cell of a row is cut by the fold diagonal.

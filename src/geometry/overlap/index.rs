@@ -46,6 +46,19 @@ impl Target {
             Self::Octahedral(n) | Self::Cube(n) => n,
         }
     }
+
+    /// The corner before texel (`i`, `j`) of the octant x, y, z >= 0, on the octahedron or the cube.
+    pub(super) fn octant_corner(self, family: u32, i: u32, j: u32) -> DVec3 {
+        let half = f64::from(self.edge() / 2);
+        let (i, j) = (f64::from(i), f64::from(j));
+        let (a, b) = (i / half, j / half);
+        match (self, family) {
+            (Self::Octahedral(_), _) => DVec3::new(a, (half - i - j) / half, b),
+            (Self::Cube(_), 0) => DVec3::new(1.0, b, a),
+            (Self::Cube(_), 1) => DVec3::new(a, 1.0, b),
+            (Self::Cube(_), _) => DVec3::new(a, b, 1.0),
+        }
+    }
 }
 
 /// Whether both grids are the same in all eight octants.

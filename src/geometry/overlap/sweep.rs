@@ -226,23 +226,11 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Corner `i` of line `j`, on the octahedron or the cube.
-    fn corner(&self, family: u32, i: u32, j: u32) -> DVec3 {
-        let half = self.target.edge() / 2;
-        let (a, b) = (f64::from(i) / f64::from(half), f64::from(j) / f64::from(half));
-        match (self.target, family) {
-            (Target::Octahedral(_), _) => DVec3::new(a, f64::from(half - i - j) / f64::from(half), b),
-            (Target::Cube(_), 0) => DVec3::new(1.0, b, a),
-            (Target::Cube(_), 1) => DVec3::new(a, 1.0, b),
-            (Target::Cube(_), _) => DVec3::new(a, b, 1.0),
-        }
-    }
-
     /// Draws the side between the texels `i` - 1 and `i` of row `j`, from its line `above` to the one
     /// `below`.
     fn side(&self, family: u32, i: u32, j: u32, [above, below]: [&Line; 2], out: &mut Vec<DVec2>) {
         out.clear();
-        let ends = [self.corner(family, i, j), self.corner(family, i, j + 1)];
+        let ends = [self.target.octant_corner(family, i, j), self.target.octant_corner(family, i, j + 1)];
         let places = [above.corner(i), below.corner(i)];
         self.edge(ends, places, out);
         out.push(places[1]);
@@ -328,10 +316,10 @@ impl Line {
     /// Line `j` of `family`.
     fn new(sweep: &Sweep<'_>, family: u32, j: u32) -> Self {
         let (mut points, mut starts) = (Vec::new(), Vec::new());
-        let mut from = sweep.corner(family, 0, j);
+        let mut from = sweep.target.octant_corner(family, 0, j);
         let mut place = sweep.place(from);
         for i in 1..sweep.corners(j) {
-            let to = sweep.corner(family, i, j);
+            let to = sweep.target.octant_corner(family, i, j);
             let next = sweep.place(to);
             starts.push(points.len());
             sweep.edge([from, to], [place, next], &mut points);

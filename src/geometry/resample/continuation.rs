@@ -32,7 +32,6 @@ pub struct Continuation<'a> {
 
 impl<'a> Continuation<'a> {
     /// That of `target` under `light`.
-    #[must_use]
     pub fn new(light: &'a Light<'a>, target: &'a Grid) -> Self {
         let count = target.texel_count();
         let texel = 4.0 * PI / count as f64;

@@ -1,6 +1,6 @@
 //! What is compiled once per device, however many passes use it.
 
-use super::shader;
+use crate::shader;
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

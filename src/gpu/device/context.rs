@@ -23,14 +23,12 @@ pub async fn adapters() -> Vec<wgpu::Adapter> {
 
 /// Whether the system may have a hardware GPU. False only on Linux without a device node for one; this avoids
 /// loading drivers, and their messages on stderr.
-#[must_use]
 pub(crate) fn may_have_hardware() -> bool {
     const DEVICES: [&str; 5] = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"];
     !cfg!(target_os = "linux") || DEVICES.iter().any(|device| std::path::Path::new(device).exists())
 }
 
 /// Whether an adapter is hardware and not a software driver.
-#[must_use]
 pub(crate) fn is_hardware(info: &wgpu::AdapterInfo) -> bool {
     matches!(
         info.device_type,
@@ -40,7 +38,6 @@ pub(crate) fn is_hardware(info: &wgpu::AdapterInfo) -> bool {
 
 /// One line that identifies an adapter: name, kind, backend, driver. Unknown parts are omitted; browsers
 /// hide name and driver.
-#[must_use]
 pub fn describe(info: &wgpu::AdapterInfo) -> String {
     let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
     let mut further = format!("{:?}, {}", info.device_type, info.backend);
@@ -95,25 +92,21 @@ impl Context {
     }
 
     /// A context over the caller's device; the caller handles its errors.
-    #[must_use]
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         Self { device, queue, compiled: Arc::default(), failure: Arc::default() }
     }
 
     /// The device.
-    #[must_use]
     pub const fn device(&self) -> &wgpu::Device {
         &self.device
     }
 
     /// Its queue.
-    #[must_use]
     pub const fn queue(&self) -> &wgpu::Queue {
         &self.queue
     }
 
     /// Name, kind, backend and driver of the adapter.
-    #[must_use]
     pub fn describe(&self) -> String {
         describe(&self.device.adapter_info())
     }

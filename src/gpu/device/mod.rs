@@ -4,9 +4,7 @@
 pub(super) mod block_on;
 mod compiled;
 pub mod context;
-pub(crate) mod names;
 pub mod readback;
 pub(crate) mod resources;
-pub mod shader;
 pub(crate) mod stage;
 pub mod timer;

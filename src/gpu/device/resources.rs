@@ -136,3 +136,22 @@ impl Draw<'_> {
         })
     }
 }
+
+/// A sampler, linear in texels and levels, clamped to the edge.
+pub(crate) fn trilinear(context: &Context) -> wgpu::Sampler {
+    context.device().create_sampler(&wgpu::SamplerDescriptor {
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    })
+}
+
+/// The finest level of `texture` as an array of layers.
+pub(in crate::gpu) fn layers(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
+}

@@ -66,7 +66,6 @@ impl Stage {
     }
 
     /// Its name, as in `shaders/`.
-    #[must_use]
     pub const fn label(&self) -> &'static str {
         self.label
     }

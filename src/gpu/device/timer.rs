@@ -35,7 +35,6 @@ const OVERHEAD: f64 = 0.005;
 
 /// Whether timestamps account for work that took `wall` seconds from submission to completion: for half of
 /// what no overhead explains.
-#[must_use]
 pub(crate) fn accounts_for(timestamps: f64, wall: f64) -> bool {
     2.0 * timestamps + OVERHEAD >= wall
 }
@@ -68,7 +67,6 @@ impl Clock {
     }
 
     /// What it measures.
-    #[must_use]
     pub const fn name(&self) -> &'static str {
         match self.timer {
             Some(_) => "timestamps",
@@ -159,7 +157,6 @@ impl Timer {
     }
 
     /// Timestamp writes of the compute pass at `place`.
-    #[must_use]
     pub(crate) const fn compute_writes(&self, place: u32) -> wgpu::ComputePassTimestampWrites<'_> {
         wgpu::ComputePassTimestampWrites {
             query_set: &self.queries,
@@ -169,7 +166,6 @@ impl Timer {
     }
 
     /// Timestamp writes of the render pass at `place`.
-    #[must_use]
     pub(crate) const fn render_writes(&self, place: u32) -> wgpu::RenderPassTimestampWrites<'_> {
         wgpu::RenderPassTimestampWrites {
             query_set: &self.queries,

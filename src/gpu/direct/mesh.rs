@@ -37,13 +37,11 @@ impl DirectMesh {
     }
 
     /// The corners, [`Corner`] by [`Corner`], for passes that move them.
-    #[must_use]
     pub(crate) const fn corners(&self) -> &wgpu::Buffer {
         &self.corners
     }
 
     /// Number of triangles.
-    #[must_use]
     pub const fn triangles(&self) -> u32 {
         self.triangles
     }

@@ -28,7 +28,7 @@ use super::device::readback;
 use super::device::resources::{Draw, UNIFORM, added, group, group_layout, pipeline_layout};
 use super::device::timer::Timer;
 use crate::direct::{Corner, check_near};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::names::named;
 use list::{Cut, List};
 use target::{NEAREST, check_format};
@@ -77,13 +77,11 @@ named!(Method {
 
 impl Method {
     /// Whether maps are right to the pixel, except for the resampling of cubes.
-    #[must_use]
     pub const fn is_exact(self) -> bool {
         !matches!(self, Self::XzSplit | Self::EdgeStrip | Self::PerCorner)
     }
 
     /// Whether the target is a cube.
-    #[must_use]
     pub const fn is_cube(self) -> bool {
         matches!(self, Self::Cube | Self::WholeCube)
     }
@@ -125,14 +123,12 @@ impl Direct {
     /// Compiles the pipelines for targets whose colour has `format`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for formats other than `Rgba16Float` and, with [`Overlap::Nearest`],
+    /// [`crate::Error::Parameter`] for formats other than `Rgba16Float` and, with [`Overlap::Nearest`],
     /// `Rgba32Float`.
     pub fn new(context: &Context, format: wgpu::TextureFormat, overlap: Overlap) -> Result<Self> {
         check_format(format)?;
         if overlap == Overlap::Sum && format != wgpu::TextureFormat::Rgba16Float {
-            return Err(Error::Parameter(format!(
-                "{format:?} cannot be blended on every device; choose Rgba16Float"
-            )));
+            return wrong(format!("{format:?} cannot be blended on every device; choose Rgba16Float"));
         }
         let group = view_layout(context);
         let layout = pipeline_layout(context, "direct", [&group]);
@@ -173,8 +169,8 @@ impl Direct {
     /// the 1-norm for an octahedral map, in the greatest coordinate for a cube. The target is cleared to 0.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a target of another map or format and for an invalid `near`, [`Error::Limit`]
-    /// if lists of triangles exceed the device's buffers.
+    /// [`crate::Error::Parameter`] for a target of another map or format and for an invalid `near`,
+    /// [`crate::Error::Limit`] if lists of triangles exceed the device's buffers.
     pub fn frame(
         &self,
         method: Method,
@@ -187,10 +183,10 @@ impl Direct {
         let map = target.map();
         let fits = if method.is_cube() { map.is_cube() } else { map.is_octahedral() };
         if !fits {
-            return Err(Error::Parameter(format!(
+            return wrong(format!(
                 "{method:?} cannot draw into {map:?}; choose {}",
                 if method.is_cube() { "a cube" } else { "an octahedral map" }
-            )));
+            ));
         }
         let views = match method {
             Method::Octants | Method::ClipMask => view::octants(map, near),
@@ -308,7 +304,7 @@ impl DirectFrame {
     /// Triangles of every draw: those of the lists are counted once the frame was submitted.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     pub async fn triangles(&self, context: &Context) -> Result<Vec<u32>> {
         let Some(list) = &self.list else {
             let draws = self.passes.iter().flat_map(|pass| &pass.draws);
@@ -324,13 +320,11 @@ impl DirectFrame {
     }
 
     /// Whether the first pass lists or cuts triangles.
-    #[must_use]
     pub(crate) const fn has_list(&self) -> bool {
         self.list.is_some()
     }
 
     /// Number of passes, of all kinds.
-    #[must_use]
     pub(crate) fn passes(&self) -> u32 {
         self.passes.len() as u32 + u32::from(self.list.is_some())
     }

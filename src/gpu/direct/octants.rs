@@ -3,7 +3,7 @@
 use super::view::{Bounded, octants};
 use super::view_group;
 use crate::direct::{DirectMap, MAX, check_near};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::gpu::Context;
 use glam::DVec3;
 
@@ -28,7 +28,7 @@ impl OctantDraws {
     /// Moves the map to `centre`, which the caller calls `name`, from the next submission on.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an invalid `near` and a `centre` that is not finite or beyond [`MAX`].
+    /// [`crate::Error::Parameter`] for an invalid `near` and a `centre` that is not finite or beyond [`MAX`].
     pub(in crate::gpu) fn place(
         &self,
         context: &Context,
@@ -39,9 +39,7 @@ impl OctantDraws {
         check_near(near)?;
         // Also true for NaN.
         if !centre.to_array().iter().all(|x| x.abs() <= f64::from(MAX)) {
-            return Err(Error::Parameter(format!(
-                "`{name}` is at {centre}; coordinates must be finite and at most {MAX:e}"
-            )));
+            return wrong(format!("`{name}` is at {centre}; coordinates must be finite and at most {MAX:e}"));
         }
         for ((uniform, _), Bounded { view, .. }) in self.views.iter().zip(octants(self.map, near)) {
             let view = view.around(centre.as_vec3().to_array());

@@ -1,7 +1,7 @@
 //! Textures that triangles are drawn into.
 
 use crate::direct::DirectMap;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::gpu::Context;
 use crate::gpu::device::resources::DEPTH;
 
@@ -24,8 +24,8 @@ impl DirectTarget {
     /// and can be copied from.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an octahedral map of odd size, a size of 0 or beyond the device's textures,
-    /// and formats other than `Rgba16Float` and `Rgba32Float`.
+    /// [`crate::Error::Parameter`] for an octahedral map of odd size, a size of 0 or beyond the device's
+    /// textures, and formats other than `Rgba16Float` and `Rgba32Float`.
     pub fn new(context: &Context, map: DirectMap, format: wgpu::TextureFormat) -> Result<Self> {
         check_format(format)?;
         let colour = texture(context, map, "direct colour", format)?;
@@ -33,7 +33,6 @@ impl DirectTarget {
     }
 
     /// The map and its size.
-    #[must_use]
     pub const fn map(&self) -> DirectMap {
         self.map
     }
@@ -44,9 +43,7 @@ impl DirectTarget {
         if own == format {
             return Ok(());
         }
-        Err(Error::Parameter(format!(
-            "a target of {own:?} for pipelines of {format:?}; create both with one format"
-        )))
+        wrong(format!("a target of {own:?} for pipelines of {format:?}; create both with one format"))
     }
 
     /// Views of layer `layer` of colour and depth.
@@ -69,19 +66,18 @@ fn texture(
     label: &str,
     format: wgpu::TextureFormat,
 ) -> Result<wgpu::Texture> {
-    let invalid = |message: String| Err(Error::Parameter(message));
     let size = map.size();
     let [columns, rows] = map.cells();
     let most = context.device().limits().max_texture_dimension_2d / columns.max(rows);
     if map.is_octahedral() && (size % 2 == 1 || !(2..=most).contains(&size)) {
         let most = most / 2 * 2;
-        return invalid(format!(
+        return wrong(format!(
             "an octahedral map of `size` {size}; choose an even number from 2 to {most}, so that no pixel is \
              in two octants"
         ));
     }
     if !(1..=most).contains(&size) {
-        return invalid(format!("a target of `size` {size}; choose 1 to {most}"));
+        return wrong(format!("a target of `size` {size}; choose 1 to {most}"));
     }
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
         | wgpu::TextureUsages::TEXTURE_BINDING
@@ -92,7 +88,8 @@ fn texture(
 /// A texture of the depth of `map`.
 ///
 /// # Errors
-/// [`Error::Parameter`] for an octahedral map of odd size, and a size of 0 or beyond the device's textures.
+/// [`crate::Error::Parameter`] for an octahedral map of odd size, and a size of 0 or beyond the device's
+/// textures.
 pub(in crate::gpu) fn depth_texture(context: &Context, map: DirectMap) -> Result<wgpu::Texture> {
     texture(context, map, "direct depth", DEPTH)
 }
@@ -113,5 +110,5 @@ pub(super) fn check_format(format: wgpu::TextureFormat) -> Result<()> {
     if matches!(format, wgpu::TextureFormat::Rgba16Float | wgpu::TextureFormat::Rgba32Float) {
         return Ok(());
     }
-    Err(Error::Parameter(format!("colour format {format:?}; choose Rgba16Float or Rgba32Float")))
+    wrong(format!("colour format {format:?}; choose Rgba16Float or Rgba32Float"))
 }

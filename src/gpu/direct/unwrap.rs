@@ -8,7 +8,7 @@
 use super::target::{NEAREST, check_format};
 use super::{DirectMesh, DirectTarget, cleared};
 use crate::direct::{DirectMap, check_near};
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::gpu::Context;
 use crate::gpu::device::resources::{Draw, group};
 use crate::gpu::device::timer::Timer;
@@ -61,7 +61,7 @@ impl Unwrap {
     /// Compiles the pipeline for targets whose colour has `format`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for formats other than `Rgba16Float` and `Rgba32Float`.
+    /// [`crate::Error::Parameter`] for formats other than `Rgba16Float` and `Rgba32Float`.
     pub fn new(context: &Context, format: wgpu::TextureFormat) -> Result<Self> {
         check_format(format)?;
         let module = &context.module("direct/unwrap.wgsl");
@@ -75,7 +75,7 @@ impl Unwrap {
     /// `near` are cut away; depth is `near` over the distance.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a target of another map or format and for an invalid `near`.
+    /// [`crate::Error::Parameter`] for a target of another map or format and for an invalid `near`.
     pub fn frame(
         &self,
         remedy: Remedy,
@@ -86,10 +86,10 @@ impl Unwrap {
         check_near(near)?;
         target.has_format(self.format)?;
         let DirectMap::TennisBall { size } = target.map() else {
-            return Err(Error::Parameter(format!(
+            return wrong(format!(
                 "corners cannot be unwrapped into {:?}; choose a tennis-ball map",
                 target.map()
-            )));
+            ));
         };
         let groups = [0, 1].map(|panel| {
             let uniform = self.context.uniform("panel", &Panel { panel, remedy: remedy as u32, near });

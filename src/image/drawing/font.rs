@@ -140,7 +140,6 @@ fn box_width(rows: &[String; 2]) -> f64 {
 }
 
 /// Width of `text` in pixels at `em` pixels per em.
-#[must_use]
 pub fn text_width(text: &str, em: f64) -> f64 {
     text.chars().map(|character| drawn(character).advance()).sum::<f64>() * em
 }
@@ -197,7 +196,6 @@ fn rectangle(low: DVec2, high: DVec2) -> [DVec2; 4] {
 }
 
 /// `text` if it is at most `width` pixels wide, else its start and end around an ellipsis.
-#[must_use]
 pub fn fitted(text: &str, em: f64, width: f64) -> String {
     if text_width(text, em) <= width {
         return text.to_owned();

@@ -2,7 +2,7 @@
 
 use super::font::text_path;
 use super::path::Path;
-use super::scene::{Anchor, Item, Scene, Text};
+use super::scene::{Item, Scene, Text};
 use super::style::{Colour, PAPER};
 use ab_glyph_rasterizer::{Point, Rasterizer, point};
 use glam::DVec2;
@@ -10,7 +10,6 @@ use image::RgbImage;
 
 impl Scene {
     /// The scene as a picture.
-    #[must_use]
     pub fn picture(&self) -> RgbImage {
         let mut picture = RgbImage::from_pixel(self.width, self.height, image::Rgb(PAPER));
         for item in &self.items {
@@ -45,12 +44,7 @@ fn draw(picture: &mut RgbImage, item: &Item) {
 }
 
 fn outline(text: &Text) -> Path {
-    let width = super::font::text_width(&text.text, text.em);
-    let left = match text.anchor {
-        Anchor::Start => 0.0,
-        Anchor::Middle => -width / 2.0,
-        Anchor::End => -width,
-    };
+    let (left, _) = text.span();
     text_path(&text.text, text.em, |at| {
         let along = at.x + left;
         if text.upwards { text.at - DVec2::new(at.y, along) } else { text.at + DVec2::new(along, -at.y) }

@@ -68,7 +68,6 @@ const STEPS: f64 = 32.0;
 
 impl ColourScale {
     /// Minimum and maximum of the scale.
-    #[must_use]
     pub const fn range(&self) -> [f64; 2] {
         [self.low, self.high]
     }
@@ -79,7 +78,6 @@ impl ColourScale {
     }
 
     /// The colour of `value`; values beyond an end get the end's colour, NaN is grey.
-    #[must_use]
     pub fn colour(&self, value: f64) -> Colour {
         match self.shade {
             _ if value.is_nan() => [128; 3],

@@ -74,13 +74,11 @@ impl Frame {
     }
 
     /// Whether both overlap.
-    #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         self.low.cmplt(other.high).all() && other.low.cmplt(self.high).all()
     }
 
     /// Whether `other` is inside.
-    #[must_use]
     pub fn holds(&self, other: &Self) -> bool {
         self.low.cmple(other.low).all() && other.high.cmple(self.high).all()
     }
@@ -100,14 +98,20 @@ impl Frame {
 }
 
 impl Text {
-    /// Bounds of the text: capitals, digits and descenders.
-    pub(crate) fn frame(&self) -> Frame {
+    /// Where the text begins, from its point, and its width.
+    pub(super) fn span(&self) -> (f64, f64) {
         let width = text_width(&self.text, self.em);
         let left = match self.anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => -width / 2.0,
             Anchor::End => -width,
         };
+        (left, width)
+    }
+
+    /// Bounds of the text: capitals, digits and descenders.
+    pub(crate) fn frame(&self) -> Frame {
+        let (left, width) = self.span();
         let (above, below) = (0.72 * self.em, 0.2 * self.em);
         if self.upwards {
             let low = DVec2::new(self.at.x - above, self.at.y - left - width);
@@ -129,19 +133,16 @@ pub struct Scene {
 impl Scene {
     /// Every line of text and its rectangle.
     #[cfg(feature = "internals")]
-    #[must_use]
     pub fn labels(&self) -> Vec<(String, Frame)> {
         self.texts().map(|text| (text.text.clone(), text.frame())).collect()
     }
 
     /// An empty drawing.
-    #[must_use]
     pub fn new(width: f64, height: f64) -> Self {
         Self { width: width.ceil() as u32, height: height.ceil() as u32, items: Vec::new() }
     }
 
     /// The drawing's rectangle.
-    #[must_use]
     pub fn frame(&self) -> Frame {
         Frame::new(DVec2::ZERO, DVec2::new(f64::from(self.width), f64::from(self.height)))
     }

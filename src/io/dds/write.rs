@@ -3,7 +3,7 @@
 //! "Programming Guide for DDS" (Microsoft): faces in order, each with all its levels.
 
 use crate::chain::Chain;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::format::Pixel;
 use crate::format::texel_bytes::texel_bytes;
 use crate::io::cube_file::{CubeFile, check_sizes};
@@ -17,7 +17,7 @@ use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, Dds, NewDxgiParams};
 pub(crate) fn dds_bytes(chain: &Chain, pixel: Pixel) -> Result<CubeFile> {
     let size = check_sizes("DDS", chain)?;
     let Some(format) = pixel.dxgi() else {
-        return Err(Error::Parameter(format!("dds files cannot hold {}", pixel.name())));
+        return wrong(format!("dds files cannot hold {}", pixel.name()));
     };
     let failed = |error: ddsfile::Error| Error::Parameter(format!("a DDS cube of {size}: {error}"));
     let mut dds = Dds::new_dxgi(NewDxgiParams {

@@ -5,7 +5,7 @@
 
 use super::write::{Attribute, Block, Image, Samples, header_bytes, preamble, push_blocks};
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::Pixel;
 
 /// Flags of the version field.
@@ -34,25 +34,22 @@ pub struct Part<'a> {
 /// floats. The display window is that of the largest part.
 ///
 /// # Errors
-/// [`Error::Parameter`] for no parts, empty or duplicate names, texels that do not fill their image, and
-/// pixel formats that EXR does not support.
+/// [`crate::Error::Parameter`] for no parts, empty or duplicate names, texels that do not fill their image,
+/// and pixel formats that EXR does not support.
 pub(crate) fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8>> {
     let display = (
         parts.iter().map(|part| part.width).max().unwrap_or(0),
         parts.iter().map(|part| part.height).max().unwrap_or(0),
     );
     if parts.is_empty() {
-        return Err(Error::Parameter("an EXR file needs at least one part".to_owned()));
+        return wrong("an EXR file needs at least one part");
     }
     let mut out = preamble(SEVERAL_PARTS);
     let mut blocks = Vec::new();
     for (index, part) in (0..).zip(parts) {
         let double = parts[..index as usize].iter().any(|other| other.name == part.name);
         if part.name.is_empty() || double {
-            return Err(Error::Parameter(format!(
-                "{:?} cannot be the name of an EXR part, or is a duplicate",
-                part.name
-            )));
+            return wrong(format!("{:?} cannot be the name of an EXR part, or is a duplicate", part.name));
         }
         let image =
             Image { width: part.width, height: part.height, samples: Samples::Rgb(part.texels), pixel };
@@ -76,7 +73,7 @@ pub(crate) fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8
 /// texel.
 ///
 /// # Errors
-/// [`Error::Parameter`] for other levels, and for pixel formats that EXR does not support.
+/// [`crate::Error::Parameter`] for other levels, and for pixel formats that EXR does not support.
 pub(crate) fn exr_mips_bytes(
     (width, height): (u32, u32),
     levels: &[&[Rgb]],
@@ -85,10 +82,10 @@ pub(crate) fn exr_mips_bytes(
 ) -> Result<Vec<u8>> {
     let needed = width.max(height).checked_ilog2().map_or(0, |log2| log2 as usize + 1);
     if levels.len() != needed {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "a MIP map of {width}x{height} has {needed} levels, not {}; omit `levels`",
             levels.len()
-        )));
+        ));
     }
     let images: Vec<Image<'_>> = (0_u32..)
         .zip(levels)

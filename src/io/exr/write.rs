@@ -7,7 +7,7 @@
 
 use super::deflate::Deflater;
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::format::{Pixel, push_halves};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -53,8 +53,8 @@ pub enum Samples<'a> {
 /// floats are clamped to their maximum.
 ///
 /// # Errors
-/// [`Error::Parameter`] if the samples do not fill the image, a side is zero or above 2^31, or EXR does not
-/// support `pixel`.
+/// [`crate::Error::Parameter`] if the samples do not fill the image, a side is zero or above 2^31, or EXR
+/// does not support `pixel`.
 pub fn exr_bytes(
     width: u32,
     height: u32,
@@ -93,13 +93,11 @@ impl Image<'_> {
         };
         let area = width as usize * height as usize;
         if count == 0 || count != area || i32::try_from(width.max(height)).is_err() {
-            return Err(Error::Parameter(format!(
-                "an EXR file of {width}x{height} cannot hold {count} samples"
-            )));
+            return wrong(format!("an EXR file of {width}x{height} cannot hold {count} samples"));
         }
         match pixel {
             Pixel::F16 | Pixel::F32 => Ok(()),
-            _ => Err(Error::Parameter(format!("EXR does not support {}; use f16 or f32", pixel.name()))),
+            _ => wrong(format!("EXR does not support {}; use f16 or f32", pixel.name())),
         }
     }
 

@@ -94,13 +94,8 @@ pub(in crate::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     }
     if header.is_xyze {
         color::transform(&mut texels, color::rec709_from_equal_energy_xyz());
-    } else if let Some(primaries) = header.primaries.filter(|primaries| !primaries.are_rec709()) {
-        if let Some(matrix) = primaries.rec709_from_rgb() {
-            color::transform(&mut texels, matrix);
-            warnings.push("its PRIMARIES are not Rec. 709; converted".to_owned());
-        } else {
-            warnings.push("its PRIMARIES are degenerate; ignored".to_owned());
-        }
+    } else if let Some(primaries) = header.primaries {
+        warnings.extend(primaries.converted("PRIMARIES", &mut texels));
     }
     let provenance =
         Provenance::of_texts(&|key| header.text(key)).map_err(|message| source.error(message))?;

@@ -1,7 +1,7 @@
 //! Radiance .hdr output through the `image` crate: RGBE, run lengths, any radiance up to 2^127.
 
 use crate::environment::Rgb;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::format::RGBE_MAX;
 use image::codecs::hdr::HdrEncoder;
 
@@ -16,7 +16,7 @@ pub fn hdr_bytes(width: u32, height: u32, texels: &[Rgb], metadata: &[(String, S
     if let Some((key, _)) =
         metadata.iter().find(|(key, value)| breaks(key) || breaks(value) || key.contains('='))
     {
-        return Err(Error::Parameter(format!("{key:?} and its value cannot be a line of a .hdr header")));
+        return wrong(format!("{key:?} and its value cannot be a line of a .hdr header"));
     }
     let mut bytes = plain_bytes(width, height, texels)?;
     // The header's first line is the signature.
@@ -28,10 +28,7 @@ pub fn hdr_bytes(width: u32, height: u32, texels: &[Rgb], metadata: &[(String, S
 
 fn plain_bytes(width: u32, height: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
     if texels.is_empty() || texels.len() != width as usize * height as usize {
-        return Err(Error::Parameter(format!(
-            "a .hdr file of {width}x{height} cannot hold {} texels",
-            texels.len()
-        )));
+        return wrong(format!("a .hdr file of {width}x{height} cannot hold {} texels", texels.len()));
     }
     let mut bytes = Vec::with_capacity(texels.len() * 4 + 128);
     let texels: Vec<_> = texels.iter().map(|t| image::Rgb(nearest_rgbe(*t))).collect();

@@ -4,7 +4,7 @@
 //! libs/ktxreader/src/Ktx1Reader.cpp for the further requirements of its reader.
 
 use crate::chain::Chain;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::format::Pixel;
 use crate::format::texel_bytes::texel_bytes;
 use crate::io::cube_file::{CubeFile, check_sizes};
@@ -23,10 +23,10 @@ pub(in crate::io) const MAGIC: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
 pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
     let size = check_sizes("KTX", chain)?;
     let Some(gl) = pixel.gl() else {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "KTX 1 does not support {}; use ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
             pixel.name()
-        )));
+        ));
     };
     let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
     let metadata = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));

@@ -4,7 +4,8 @@
 //! Khronos KTX File Format Specification 2.0, sections 3 (structure), 4 (fields) and 5.1 (key/value data).
 
 use super::zstandard;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
+use crate::format::push_halves;
 use crate::io::exr::write::SOFTWARE;
 use crate::io::key_values::key_value_bytes;
 use ktx2::dfd::{Basic, Block};
@@ -22,6 +23,29 @@ pub(in crate::io) struct TextureShape {
     /// 6 for a cube, else 1.
     pub(in crate::io) faces: u32,
     pub(in crate::io) levels: usize,
+}
+
+impl TextureShape {
+    /// One flat image.
+    pub(in crate::io) const fn flat(format: Format, [width, height]: [u32; 2], levels: usize) -> Self {
+        Self { format, width, height, depth: 0, layers: 0, faces: 1, levels }
+    }
+}
+
+/// Encodes one image of halves, `[width, height, depth]`, which holds `content`.
+///
+/// # Errors
+/// As [`ktx2_file`].
+pub(in crate::io) fn halves_file(
+    format: Format,
+    [width, height, depth]: [u32; 3],
+    values: &[f32],
+    content: &str,
+) -> Result<Vec<u8>> {
+    let mut data = Vec::with_capacity(2 * values.len());
+    push_halves(values, &mut data);
+    let shape = TextureShape { depth, ..TextureShape::flat(format, [width, height], 1) };
+    ktx2_file(&shape, &[("octaglossContent", content)], |_| data.clone())
 }
 
 /// Encodes a KTX2 file of `shape`. `texels` returns the bytes of each level; `pairs` are further text
@@ -87,7 +111,7 @@ pub(in crate::io) fn ktx2_file(
 /// Encodes the pairs and the writer's own in key order.
 fn metadata_bytes(pairs: &[(&str, &str)]) -> Result<Vec<u8>> {
     if let Some((key, _)) = pairs.iter().find(|(key, _)| key.to_ascii_lowercase().starts_with("ktx")) {
-        return Err(Error::Parameter(format!("{key:?} cannot be a key of KTX2 metadata")));
+        return wrong(format!("{key:?} cannot be a key of KTX2 metadata"));
     }
     // Images are stored left to right, top to bottom.
     let mut all = vec![("KTXorientation", "rd"), ("KTXwriter", SOFTWARE)];

@@ -1,8 +1,7 @@
 //! Look-up tables as 2D KTX2 files: RG16F or RGBA16F, one level, Zstandard.
 
-use super::file::{TextureShape, ktx2_file};
-use crate::error::{Error, Result};
-use crate::format::push_halves;
+use super::file::halves_file;
+use crate::error::{Result, wrong};
 use ktx2::Format;
 
 /// Channels of a table.
@@ -18,13 +17,10 @@ pub enum Channels {
 /// maximum; `description` is stored under the key `octaglossContent`.
 ///
 /// # Errors
-/// [`Error::Parameter`] if the texels do not fill the table, or the description contains a NUL.
+/// [`crate::Error::Parameter`] if the texels do not fill the table, or the description contains a NUL.
 pub fn table_bytes(size: u32, texels: &[[f32; 3]], channels: Channels, description: &str) -> Result<Vec<u8>> {
     if texels.is_empty() || texels.len() != size as usize * size as usize || description.contains('\0') {
-        return Err(Error::Parameter(format!(
-            "a table of {size}x{size} cannot hold {} texels",
-            texels.len()
-        )));
+        return wrong(format!("a table of {size}x{size} cannot hold {} texels", texels.len()));
     }
     let (format, values): (_, Vec<f32>) = match channels {
         Channels::Two => (Format::R16G16_SFLOAT, texels.iter().flat_map(|[r, g, _]| [*r, *g]).collect()),
@@ -32,8 +28,5 @@ pub fn table_bytes(size: u32, texels: &[[f32; 3]], channels: Channels, descripti
             (Format::R16G16B16A16_SFLOAT, texels.iter().flat_map(|[r, g, b]| [*r, *g, *b, 1.0]).collect())
         }
     };
-    let mut data = Vec::with_capacity(values.len() * 2);
-    push_halves(&values, &mut data);
-    let shape = TextureShape { format, width: size, height: size, depth: 0, layers: 0, faces: 1, levels: 1 };
-    ktx2_file(&shape, &[("octaglossContent", description)], |_| data.clone())
+    halves_file(format, [size, size, 0], &values, description)
 }

@@ -22,15 +22,8 @@ pub fn ktx2_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) ->
     let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
     let mut pairs = vec![(ROUGHNESS_KEY, roughness.as_str())];
     pairs.extend(metadata.iter().map(|(key, value)| (key.as_str(), value.as_str())));
-    let shape = TextureShape {
-        format: format_of(pixel)?,
-        width: size,
-        height: size,
-        depth: 0,
-        layers: 0,
-        faces: 6,
-        levels: chain.levels.len(),
-    };
+    let flat = TextureShape::flat(format_of(pixel)?, [size; 2], chain.levels.len());
+    let shape = TextureShape { faces: 6, ..flat };
     let bytes = ktx2_file(&shape, &pairs, |index| {
         let level = &chain.levels[index];
         texel_bytes(level.size(), &level.texels, pixel)

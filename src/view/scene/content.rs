@@ -6,7 +6,7 @@ use super::split::split;
 use super::texture::Texels;
 use super::uniforms::{LightUniform, MAX_PROBES, PartUniform, SceneCorner, TextureUniform};
 use crate::direct::{Corner, Triangles};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::mesh::{Image, MAX_INDICES, MAX_VERTICES};
 use glam::{DMat4, DVec3};
 use std::f64::consts::TAU;
@@ -85,11 +85,10 @@ impl Scene {
     /// images whose texels do not match their sides, and more than [`MAX_PROBES`] glossy parts;
     /// [`Error::Limit`] for too many corners.
     pub fn textured(mut parts: Vec<Part>, images: &[Image], light: SceneLight) -> Result<Self> {
-        let invalid = |message: String| Err(Error::Parameter(message));
         parts.sort_by_key(|part| part.gloss.is_some());
         let glossy = parts.iter().filter(|part| part.gloss.is_some()).count();
         if glossy > MAX_PROBES {
-            return invalid(format!("{glossy} glossy parts; a scene has at most {MAX_PROBES}"));
+            return wrong(format!("{glossy} glossy parts; a scene has at most {MAX_PROBES}"));
         }
         let corners: usize = parts.iter().map(|part| part.corners.len()).sum();
         let indices: usize = parts.iter().map(|part| part.indices.len()).sum();
@@ -102,7 +101,7 @@ impl Scene {
             });
         }
         if indices == 0 {
-            return invalid("a scene without triangles; add a part".to_owned());
+            return wrong("a scene without triangles; add a part");
         }
         for (number, part) in parts.iter().enumerate() {
             part.check(number, images)?;
@@ -139,13 +138,11 @@ impl Scene {
     }
 
     /// The look that it is first shown with.
-    #[must_use]
     pub const fn first_look(&self) -> SceneLook {
         self.first_look
     }
 
     /// Number of glossy parts, each with a place for a probe.
-    #[must_use]
     pub fn glossy_parts(&self) -> usize {
         self.parts.iter().filter(|part| part.gloss.is_some()).count()
     }
@@ -156,7 +153,6 @@ impl Scene {
     }
 
     /// Place of part `index` at `time` in seconds.
-    #[must_use]
     pub fn place(&self, index: usize, time: f64) -> DVec3 {
         let Placed { place, motion, .. } = &self.parts[index];
         *place + motion.offset(time)

@@ -52,7 +52,7 @@ impl SceneLook {
     /// Checks that every value is in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`] naming the value and its range.
+    /// [`crate::Error::Parameter`] naming the value and its range.
     pub fn check(&self) -> Result<()> {
         // The ranges of what a scene's look shares with others.
         let roughness = self.roughness.unwrap_or(0.0);

@@ -5,7 +5,7 @@ use super::super::panel::{SLIDER, choice, show_times};
 use super::look::{Proxy, SceneLook};
 use super::renderer::SceneSettings;
 #[cfg(target_arch = "wasm32")]
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::gpu::direct::Method;
 use egui::{Color32, Grid, RichText, Slider, SliderClamping, Ui};
 #[cfg(target_arch = "wasm32")]
@@ -61,13 +61,13 @@ impl Controls {
         self.look.check()?;
         if !(0.0..=MAX_BUDGET).contains(&self.budget) {
             let message = format!("`probe_budget` {}; use 0 to {MAX_BUDGET} milliseconds", self.budget);
-            return Err(Error::Parameter(message));
+            return wrong(message);
         }
         let size = self.settings.size;
         if !(SIZES.contains(&size) && size.is_power_of_two()) {
             let [least, most] = [SIZES.start(), SIZES.end()];
             let message = format!("`oem_size` {size}; use a power of two from {least} to {most}");
-            return Err(Error::Parameter(message));
+            return wrong(message);
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Parts of scenes: triangles that move as one.
 
 use super::uniforms::SceneCorner;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::mesh::{Image, Texture};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -53,7 +53,6 @@ pub struct Part {
 
 impl Part {
     /// A ball around its origin, with `along` edges from pole to pole.
-    #[must_use]
     pub fn ball(radius: f64, along: u32, albedo: [f32; 3], emission: [f32; 3]) -> Self {
         let (along, around) = (along.max(3), 2 * along.max(3));
         let mut part = Self::default();
@@ -76,13 +75,11 @@ impl Part {
 
     /// A box with half edges `half` around its origin, whose faces have `parts` squares along an edge.
     /// `colour` gives albedo and emission by outward axis and position.
-    #[must_use]
     pub fn cuboid(half: DVec3, parts: u32, colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2]) -> Self {
         Self::faces(half, parts, 1.0, colour)
     }
 
     /// The box of [`Self::cuboid`] from inside.
-    #[must_use]
     pub fn room(half: DVec3, parts: u32, colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2]) -> Self {
         Self::faces(half, parts, -1.0, colour)
     }
@@ -124,18 +121,17 @@ impl Part {
     /// Checks it as part `number` of a scene with `images`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for indices out of range and numbers that are not finite.
+    /// [`crate::Error::Parameter`] for indices out of range and numbers that are not finite.
     pub(super) fn check(&self, number: usize, images: &[Image]) -> Result<()> {
-        let invalid = |message: String| Err(Error::Parameter(message));
         let Self { corners, indices, place, motion, gloss, .. } = self;
         let Motion { axis, across, rate, phase, spin } = *motion;
         let numbers = [rate, phase, spin, gloss.map_or(0.0, |gloss| gloss.roughness)];
         let vectors = [*place, axis, across];
         if !(numbers.iter().all(|x| x.is_finite()) && vectors.iter().all(|v| v.is_finite())) {
-            return invalid(format!("part {number} has a place or motion that is not finite"));
+            return wrong(format!("part {number} has a place or motion that is not finite"));
         }
         if let Some(gloss) = gloss.filter(|gloss| !(0.0..=1.0).contains(&gloss.roughness)) {
-            return invalid(format!("part {number} has roughness {}; use 0 to 1", gloss.roughness));
+            return wrong(format!("part {number} has roughness {}; use 0 to 1", gloss.roughness));
         }
         let finite = |corner: &SceneCorner| {
             let SceneCorner { position, normal, albedo, emission, u, v, .. } = corner;
@@ -144,22 +140,22 @@ impl Part {
         };
         if let Some(at) = corners.iter().position(|corner| !finite(corner)) {
             let SceneCorner { position: [x, y, z], .. } = corners[at];
-            return invalid(format!(
+            return wrong(format!(
                 "corner {at} of part {number}, at ({x}, {y}, {z}), is not finite; use finite numbers"
             ));
         }
         if let Some(at) = indices.iter().position(|index| *index as usize >= corners.len()) {
-            return invalid(format!(
+            return wrong(format!(
                 "index {} at position {at} of part {number} is out of range for {} corners",
                 indices[at],
                 corners.len()
             ));
         }
         if !indices.len().is_multiple_of(3) {
-            return invalid(format!("{} indices of part {number} are not whole triangles", indices.len()));
+            return wrong(format!("{} indices of part {number} are not whole triangles", indices.len()));
         }
         if let Some(texture) = self.textures().find(|texture| texture.image >= images.len()) {
-            return invalid(format!(
+            return wrong(format!(
                 "part {number} has image {} for a texture, but the scene has {} images",
                 texture.image,
                 images.len()

@@ -10,7 +10,7 @@ use super::look::SceneLook;
 use super::picture::{Drawn, Pictures};
 use super::probe::{Probe, ProbePasses, SceneBuffers};
 use super::uniforms::MAX_PROBES;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::gpu::Context;
 use crate::gpu::device::readback;
 use crate::gpu::device::timer::Timer;
@@ -49,11 +49,11 @@ impl Default for SceneSettings {
 /// Checks that scenes have `filter`.
 ///
 /// # Errors
-/// [`Error::Parameter`] for other filters than the real-time tier.
+/// [`crate::Error::Parameter`] for other filters than the real-time tier.
 pub fn check_scene_filter(filter: Technique) -> Result<()> {
     match filter {
         Technique::Pyramid => Ok(()),
-        other => Err(Error::Parameter(format!("`filter` {other} is not for scenes; use pyramid"))),
+        other => wrong(format!("`filter` {other} is not for scenes; use pyramid")),
     }
 }
 
@@ -84,8 +84,8 @@ impl SceneRenderer {
     /// Uploads `scene` and creates its probes, at time 0. Their maps are black until they are updated.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for invalid settings, [`Error::Limit`] if the scene or the tables do not fit the
-    /// device, [`Error::Gpu`] if a shader fails to compile.
+    /// [`crate::Error::Parameter`] for invalid settings, [`crate::Error::Limit`] if the scene or the tables
+    /// do not fit the device, [`crate::Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context, scene: Scene, settings: SceneSettings) -> Result<Self> {
         let corner_bytes: &[u8] = bytemuck::cast_slice(&scene.corners);
         let index_bytes: &[u8] = bytemuck::cast_slice(&scene.indices);
@@ -128,7 +128,7 @@ impl SceneRenderer {
         let glossy = self.scene.glossy();
         let count = settings.probes.min(glossy.len());
         if count == 0 && !glossy.is_empty() {
-            return Err(Error::Parameter("no probes; choose 1 to 8".to_owned()));
+            return wrong("no probes; choose 1 to 8");
         }
         let SceneSettings { method, size, .. } = settings;
         let Self { context, passes, scene, buffers, .. } = self;
@@ -145,31 +145,26 @@ impl SceneRenderer {
     }
 
     /// The device.
-    #[must_use]
     pub const fn context(&self) -> &Context {
         &self.context
     }
 
     /// The scene.
-    #[must_use]
     pub const fn scene(&self) -> &Scene {
         &self.scene
     }
 
     /// How the probes are drawn.
-    #[must_use]
     pub const fn settings(&self) -> SceneSettings {
         self.settings
     }
 
     /// Number of probes.
-    #[must_use]
     pub fn probes(&self) -> usize {
         self.probes.len()
     }
 
     /// Triangles of the scene.
-    #[must_use]
     pub fn triangles(&self) -> usize {
         self.probes.first().map_or(self.scene.indices.len() / 3, |probe| probe.triangles() as usize)
     }
@@ -188,7 +183,7 @@ impl SceneRenderer {
     /// Draws the scene of the current time into the maps of `probes` and builds their tables, in order.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     ///
     /// # Panics
     /// If there are fewer probes.
@@ -222,7 +217,8 @@ impl SceneRenderer {
     /// Draws a linear picture of `size` samples.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an unsupported size or look, [`Error::Gpu`] if the device fails.
+    /// [`crate::Error::Parameter`] for an unsupported size or look, [`crate::Error::Gpu`] if the device
+    /// fails.
     pub fn draw(&mut self, look: &SceneLook, size: (u32, u32)) -> Result<()> {
         let mut encoder = self.context.device().create_command_encoder(&Default::default());
         self.record_picture(&mut encoder, look, size, None)?;
@@ -254,7 +250,7 @@ impl SceneRenderer {
     /// order, the picture last.
     ///
     /// # Errors
-    /// Those of [`SceneRenderer::draw`], and [`Error::Gpu`] if the adapter has no timestamp queries.
+    /// Those of [`SceneRenderer::draw`], and [`crate::Error::Gpu`] if the adapter has no timestamp queries.
     pub(super) fn times(
         &mut self,
         look: &SceneLook,
@@ -316,7 +312,7 @@ impl SceneRenderer {
     /// Reads the map of a probe: linear radiance, 1 where it shows a triangle, row by row, face by face.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     ///
     /// # Panics
     /// If there are fewer probes.
@@ -329,7 +325,7 @@ impl SceneRenderer {
     /// Reads the last picture: linear radiance times exposure, row by row.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     ///
     /// # Panics
     /// If no picture was drawn.

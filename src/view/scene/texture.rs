@@ -3,7 +3,7 @@
 
 use super::super::mip_levels::{Space, halved};
 use super::uniforms::TextureUniform;
-use crate::error::{Error, Result};
+use crate::error::{Result, wrong};
 use crate::mesh::{Image, Texture, Wrap};
 use std::borrow::Cow;
 
@@ -32,16 +32,16 @@ impl Texels {
     /// The texels of the images that `textures` show, of fewer texels if they are larger than 128 MiB.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if an image does not have the texels of its sides.
+    /// [`crate::Error::Parameter`] if an image does not have the texels of its sides.
     pub(super) fn new(images: &[Image], textures: impl Iterator<Item = Texture>) -> Result<Self> {
         let mut shown = vec![false; images.len()];
         textures.for_each(|texture| shown[texture.image] = true);
         for (number, Image { width, height, texels }) in images.iter().enumerate() {
             if texels.is_empty() || texels.len() as u64 != u64::from(*width) * u64::from(*height) {
-                return Err(Error::Parameter(format!(
+                return wrong(format!(
                     "image {number} of {width} x {height} texels has {}; give it as many as its sides say",
                     texels.len()
-                )));
+                ));
             }
         }
         Ok(Self::within(images, &shown, MAX_BYTES / 4))

@@ -30,7 +30,6 @@ pub struct SceneCorner {
 
 impl SceneCorner {
     /// A corner at `position`.
-    #[must_use]
     pub fn new(position: [f32; 3], normal: [f32; 3], albedo: [f32; 3], emission: [f32; 3]) -> Self {
         Self { position, normal, albedo, emission, ..Self::default() }
     }

@@ -9,10 +9,10 @@ use super::scene::Scene;
 use super::viewer::{is_mesh, options};
 use super::window::{Application, FromStart as _, OpenWindow, Ready, Start};
 use crate::error::Error;
-use crate::gpu::device::shader;
 use crate::io;
 use crate::mesh::Mesh;
 use crate::reflector::ReflectorSettings;
+use crate::shader;
 use js_sys::Function;
 use sides::{Side, SideName, Sides};
 use std::cell::RefCell;
@@ -200,7 +200,6 @@ pub fn read(side: &str, name: &str, bytes: &[u8]) -> Result<(), JsError> {
 
 /// The paths of all complete shaders, without files that others include.
 #[wasm_bindgen]
-#[must_use]
 pub fn shader_paths() -> Vec<String> {
     let included = |path: &str| {
         let line = format!("#include \"{path}\"");
@@ -212,7 +211,6 @@ pub fn shader_paths() -> Vec<String> {
 
 /// The text of the shader `path` with its includes resolved.
 #[wasm_bindgen]
-#[must_use]
 pub fn shader_source(path: &str) -> String {
     shader::source(path)
 }

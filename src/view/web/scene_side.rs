@@ -55,7 +55,7 @@ pub(super) fn state(viewer: &SceneViewer) -> Value {
         "probe_budget": limited.then_some(budget),
         "proxy": look.proxy.name(),
         "direct": settings.method.name(),
-        "filter": Technique::Pyramid.to_string(),
+        "filter": Technique::Pyramid.name(),
         "oem_size": settings.size,
         "triangles": viewer.triangles(),
         // Seconds of the passes, if they were measured.

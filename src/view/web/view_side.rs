@@ -4,7 +4,7 @@ use super::super::look::{Finish, Look, Object, Paint, Technique};
 use super::super::viewer::Viewer;
 use super::super::window::WindowContent as _;
 use super::parsed;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, wrong};
 use crate::image::exposure::Exposure;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -51,7 +51,7 @@ pub(super) fn state(viewer: &Viewer) -> Value {
         "clearcoat": look.finish.clearcoat,
         "coat_roughness": look.finish.coat_roughness,
         "exposure": look.exposure.to_string(),
-        "filter": look.filter.to_string(),
+        "filter": look.filter.name(),
         "object": look.object.name(),
         "paint": look.paint.name(),
         // Samples of the picture, and whether it is final.
@@ -97,7 +97,7 @@ impl Change {
         };
         look.check()?;
         if look.object == Object::Mesh && !viewer.has_mesh() {
-            return Err(Error::Parameter("no mesh is loaded; open one first".to_owned()));
+            return wrong("no mesh is loaded; open one first");
         }
         *viewer.look_mut() = look;
         if self.panel.is_some_and(|shown| shown != viewer.has_panel()) {

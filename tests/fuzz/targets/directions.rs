@@ -1,15 +1,16 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use octagloss::internals::cli::directions::{LIMITS, Limits, read_either};
+use octagloss::internals::cli::directions::DIRECTIONS;
+use octagloss::internals::cli::rows::{LIMITS, Limits};
 use octagloss_fuzz::assert_plain;
 
 fuzz_target!(|bytes: &[u8]| {
-    match read_either(bytes, Limits { rows: 50, ..LIMITS }) {
+    match DIRECTIONS.read_from(bytes, Limits { rows: 50, ..LIMITS }) {
         Ok(directions) => {
-            assert!(directions.asked.len() <= 50);
-            for asked in directions.asked {
-                assert!((asked.direction.length() - 1.0).abs() < 1e-9, "{:?}", asked.typed);
+            assert!(directions.values.len() <= 50);
+            for ((direction, _), typed) in directions.values.iter().zip(directions.typed) {
+                assert!((direction.length() - 1.0).abs() < 1e-9, "{typed:?}");
             }
         }
         Err(error) => assert_plain(&format!("{error:#}")),

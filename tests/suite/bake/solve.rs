@@ -30,8 +30,11 @@ fn panorama(width: u32, texels: Vec<Rgb>) -> Environment {
 
 /// Root mean square of `errors` over the roughnesses from `first` to 1.
 fn over_roughness(errors: &[DeliveredError], first: f64) -> f64 {
-    let squares: Vec<f64> =
-        errors.iter().filter(|error| error.roughness >= first).map(|error| error.rel_rmse.powi(2)).collect();
+    let squares: Vec<f64> = errors
+        .iter()
+        .filter(|error| error.roughness >= first)
+        .map(|error| error.rmse.luminance.powi(2))
+        .collect();
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
 }
 
@@ -187,9 +190,9 @@ fn errors(environment: &Environment, chain: &Chain, ladder: Ladder) -> Vec<(f64,
         Ok(answers.into_iter().map(|answer| answer.radiance).collect())
     };
     let errors = delivered_errors(chain, ladder, &roughnesses, None, &truth).expect("lobes");
-    assert!(errors.iter().all(|error| error.max_error >= error.rel_rmse));
+    assert!(errors.iter().all(|error| error.max_error >= error.rmse.luminance));
     let whole = over_roughness(&errors, 0.0);
-    errors.into_iter().map(|error| (error.roughness, error.rel_rmse)).chain([(0.0, whole)]).collect()
+    errors.into_iter().map(|error| (error.roughness, error.rmse.luminance)).chain([(0.0, whole)]).collect()
 }
 
 #[test]
@@ -306,7 +309,7 @@ fn look_ups_and_their_errors_are_those_of_another_look_up() {
         let rmse = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt() / goal;
         let most = errors.iter().copied().fold(0.0, f64::max) / goal;
         assert!((found.lod - lod).abs() < 1e-6, "{found:?}");
-        assert!((found.rel_rmse / rmse - 1.0).abs() < 1e-5, "{ladder:?}: {found:?} for {rmse}");
+        assert!((found.rmse.luminance / rmse - 1.0).abs() < 1e-5, "{ladder:?}: {found:?} for {rmse}");
         assert!((found.max_error / most - 1.0).abs() < 1e-5, "{ladder:?}: {found:?} for {most}");
     }
 }

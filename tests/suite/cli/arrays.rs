@@ -137,10 +137,10 @@ fn wrong_arrays_are_named_and_nothing_is_written() {
         inputs::npy("<f8", false, (values.len() / columns, columns), &numbers(values))
     };
     let cases: [(Vec<u8>, &str); 10] = [
-        (array(3, &[1.0, 0.0, 0.0, 0.0, f64::NAN, 1.0]), "element [1, 1] is NaN; it must be finite"),
-        (array(4, &[1.0, 0.0, 0.0, f64::INFINITY]), "element [0, 3] is inf; it must be finite"),
-        (array(4, &[1.0, 0.0, 0.0, 1.5]), "element [0, 3] is 1.5; a roughness must be between 0 and 1"),
-        (array(3, &[0.0; 3]), "row [0] is 0, 0, 0, which is not a direction"),
+        (array(3, &[1.0, 0.0, 0.0, 0.0, f64::NAN, 1.0]), "row [1]: y is NaN; it must be finite"),
+        (array(4, &[1.0, 0.0, 0.0, f64::INFINITY]), "row [0]: roughness is inf; it must be finite"),
+        (array(4, &[1.0, 0.0, 0.0, 1.5]), "row [0]: roughness is 1.5; it must be between 0 and 1"),
+        (array(3, &[0.0; 3]), "row [0]: 0,0,0 is not a direction"),
         (array(2, &[0.0; 4]), "its shape is (2, 2); (N, 3) or (N, 4) is needed"),
         (inputs::npy("<i4", false, (1, 3), &[0; 12]), "its type is \"<i4\"; float32 or float64 is needed"),
         (inputs::npy("<f4", false, (2, 3), &[0; 12]), "truncated: 12 of the 24 bytes"),
@@ -152,8 +152,11 @@ fn wrong_arrays_are_named_and_nothing_is_written() {
     let path = file.path().to_str().expect("text");
     for (bytes, words) in cases {
         fs::write(path, bytes).expect("writable");
-        let roughness =
-            if words.contains(", 3]") { &["-o", "o.npy"][..] } else { &["--roughness", "0", "-o", "o.npy"] };
+        let roughness = if words.contains("roughness") {
+            &["-o", "o.npy"][..]
+        } else {
+            &["--roughness", "0", "-o", "o.npy"]
+        };
         fails(folder.path(), &query(path, roughness), 1, words);
         assert_eq!(names(folder.path()), before, "{words}");
     }

@@ -494,8 +494,8 @@ fn bad_directions_are_named_by_line_and_value() {
         ("", "d.csv: empty"),
         ("1,0,0\n", "the header must be x,y,z"),
         ("x,y,z\n1,0,0\n1,zero,0\n", "d.csv: line 3: y is \"zero\", not a number"),
-        ("x,y,z\n1,inf,0\n", "line 2: y is \"inf\"; it must be finite"),
-        ("x,y,z\n1,0,nan\n", "line 2: z is \"nan\""),
+        ("x,y,z\n1,inf,0\n", "line 2: y is inf; it must be finite"),
+        ("x,y,z\n1,0,nan\n", "line 2: z is NaN"),
         ("x,y,z\n1,0\n", "line 2 has 2 values"),
         ("x,y,z\n\n0,0,-0\n", "line 3: 0,0,0 is not a direction"),
     ] {

@@ -364,7 +364,7 @@ fn bad_fields_are_quoted_and_shortened() {
     let long = "9x".repeat(1 << 20);
     assert!(query(&format!("x,y,z\n1,{long},0\n")).contains("line 2 is longer than 1000 bytes"));
     assert!(query("x,y,z\n1,\u{1b}[31m\u{7}2,0\n").contains(&with_slashes(r"\u{1b}[31m")));
-    assert!(query("x,y,z\n1,infinity,0\n").contains(r#""infinity"; it must be finite"#));
+    assert!(query("x,y,z\n1,infinity,0\n").contains("y is inf; it must be finite"));
     // Arbitrary content in a report.
     fs::write(folder.path().join("bad.dds.report.json"), format!(r#"{{"levels": "{long}\u001b"}}"#))
         .expect("writable");

@@ -1,7 +1,7 @@
 //! `--target pyramid`: its files come back as what their look-ups answer, and are judged so.
 
 use super::{done, fails, json, json_file, with_sky};
-use octagloss::internals::target::READERS;
+use octagloss::internals::target::reader;
 use serde_json::Value;
 use std::fs;
 
@@ -75,10 +75,10 @@ fn pyramids_have_their_options() {
     assert!(light["suns"].as_array().is_some_and(|suns| !suns.is_empty()), "{light}");
     for (language, file) in [("wgsl", "wgsl"), ("glsl", "glsl"), ("hlsl", "hlsl"), ("msl", "metal")] {
         let name = format!("pyramid.{file}");
-        let (_, code) = READERS.iter().find(|(own, _)| *own == name).expect("a reader");
-        assert_eq!(done(at, &["reader", "--language", language]).out, **code);
+        let code = reader(&name).expect("a reader");
+        assert_eq!(done(at, &["reader", "--language", language]).out, code);
         let written = fs::read_to_string(at.join(format!("both/pyramid/pyramid.{file}"))).expect("text");
-        assert_eq!(written, **code);
+        assert_eq!(written, code);
     }
     assert!(done(at, &["reader", "oem", "--language", "hlsl"]).out.contains("oem_radiance"));
     fails(at, &["reader", "oem", "--language", "msl"], 2, "no reader in msl");

@@ -39,6 +39,6 @@ fn a_roughness_is_given_once() {
     fails(folder.path(), &query("own.csv", &["--roughness", "0.5"]), 2, "omit one");
     fails(folder.path(), &query("own.csv", &["--lobe", "cosine"]), 2, "omit the column");
     fails(folder.path(), &query("plain.csv", &[]), 2, "--directions is required");
-    fails(folder.path(), &query("bad.csv", &[]), 1, "line 2: roughness is \"2\"; it must be between 0 and 1");
+    fails(folder.path(), &query("bad.csv", &[]), 1, "line 2: roughness is 2; it must be between 0 and 1");
     assert_eq!(octagloss(folder.path(), &query("plain.csv", &["--lobe", "cosine"])).code, 0);
 }

@@ -2,9 +2,15 @@
 
 use crate::cli::{done, fails, names, octagloss, with_sky};
 use crate::mesh::triangle;
+use clap::ValueEnum;
 use image::RgbImage;
+use octagloss::internals::gpu::direct::Method;
+use octagloss::internals::view::scene::Proxy;
+use octagloss::internals::view::{Object, Tone};
+use std::fmt::{Debug, Display};
 use std::fs;
 use std::path::Path;
+use std::str::FromStr;
 use std::sync::LazyLock;
 
 /// A quick picture: one sample per pixel over a coarse map, by the filter that compiles fastest.
@@ -133,4 +139,20 @@ fn a_bake_is_shown_by_its_own_levels() {
     assert_eq!(own, picture("levels.png", "b.ktx2", &["--filter", "levels"]), "the default");
     // Level 0 alone is an environment, which another filter blurs.
     assert_ne!(own, picture("box.png", "b.ktx2", &["--filter", "box"]));
+}
+
+#[test]
+fn names_are_those_of_the_options() {
+    fn check<T: ValueEnum + Display + FromStr<Err = String> + PartialEq + Debug>() {
+        for value in T::value_variants() {
+            let option = value.to_possible_value().expect("not skipped");
+            assert_eq!(option.get_name(), value.to_string());
+            assert_eq!(option.get_name().parse::<T>().as_ref(), Ok(value));
+        }
+    }
+    check::<Method>();
+    check::<Object>();
+    check::<Proxy>();
+    check::<Tone>();
+    assert_eq!("cone".parse::<Proxy>(), Err("must be none, box or sphere".to_owned()));
 }

@@ -6,11 +6,11 @@ use crate::atlas::table::{Atlas, Domain, Tile};
 use crate::support::common::{Random, landmarks, oem};
 use glam::DVec3;
 use octagloss::Error;
-use octagloss::internals::gpu::device::shader;
 use octagloss::internals::gpu::{Context, OemPlanes, SatPlanes};
 use octagloss::internals::gpu::{fixed_point, sat_scan};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::Scan;
+use octagloss::internals::shader;
 use octagloss::wgpu;
 
 const SIDE: u32 = 128;

@@ -7,11 +7,11 @@ use crate::support::common::{Look, Random, landmarks, oem, texels};
 use glam::{DVec2, DVec3};
 use octagloss::internals::cpu::box_filter::{BoxFilter, StackedBox};
 use octagloss::internals::gpu::box_filter::{self, SatTextures};
-use octagloss::internals::gpu::device::shader;
 use octagloss::internals::gpu::{Context, SatPlanes};
 use octagloss::internals::lobe::{Lobe, kernel, kernel_integral};
 use octagloss::internals::oem::{Oem, OemSize};
 use octagloss::internals::sat::{Sat, Scan};
+use octagloss::internals::shader;
 use octagloss::internals::sphere::octahedral::{oct_from_direction, solid_angle_density, wrap_texel};
 use octagloss::{Layout, wgpu};
 

@@ -65,7 +65,6 @@ const RUN: [(&str, &[&str]); 7] = [
             "pyramid/levels.wgsl mirror",
             "pyramid/levels.wgsl sharp",
             "pyramid/query.wgsl query",
-            "pyramid/reflect_query.wgsl query",
             "pyramid/suns.wgsl brightest_of_blocks",
             "pyramid/suns.wgsl suns",
         ],

@@ -19,6 +19,43 @@ pub(super) fn answers<Q: Pod, A: Pod>(
     queries: &[Q],
 ) -> Vec<A> {
     let device = context.device();
+    run(context, source, queries, |pipeline, lists| {
+        vec![group(device, pipeline, 0, map.iter().cloned().chain(lists))]
+    })
+}
+
+/// The same with the resources that `bind` puts into group 0, and queries and answers in group 1.
+pub(super) fn answers_in_groups<Q: Pod, A: Pod>(
+    context: &Context,
+    source: &str,
+    bind: impl FnOnce(&wgpu::BindGroupLayout) -> wgpu::BindGroup,
+    queries: &[Q],
+) -> Vec<A> {
+    run(context, source, queries, |pipeline, lists| {
+        vec![bind(&pipeline.get_bind_group_layout(0)), group(context.device(), pipeline, 1, lists)]
+    })
+}
+
+fn group<'a>(
+    device: &wgpu::Device,
+    pipeline: &wgpu::ComputePipeline,
+    index: u32,
+    resources: impl IntoIterator<Item = wgpu::BindingResource<'a>>,
+) -> wgpu::BindGroup {
+    let entries: Vec<wgpu::BindGroupEntry<'_>> =
+        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    let layout = &pipeline.get_bind_group_layout(index);
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("look"), layout, entries: &entries })
+}
+
+/// Runs `source` with the groups that `bind` makes of the queries and the answers.
+fn run<Q: Pod, A: Pod>(
+    context: &Context,
+    source: &str,
+    queries: &[Q],
+    bind: impl FnOnce(&wgpu::ComputePipeline, [wgpu::BindingResource<'_>; 2]) -> Vec<wgpu::BindGroup>,
+) -> Vec<A> {
+    let device = context.device();
     let asked = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some("queries"),
         contents: bytemuck::cast_slice(queries),
@@ -42,20 +79,13 @@ pub(super) fn answers<Q: Pod, A: Pod>(
         compilation_options: Default::default(),
         cache: None,
     });
-    let buffers = [asked.as_entire_binding(), found.as_entire_binding()];
-    let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
-        .zip(map.iter().cloned().chain(buffers))
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-        .collect();
-    let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("look"),
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &entries,
-    });
+    let groups = bind(&pipeline, [asked.as_entire_binding(), found.as_entire_binding()]);
     context.submit(|encoder| {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &bindings, &[]);
+        for (index, group) in (0..).zip(&groups) {
+            pass.set_bind_group(index, group, &[]);
+        }
         pass.dispatch_workgroups(queries.len().div_ceil(GROUP) as u32, 1, 1);
     });
     wait(context, readback::read(context, &found))

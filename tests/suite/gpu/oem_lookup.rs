@@ -6,9 +6,9 @@ use crate::support::common::{Random, landmarks, oem};
 use glam::{DVec2, DVec3};
 use octagloss::Rgb;
 use octagloss::internals::gpu::Context;
-use octagloss::internals::gpu::device::shader;
 use octagloss::internals::image::oem_mips::{Addressing, OemMips, Weights};
 use octagloss::internals::oem::OemSize;
+use octagloss::internals::shader;
 use octagloss::internals::sphere::oem_lookup::{level_of_cell, quadratic_level, rectangular_place};
 use octagloss::wgpu;
 

@@ -7,15 +7,11 @@ use octagloss::internals::format::Pixel;
 use octagloss::internals::format::container::Container;
 use octagloss::internals::gpu::Context;
 use octagloss::internals::io::oem_write::oem_bytes;
-use octagloss::internals::target::READERS;
+use octagloss::internals::target::reader;
 use octagloss::wgpu;
 
 const SIDE: u32 = 48;
 const LEVELS: u32 = 4;
-
-fn reader() -> &'static str {
-    READERS.iter().find(|(name, _)| *name == "oem.wgsl").expect("oem.wgsl is listed").1
-}
 
 /// Runs `reader` for each of `queries` (direction and roughness) over the file's `levels`.
 fn read_on(context: &Context, reader: &str, levels: &[Level], queries: &[[f32; 4]]) -> Vec<[f32; 4]> {
@@ -98,16 +94,17 @@ const TOLERANCE: f64 = 3.0 / 256.0 + 2.0 / 1024.0;
 #[test]
 fn the_reader_looks_up_across_folds_edges_and_corners() {
     in_full("oem reader", |context| {
+        let reader = reader("oem.wgsl").expect("a reader");
         let levels = levels(SIDE, LEVELS, 9);
         let queries = queries();
-        let answers = read_on(context, reader(), &levels, &queries);
+        let answers = read_on(context, &reader, &levels, &queries);
         let off = worst(&levels, &queries, &answers);
         assert!(off < TOLERANCE, "{}: {off}", context.describe());
         // The comparison detects a reader that takes the border for a part of the map, and one that folds to
         // the wrong side.
         for (right, wrong) in [("border / side", "0.0 * border / side"), ("p.x >= 0.0", "p.x < 0.0")] {
-            assert!(reader().contains(right), "{right}");
-            let answers = read_on(context, &reader().replace(right, wrong), &levels, &queries);
+            assert!(reader.contains(right), "{right}");
+            let answers = read_on(context, &reader.replace(right, wrong), &levels, &queries);
             assert!(worst(&levels, &queries, &answers) > 10.0 * TOLERANCE, "{wrong}");
         }
     });

@@ -3,7 +3,7 @@
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, ImageClass, Literal, Module, Type, TypeInner};
-use octagloss::internals::gpu::device::shader;
+use octagloss::internals::shader;
 use octagloss::internals::target::READERS;
 use octagloss::{LiveEnvironment, LiveProbes, ShadowMap};
 use std::collections::{BTreeMap, BTreeSet};

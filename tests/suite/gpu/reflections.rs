@@ -1,13 +1,25 @@
 //! Reflections of the true BRDF out of pyramids on the GPU against the CPU's.
 
 use super::pyramid::{built, lit};
-use super::{exceeds, wait, with_passes};
+use super::{exceeds, look, with_passes};
 use crate::support::common::{Look, Random, landmarks};
 use glam::DVec3;
+use octagloss::LiveEnvironment;
 use octagloss::internals::frame::Frame;
 use octagloss::internals::gpu::Context;
-use octagloss::internals::gpu::reflection_query::{Query, reflect};
+use octagloss::internals::gpu::pyramid::PyramidMaps;
+use octagloss::internals::gpu::reflection::{Surfaces, bind_group};
 use octagloss::internals::pyramid::Pyramid;
+
+/// What a reflection is asked for: normal and roughness, view and f90, f0 and anisotropy, and the tangent.
+type Query = [[f32; 4]; 4];
+
+/// For each of `queries` the radiance, and the share of f0 in the albedo along its tangent.
+fn reflect(context: &Context, maps: &PyramidMaps, queries: &[Query]) -> Vec<[f32; 4]> {
+    let source = LiveEnvironment::reflect_wgsl(0) + include_str!("reflect_query.wgsl");
+    let bind = |layout: &_| bind_group(context, maps, false, Surfaces::Any, layout);
+    look::answers_in_groups(context, &source, bind, queries)
+}
 
 /// Compares reflections of random maps (texels along an edge, look, scale of the light) with the CPU's.
 pub(super) fn reflections(context: &Context, cases: &[(u32, Look, f32)], roughness: &[f32]) {
@@ -40,10 +52,13 @@ pub(super) fn reflections(context: &Context, cases: &[(u32, Look, f32)], roughne
                 .iter()
                 .zip(&brushed)
                 .map(|((normal, view), (anisotropy, tangent))| {
-                    Query::new([*normal, *view, *tangent], roughness, *anisotropy, f0, f90)
+                    let with = |v: DVec3, w: f32| v.as_vec3().extend(w).to_array();
+                    let [r, g, b] = f0;
+                    let surface = [with(*normal, roughness), with(*view, f90)];
+                    [surface[0], surface[1], [r, g, b, *anisotropy], with(*tangent, 0.0)]
                 })
                 .collect();
-            let mut found = wait(context, reflect(context, &maps, &queries));
+            let mut found = reflect(context, &maps, &queries);
             let frames: Vec<_> = asked
                 .iter()
                 .zip(&brushed)

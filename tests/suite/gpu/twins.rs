@@ -2,7 +2,7 @@
 //! sources: no list has to be kept, but for what has another name or no twin.
 
 use super::reflection::{Shader, files};
-use octagloss::internals::gpu::device::shader;
+use octagloss::internals::shader;
 use octagloss::{LiveEnvironment, ShadowMap};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -58,7 +58,6 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("pyramid/cells.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
     ("pyramid/levels.wgsl", "EDGE", "build_pyramid::EDGE"),
     ("pyramid/query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
-    ("pyramid/reflect_query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
     ("pyramid/suns.wgsl", "GROUP_SIZE", "build_pyramid::SUNS_GROUP_SIZE"),
 ];
 

@@ -232,14 +232,8 @@ fn convert_color(header: &Header, channels: Channels, texels: &mut [Rgb], warnin
             *texel = [r, (y - wr * r - wb * b) / wg, b];
         }
     }
-    if primaries.are_rec709() || matches!(channels, Channels::Luminance(_)) {
-        return;
-    }
-    if let Some(matrix) = primaries.rec709_from_rgb() {
-        color::transform(texels, matrix);
-        warnings.push("its chromaticities are not Rec. 709; converted".to_owned());
-    } else {
-        warnings.push("its chromaticities are degenerate; ignored".to_owned());
+    if !matches!(channels, Channels::Luminance(_)) {
+        warnings.extend(primaries.converted("chromaticities", texels));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Translates the WGSL reader of pyramids into GLSL, HLSL and Metal's language.
 //!
-//!     translate READERS     READERS is the folder of pyramid.wgsl, into which the others are written
+//!     translate WGSL FOLDER     WGSL is the reader; the others are written into FOLDER
 
 use naga::back::{glsl, hlsl, msl};
 use naga::proc::BoundsCheckPolicies;
@@ -22,9 +22,10 @@ fn entry_of_translation(@location(0) at: vec3<f32>) -> @location(0) vec4<f32> {
 ";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::args().nth(1).ok_or("usage: translate READERS")?;
+    let [wgsl, folder] = <[String; 2]>::try_from(std::env::args().skip(1).collect::<Vec<_>>())
+        .map_err(|_| "usage: translate WGSL FOLDER")?;
     let folder = Path::new(&folder);
-    let source = std::fs::read_to_string(folder.join("pyramid.wgsl"))?;
+    let source = std::fs::read_to_string(wgsl)?;
     // The comments before the code say how it is used.
     let usage: String =
         source.lines().take_while(|line| line.starts_with("//")).map(|line| format!("{line}\n")).collect();

@@ -1,14 +1,18 @@
-//! Shader sources: plain WGSL files. A line `#include "common/name.wgsl"` inserts that file, once per shader.
+//! Shader sources, with or without a GPU: plain WGSL files. A line `#include "common/name.wgsl"` inserts that
+//! file, once per shader.
 
-use super::names::prefixed;
+pub(crate) mod names;
+
+use names::prefixed;
 
 macro_rules! files {
     ($($path:literal),* $(,)?) => {
-        [$(($path, include_str!(concat!("../../../shaders/", $path)))),*]
+        [$(($path, include_str!(concat!("../../shaders/", $path)))),*]
     };
 }
 
 /// Every file under `shaders/`, by its path there.
+#[cfg(feature = "gpu")]
 pub const FILES: &[(&str, &str)] = &files![
     "common/anisotropic.wgsl",
     "common/bordered.wgsl",
@@ -24,7 +28,6 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/octants.wgsl",
     "common/oem_lookup.wgsl",
     "common/plane.wgsl",
-    "common/planes.wgsl",
     "common/pyramid.wgsl",
     "common/pyramid_file.wgsl",
     "common/pyramid_group.wgsl",
@@ -65,7 +68,6 @@ pub const FILES: &[(&str, &str)] = &files![
     "pyramid/cells.wgsl",
     "pyramid/levels.wgsl",
     "pyramid/query.wgsl",
-    "pyramid/reflect_query.wgsl",
     "pyramid/suns.wgsl",
     "reparameterise.wgsl",
     "sat_f32.wgsl",
@@ -79,6 +81,17 @@ pub const FILES: &[(&str, &str)] = &files![
     "view/scene.wgsl",
     "view/scene_pose.wgsl",
     "view/truth.wgsl",
+];
+
+/// Files of the reader of pyramids, by their paths under `shaders/`.
+#[cfg(not(feature = "gpu"))]
+const FILES: &[(&str, &str)] = &files![
+    "common/anisotropic.wgsl",
+    "common/harmonics.wgsl",
+    "common/light.wgsl",
+    "common/pyramid.wgsl",
+    "common/pyramid_file.wgsl",
+    "common/reflect.wgsl",
 ];
 
 /// The text of `path` with its includes resolved. Each file appears once, before the files that include it.
@@ -111,9 +124,31 @@ fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
 
 /// WGSL for callers' shaders: the file `path` with its includes, and its `resources` at their bindings of
 /// group `group`. Whatever lacks our prefix at module scope gets `prefix`, which begins with it.
-pub(in crate::gpu) fn for_callers(path: &str, resources: &[&str], group: u32, prefix: &str) -> String {
+pub(crate) fn for_callers(path: &str, resources: &[&str], group: u32, prefix: &str) -> String {
     let declare =
         |(binding, resource): (u32, &&str)| format!("@group({group}) @binding({binding}) {resource};\n");
     let declared: String = (0..).zip(resources).map(declare).collect();
     prefixed(&(declared + &source(path)), prefix)
+}
+
+/// How the look-ups of files are used.
+const READER: &str = "\
+// Reads files of `octagloss bake --target pyramid`: reflections of any roughness and view, and irradiance.
+// octagloss_lights holds the 256 floats `uniform` of NAME_pyramid.json, octagloss_maps NAME_pyramid.ktx2,
+// octagloss_tables pyramid_tables.ktx2, octagloss_rows pyramid_rows.ktx2, of which isotropic reflections read
+// nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
+// Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
+// octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
+";
+
+/// WGSL of the look-ups of pyramids in files, with their resources in group 0.
+pub(crate) fn reader_wgsl() -> String {
+    let resources = [
+        "var<uniform> octagloss_lights: array<OctaglossLight, 1>",
+        "var octagloss_maps: texture_2d_array<f32>",
+        "var octagloss_tables: texture_2d<f32>",
+        "var octagloss_linear: sampler",
+        "var octagloss_rows: texture_3d<f32>",
+    ];
+    READER.to_owned() + &for_callers("common/pyramid_file.wgsl", &resources, 0, "octagloss")
 }

@@ -1,6 +1,7 @@
 //! Renames what a shader source declares, so that the source can stand in one shader several times.
 
-use crate::error::{Error, Result};
+#[cfg(any(feature = "gpu", test))]
+use crate::error::{Result, wrong};
 use std::collections::BTreeSet;
 
 /// Prefix of the functions and resources that other shaders use.
@@ -10,16 +11,17 @@ const OURS: &str = "octagloss_";
 /// and any other `y` becomes `name_y`.
 ///
 /// # Errors
-/// [`Error::Parameter`] if `name` does not begin with an ASCII letter, or has characters other than ASCII
-/// letters, digits and single underscores.
+/// [`crate::Error::Parameter`] if `name` does not begin with an ASCII letter, or has characters other than
+/// ASCII letters, digits and single underscores.
+#[cfg(any(feature = "gpu", test))]
 pub(crate) fn named(source: &str, name: &str) -> Result<String> {
     let is_word = name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !is_word || name.contains("__") || name.ends_with('_') {
-        return Err(Error::Parameter(format!(
+        return wrong(format!(
             "`name` {name:?} is no prefix of identifiers in WGSL; use ASCII letters, digits and single \
              underscores between them, and begin with a letter"
-        )));
+        ));
     }
     Ok(renamed(source, |word| format!("{name}_{}", word.strip_prefix(OURS).unwrap_or(word))))
 }

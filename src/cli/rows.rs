@@ -1,0 +1,178 @@
+//! Reads rows of numbers from a file or standard input, within limits: as CSV with a header, or as a NumPy
+//! array (.npy).
+
+use crate::error::quoted;
+use crate::io::npy::{self, Precision};
+use crate::io::regular::open_regular;
+use anyhow::{Context as _, anyhow, bail};
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+/// Limits for a file or standard input, which may be endless.
+#[derive(Clone, Copy)]
+pub struct Limits {
+    /// Number of rows.
+    pub rows: usize,
+    /// Total bytes.
+    pub bytes: usize,
+    /// Bytes per line.
+    pub line: usize,
+}
+
+/// The limits of `--directions` and `--frames`, as in their help.
+pub const LIMITS: Limits = Limits { rows: 4_000_000, bytes: 256 << 20, line: 1000 };
+
+/// Rows of one kind: their columns, of which the last may be missing, and what a row is.
+pub struct Kind<T> {
+    pub(super) columns: &'static [&'static str],
+    /// Number of the columns that every row has.
+    pub(super) required: usize,
+    /// Name of many rows.
+    pub(super) plural: &'static str,
+    /// Makes a row of finite numbers.
+    pub(super) parse: fn(&[f64]) -> anyhow::Result<T>,
+}
+
+/// Rows, in order.
+pub struct Rows<T> {
+    /// The names of their columns, separated by commas.
+    pub header: String,
+    /// Whether they have all columns of their kind.
+    pub is_full: bool,
+    /// The numbers of each, separated by commas.
+    pub typed: Vec<String>,
+    /// What each is.
+    pub values: Vec<T>,
+}
+
+impl<T> Kind<T> {
+    /// Reads the rows in the file `path`, or from standard input for `-`.
+    pub(super) fn read(&self, path: &Path) -> anyhow::Result<Rows<T>> {
+        if path == Path::new("-") {
+            return self.read_from(std::io::stdin().lock(), LIMITS).context("standard input");
+        }
+        self.read_from(open_regular(path)?, LIMITS).with_context(|| path.display().to_string())
+    }
+
+    /// Reads an array or CSV, by the first bytes.
+    ///
+    /// # Errors
+    /// A message that names the place, the value and the remedy.
+    pub fn read_from(&self, mut from: impl Read, limits: Limits) -> anyhow::Result<Rows<T>> {
+        let mut start = Vec::new();
+        from.by_ref().take(npy::MAGIC.len() as u64).read_to_end(&mut start)?;
+        if start.starts_with(b"PK\x03\x04") {
+            bail!("a ZIP file such as .npz; save one array with numpy.save");
+        }
+        let is_array = start == npy::MAGIC;
+        let from = Cursor::new(start).chain(from);
+        if is_array { self.read_array(from, limits) } else { self.read_csv(from, limits) }
+    }
+
+    fn read_array(&self, from: impl Read, limits: Limits) -> anyhow::Result<Rows<T>> {
+        let table = npy::read_table(from, &[self.required, self.columns.len()], limits.rows)
+            .map_err(anyhow::Error::msg)?;
+        let mut rows = self.rows(table.columns);
+        for (row, values) in table.values.chunks_exact(table.columns).enumerate() {
+            let typed: Vec<String> = values.iter().map(|value| shortest(*value, table.precision)).collect();
+            rows.typed.push(typed.join(","));
+            rows.values.push(self.value(values).with_context(|| format!("row [{row}]"))?);
+        }
+        Ok(rows)
+    }
+
+    /// Reads rows, one per line.
+    fn read_csv(&self, from: impl Read, limits: Limits) -> anyhow::Result<Rows<T>> {
+        let required = self.columns[..self.required].join(",");
+        let text = read_text(from, limits, &required)?;
+        let mut reader = csv_reader(&text);
+        let mut records = reader.records();
+        let header =
+            records.next().transpose()?.ok_or_else(|| anyhow!("empty; the first line must be {required}"))?;
+        // Without a byte order mark.
+        let names: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}')).collect();
+        if names != self.columns && names != self.columns[..self.required] {
+            let (names, all) = (names.join(","), self.columns.join(","));
+            bail!("line 1 is {}; the header must be {required} or {all}", quoted(&names));
+        }
+        let mut rows = self.rows(names.len());
+        for record in records {
+            let record = record?;
+            let line = record.position().map_or(0, |position| line_of(position, &text));
+            if record.len() != names.len() {
+                bail!("line {line} has {} values; its header has {}", record.len(), names.len());
+            }
+            if rows.values.len() == limits.rows {
+                bail!("more than {} {}, at line {line}; split the file", limits.rows, self.plural);
+            }
+            let mut values = Vec::with_capacity(names.len());
+            for (text, name) in record.iter().zip(&names) {
+                let value = text.parse();
+                values.push(
+                    value.map_err(|_| anyhow!("line {line}: {name} is {}, not a number", quoted(text)))?,
+                );
+            }
+            rows.typed.push(record.iter().collect::<Vec<_>>().join(","));
+            rows.values.push(self.value(&values).with_context(|| format!("line {line}"))?);
+        }
+        Ok(rows)
+    }
+
+    /// No rows yet, of `columns` columns.
+    fn rows(&self, columns: usize) -> Rows<T> {
+        let header = self.columns[..columns].join(",");
+        Rows { header, is_full: columns == self.columns.len(), typed: Vec::new(), values: Vec::new() }
+    }
+
+    fn value(&self, values: &[f64]) -> anyhow::Result<T> {
+        if let Some(k) = values.iter().position(|value| !value.is_finite()) {
+            bail!("{} is {}; it must be finite", self.columns[k], values[k]);
+        }
+        (self.parse)(values)
+    }
+}
+
+/// The shortest text that is the same number.
+fn shortest(value: f64, precision: Precision) -> String {
+    match precision {
+        Precision::Single => (value as f32).to_string(),
+        Precision::Double => value.to_string(),
+    }
+}
+
+/// Reads CSV of any number of columns, the header as the first record.
+fn csv_reader(text: &[u8]) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(text)
+}
+
+/// Reads all of `from`, lines of `columns`; stops at the first exceeded limit.
+fn read_text(mut from: impl Read, limits: Limits, columns: &str) -> anyhow::Result<Vec<u8>> {
+    let mut text = Vec::new();
+    let mut chunk = vec![0; 64 << 10];
+    let (mut line, mut length) = (1, 0);
+    loop {
+        let count = match from.read(&mut chunk) {
+            Ok(0) => return Ok(text),
+            Ok(count) => count,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error.into()),
+        };
+        for byte in &chunk[..count] {
+            (line, length) = if *byte == b'\n' { (line + 1, 0) } else { (line, length + 1) };
+            if length > limits.line {
+                bail!("line {line} is longer than {} bytes; a line is {columns}", limits.line);
+            }
+        }
+        if count > limits.bytes - text.len() {
+            bail!("more than {} bytes, at line {line}; split the file", limits.bytes);
+        }
+        text.extend_from_slice(&chunk[..count]);
+    }
+}
+
+/// The line of a record; its position is that of the empty lines before it.
+fn line_of(position: &csv::Position, text: &[u8]) -> u64 {
+    let rest = text.get(position.byte() as usize..).unwrap_or_default();
+    let empty = rest.iter().take_while(|byte| b"\r\n".contains(byte)).filter(|byte| **byte == b'\n').count();
+    position.line() + empty as u64
+}
