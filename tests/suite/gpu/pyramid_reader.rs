@@ -269,7 +269,7 @@ fn white_furnaces_are_within_a_thousandth() {
         let size = 64;
         let white = Environment::new(Layout::Panorama { width: 8, height: 4 }, vec![[1.0; 3]; 32]).unwrap();
         let files = Files::new(context, &made(&white, size), size);
-        let found = files.looked_up(context, reader("pyramid.wgsl"), &queries);
+        let found = files.looked_up(context, &reader("pyramid.wgsl").unwrap(), &queries);
         for (([r, c], [scale, bias]), found) in places.iter().zip(&expected).zip(&found) {
             let name = format!("r {r} n.v {c} on {}", context.describe());
             let off = f64::from(found[0][3]) - scale;
