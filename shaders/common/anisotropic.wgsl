@@ -4,9 +4,14 @@
 
 const ROW_NODES = vec4<f32>(16.0, 10.0, 8.0, 7.0);
 const ROW_MIDDLE = 7u;
-// The texel of the albedo, and all of a node.
-const ROW_ALBEDO = 8u;
-const ROW_LAYERS = 22u;
+// Texels of a node with the weights of reads, and all.
+const ROW_PAIRS = 8u;
+const ROW_LAYERS = 21u;
+// Nodes of the albedo, below; anisotropies side by side there.
+const ROW_ALBEDO_NODES = vec4<f32>(16.0, 10.0, 8.0, 13.0);
+const ROW_BLOCKS = 21.0f;
+// Texels of the table.
+const ROW_SIZE = vec3<f32>(336.0, 80.0, 8.0);
 const ROW_SHARP = 0.001f;
 const NARROWEST = 0.05f;
 const BLEND = 0.1f;
@@ -24,15 +29,9 @@ fn row_share(alpha: vec2<f32>) -> f32 {
     return smoothstep(0.0, 1.0, (alpha.x - alpha.y) / (BLEND * max(alpha.y, 1e-6)));
 }
 
-// Where the table is read: coordinates of the first texel of nodes at the lower of two anisotropies, how far
-// the upper is, and its share.
-struct RowPlace {
-    at: vec3<f32>,
-    share: f32,
-}
-
-// The place of `alpha`, n.v of `cosine` and a unit `tangent` along the plane of incidence and across it.
-fn row_place(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> RowPlace {
+// The place of `alpha`, n.v of `cosine` and a unit `tangent` along the plane of incidence and across it, between
+// the first node and the last of each axis.
+fn row_places(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> vec4<f32> {
     let sharp = max(alpha.y, ROW_SHARP);
     let azimuth = atan2(abs(tangent.y), abs(tangent.x)) * 0.636619772;
     let places = vec4<f32>(
@@ -41,20 +40,49 @@ fn row_place(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> RowPlace {
         sqrt(cosine),
         1.0 - pow(max(1.0 - azimuth, 0.0), 0.666666667),
         log2(max(alpha.x, sharp) / sharp) / -log2(min(sharp, 0.999999)));
-    let place = clamp(places, vec4<f32>(), vec4<f32>(1.0)) * (ROW_NODES - 1.0);
+    return clamp(places, vec4<f32>(), vec4<f32>(1.0));
+}
+
+// Where the table is read: coordinates of the first texel of nodes at the lower of two anisotropies, how far
+// the upper is, and its share.
+struct RowPlace {
+    at: vec3<f32>,
+    share: f32,
+}
+
+// The place of the arguments of row_places.
+fn row_place(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> RowPlace {
+    let place = row_places(alpha, cosine, tangent) * (ROW_NODES - 1.0);
     let lower = min(floor(place.w), ROW_NODES.w - 2.0);
     // Coordinates have eight bits between texels, and what lies beside a node may be of another kind.
     let inset = 1.0 / 256.0;
     let inside = clamp(place.xy, vec2<f32>(inset), ROW_NODES.xy - 1.0 - inset);
     let texel = vec3<f32>(inside.x, inside.y + ROW_NODES.y * lower, place.z) + 0.5;
-    let size = vec3<f32>(ROW_NODES.x * f32(ROW_LAYERS), ROW_NODES.y * ROW_NODES.w, ROW_NODES.z);
-    return RowPlace(texel / size, place.w - lower);
+    return RowPlace(texel / ROW_SIZE, place.w - lower);
 }
 
 // A texel of the node at `place`.
 fn row_node(layer: u32, place: RowPlace) -> vec4<f32> {
     let at = vec3<f32>(place.at.x + f32(layer) / f32(ROW_LAYERS), place.at.yz);
-    return mix(read_rows(at), read_rows(vec3<f32>(at.x, at.y + 1.0 / ROW_NODES.w, at.z)), place.share);
+    return mix(read_rows(at), read_rows(vec3<f32>(at.x, at.y + ROW_NODES.y / ROW_SIZE.y, at.z)), place.share);
+}
+
+// What scale and bias of f0 exceed those of a round lobe by, at the azimuth of `tangent` and in the mean:
+// `more_at` of src/pyramid/anisotropic.rs.
+fn row_more(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> vec4<f32> {
+    let place = row_places(alpha, cosine, tangent) * (ROW_ALBEDO_NODES - 1.0);
+    let lower = min(floor(place.w), ROW_ALBEDO_NODES.w - 2.0);
+    let inset = 1.0 / 256.0;
+    let inside = vec3<f32>(clamp(place.xy, vec2<f32>(inset), ROW_ALBEDO_NODES.xy - 1.0 - inset), place.z);
+    return mix(row_block(lower, inside), row_block(lower + 1.0, inside), place.w - lower);
+}
+
+// The nodes of anisotropy `block` at a place among them.
+fn row_block(block: f32, place: vec3<f32>) -> vec4<f32> {
+    let row = floor((block + 0.5) / ROW_BLOCKS);
+    let corner = ROW_ALBEDO_NODES.xy * vec2<f32>(block - ROW_BLOCKS * row, row);
+    let first = vec3<f32>(corner.x, corner.y + ROW_NODES.y * ROW_NODES.w, 0.0);
+    return read_rows((first + place + 0.5) / ROW_SIZE);
 }
 
 // Scale and bias of f0, which exceed those of a round lobe by `more`. `along` is the square of the tangent's
@@ -184,7 +212,8 @@ fn reflect_in_row(
     let place = row_place(alpha, surface.cosine, tangent);
     let row = row_of(alpha, tangent, surface.cosine);
     let axis = surface.towards * row.axis.x + across * row.axis.y;
-    let albedo = row_albedo(alpha, surface.cosine, tangent.x * tangent.x, row_node(ROW_ALBEDO, place).xy);
+    let more = row_more(alpha, surface.cosine, tangent).xy;
+    let albedo = row_albedo(alpha, surface.cosine, tangent.x * tangent.x, more);
     let scaled = f0 * albedo.x;
     let grazing = f90 * albedo.y;
     var sum = vec3<f32>();
@@ -210,7 +239,7 @@ fn reflect_in_row(
     }
     var pairs = array<vec4<f32>, 8>();
     for (var k = 0u; k < 8u; k++) {
-        pairs[k] = row_node(ROW_ALBEDO + 1u + k, place);
+        pairs[k] = row_node(ROW_PAIRS + k, place);
     }
     sum += harmonics_reflected(probe, surface, pairs, scaled, grazing);
     // Harmonics that change sign in the plane of incidence. The table is for tangents on one side of it.
@@ -228,7 +257,7 @@ fn reflect_in_row(
         var other = harmonic_orders(probe, level - mirrored * aside[k].y);
         for (var order = k + 1u; order < 5u; order++) {
             if pair % 2u == 0u {
-                texel = row_node(ROW_ALBEDO + 1u + pair / 2u, place);
+                texel = row_node(ROW_PAIRS + pair / 2u, place);
             }
             let weights = select(texel.zw, texel.xy, pair % 2u == 0u);
             sum += (scaled * weights.x + grazing * weights.y) * (own[order] - other[order]);
@@ -299,7 +328,7 @@ fn octagloss_albedo(cosine: f32, roughness: f32, anisotropy: f32) -> vec2<f32> {
     }
     let alpha = row_alphas(roughness, min(anisotropy, 1.0));
     let seen = clamp(cosine, LEAST_COSINE, 1.0);
-    let more = row_node(ROW_ALBEDO, row_place(alpha, seen, vec2<f32>(1.0, 0.0))).zw;
+    let more = row_more(alpha, seen, vec2<f32>(1.0, 0.0)).zw;
     return faded_albedo(alpha, seen, row_albedo(alpha, seen, 0.5, more));
 }
 
@@ -311,7 +340,7 @@ fn octagloss_albedo_along(cosine: f32, along: f32, roughness: f32, anisotropy: f
     let alpha = row_alphas(roughness, min(anisotropy, 1.0));
     let seen = clamp(cosine, LEAST_COSINE, 1.0);
     let x = min(abs(along) / max(sqrt(1.0 - seen * seen), 1e-4), 1.0);
-    let more = row_node(ROW_ALBEDO, row_place(alpha, seen, vec2<f32>(x, sqrt(1.0 - x * x)))).xy;
+    let more = row_more(alpha, seen, vec2<f32>(x, sqrt(1.0 - x * x))).xy;
     return faded_albedo(alpha, seen, row_albedo(alpha, seen, x * x, more));
 }
 

@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a aa6c309287777607.
+// Translated from pyramid.wgsl, FNV-1a 4200b294563c6ddb.
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
     float4 red;
@@ -79,8 +79,11 @@ static const float octagloss_LEAST_ALPHA = 1e-6;
 static const float2 octagloss_TABLES = float2(864.0, 39.0);
 static const float4 octagloss_ROW_NODES = float4(16.0, 10.0, 8.0, 7.0);
 static const uint octagloss_ROW_MIDDLE = 7u;
-static const uint octagloss_ROW_ALBEDO = 8u;
-static const uint octagloss_ROW_LAYERS = 22u;
+static const uint octagloss_ROW_PAIRS = 8u;
+static const uint octagloss_ROW_LAYERS = 21u;
+static const float4 octagloss_ROW_ALBEDO_NODES = float4(16.0, 10.0, 8.0, 13.0);
+static const float octagloss_ROW_BLOCKS = 21.0;
+static const float3 octagloss_ROW_SIZE = float3(336.0, 80.0, 8.0);
 static const float octagloss_ROW_SHARP = 0.001;
 static const float octagloss_NARROWEST = 0.05;
 static const float octagloss_BLEND = 0.1;
@@ -390,7 +393,7 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
     float3 _e110 = sum_1;
     float _e116 = octagloss_lights[probe_6].unscale;
     sum_1 = (max(_e110, ZeroValuefloat3()) * _e116);
-    float alpha_8 = (roughness * roughness);
+    float alpha_10 = (roughness * roughness);
     uint2 loop_bound_4 = uint2(4294967295u, 4294967295u);
     bool loop_init_4 = true;
     while(true) {
@@ -415,7 +418,7 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
             float3 apart = float3(_e133, _e137, _e141);
             float3 s = min((0.25 * apart), (0.5).xxx);
             float3 spread_1 = float3(sun.red.w, sun.green.w, sun.blue.w);
-            float3 a2_ = min((((alpha_8 * alpha_8)).xxx + (0.5 * spread_1)), (1.0).xxx);
+            float3 a2_ = min((((alpha_10 * alpha_10)).xxx + (0.5 * spread_1)), (1.0).xxx);
             float3 bend = (s + (a2_ * ((1.0).xxx - s)));
             float3 lobe = (((0.31830987 * a2_) / (bend * bend)) * ((1.0).xxx - (2.0 * s)));
             float3 _e178 = sum_1;
@@ -486,8 +489,8 @@ float4 octagloss_read_reflections(uint layer, float2 at_5)
 float4 octagloss_reflection_node(uint layer_1, float roughness_2, float cosine)
 {
     float sine = sqrt(max((1.0 - (cosine * cosine)), 0.0));
-    float2 place_1 = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * rsqrt((1.0 + sine)))));
-    float2 at_7 = (((place_1 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
+    float2 place_2 = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * rsqrt((1.0 + sine)))));
+    float2 at_7 = (((place_2 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
     const float4 _e31 = octagloss_read_reflections(layer_1, at_7);
     return _e31;
 }
@@ -514,9 +517,9 @@ float2 octagloss_round_albedo(float cosine_1, float roughness_3)
 {
     float seen = clamp(cosine_1, 0.0001, 1.0);
     float2 places = float2((log2((1.0 + (30.0 * roughness_3))) * 0.2018487), ((sqrt(sqrt(seen)) - 0.1) / 0.9));
-    float2 place_2 = (clamp(places, ZeroValuefloat2(), (1.0).xx) * float2(90.0, 74.0));
-    float2 node_2 = min(floor(place_2), float2(89.0, 73.0));
-    float2 share_1 = (place_2 - node_2);
+    float2 place_3 = (clamp(places, ZeroValuefloat2(), (1.0).xx) * float2(90.0, 74.0));
+    float2 node_2 = min(floor(place_3), float2(89.0, 73.0));
+    float2 share_1 = (place_3 - node_2);
     uint first = naga_f2u32((node_2.x + (91.0 * node_2.y)));
     const float4 _e39 = octagloss_read_albedo(first);
     const float4 _e42 = octagloss_read_albedo((first + 91u));
@@ -549,8 +552,8 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha, float spre
         return ZeroValuefloat2();
     }
     float3 half_vector = normalize((view + light));
-    float cosine_8 = dot(view, half_vector);
-    float2 across = (float2(-(view.y), view.x) / (cosine_8).xx);
+    float cosine_10 = dot(view, half_vector);
+    float2 across = (float2(-(view.y), view.x) / (cosine_10).xx);
     float2 squares = ((alpha * alpha) + ((0.5 * spread) * ((1.0).xx + (across * across))));
     float mixed = (((0.5 * spread) * across.x) * across.y);
     float determinant_ = ((squares.x * squares.y) - (mixed * mixed));
@@ -559,7 +562,7 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha, float spre
     float bend_1 = ((slopes / determinant_) + (half_vector.z * half_vector.z));
     float masking = ((light.z * length(float3((alpha * view.xy), view.z))) + (view.z * length(float3((alpha * light.xy), light.z))));
     float value = ((0.5 * light.z) / ((((masking * 3.1415927) * sqrt(determinant_)) * bend_1) * bend_1));
-    return float2(value, pow(max((1.0 - cosine_8), 0.0), 5.0));
+    return float2(value, pow(max((1.0 - cosine_10), 0.0), 5.0));
 }
 
 typedef float3 ret_ZeroValuearray5_float3_[5];
@@ -823,11 +826,11 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
     uint k_7 = 0u;
 
     float3 n_1 = surface_2.normal;
-    float cosine_9 = surface_2.cosine;
+    float cosine_11 = surface_2.cosine;
     float3 along_2 = (surface_2.towards * surface_2.sine);
-    float3 v_1 = (along_2 + (n_1 * cosine_9));
-    const float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_9);
-    const float2 _e14 = octagloss_round_albedo(cosine_9, roughness_4);
+    float3 v_1 = (along_2 + (n_1 * cosine_11));
+    const float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_11);
+    const float2 _e14 = octagloss_round_albedo(cosine_11, roughness_4);
     const float2 _e16 = octagloss_albedo_share(_e14, _e13.zw);
     float3 scaled = (f0_2 * _e16.x);
     float grazing = (f90_2 * _e16.y);
@@ -848,7 +851,7 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
         }
         {
             uint _e30 = k_6;
-            const float4 _e31 = octagloss_reflection_node(_e30, roughness_4, cosine_9);
+            const float4 _e31 = octagloss_reflection_node(_e30, roughness_4, cosine_11);
             float3 half_vector_1 = normalize((n_1 + (_e31.x * along_2)));
             float3 direction_5 = ((half_vector_1 * (2.0 * dot(v_1, half_vector_1))) - v_1);
             float3 _e41 = sum_5;
@@ -879,7 +882,7 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
         {
             uint _e83 = k_7;
             uint _e86 = k_7;
-            const float4 _e88 = octagloss_reflection_node((10u + _e86), roughness_4, cosine_9);
+            const float4 _e88 = octagloss_reflection_node((10u + _e86), roughness_4, cosine_11);
             pairs_1[min(uint(_e83), 7u)] = _e88;
         }
     }
@@ -892,9 +895,9 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
     sum_5 = (max(_e96, ZeroValuefloat3()) * _e102);
     float _e104 = in_mirror;
     float share_2 = max((1.0 - (_e104 / (_e13.z + _e13.w))), 0.0);
-    float2 alpha_9 = ((roughness_4 * roughness_4)).xx;
+    float2 alpha_11 = ((roughness_4 * roughness_4)).xx;
     float3 _e115 = sum_5;
-    const float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, float2(1.0, 0.0), alpha_9, f0_2, f90_2);
+    const float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, float2(1.0, 0.0), alpha_11, f0_2, f90_2);
     return (_e115 + (share_2 * _e119));
 }
 
@@ -913,7 +916,7 @@ octagloss_SurfaceFrame octagloss_surface_of(uint probe_14, float3 normal_2, floa
 
     const float3 _e3 = octagloss_source_from_world(probe_14, normal_2);
     const float3 _e4 = octagloss_source_from_world(probe_14, view_1);
-    float cosine_10 = clamp(dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
+    float cosine_12 = clamp(dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = (_e4 - (_e3 * dot(_e3, _e4)));
     float3 _e13 = level_view;
     float3 _e14 = level_view;
@@ -923,7 +926,7 @@ octagloss_SurfaceFrame octagloss_surface_of(uint probe_14, float3 normal_2, floa
     float3 _e31 = level_view;
     float3 _e32 = level_view;
     float3 towards = normalize((_e31 - (_e3 * dot(_e3, _e32))));
-    const octagloss_SurfaceFrame octagloss_surfaceframe = Constructoctagloss_SurfaceFrame(_e3, towards, cosine_10, sqrt((1.0 - (cosine_10 * cosine_10))));
+    const octagloss_SurfaceFrame octagloss_surfaceframe = Constructoctagloss_SurfaceFrame(_e3, towards, cosine_12, sqrt((1.0 - (cosine_12 * cosine_12))));
     return octagloss_surfaceframe;
 }
 
@@ -936,13 +939,25 @@ float3 octagloss_reflect_isotropic(float3 normal_3, float3 view_2, float roughne
 
 float2 octagloss_row_alphas(float roughness_6, float anisotropy)
 {
-    float alpha_10 = (roughness_6 * roughness_6);
-    return float2((alpha_10 + (((1.0 - alpha_10) * anisotropy) * anisotropy)), alpha_10);
+    float alpha_12 = (roughness_6 * roughness_6);
+    return float2((alpha_12 + (((1.0 - alpha_12) * anisotropy) * anisotropy)), alpha_12);
 }
 
 float octagloss_row_share(float2 alpha_2)
 {
     return smoothstep(0.0, 1.0, ((alpha_2.x - alpha_2.y) / (octagloss_BLEND * max(alpha_2.y, 1e-6))));
+}
+
+float4 ZeroValuefloat4() {
+    return (float4)0;
+}
+
+float4 octagloss_row_places(float2 alpha_3, float cosine_2, float2 tangent_1)
+{
+    float sharp = max(alpha_3.y, octagloss_ROW_SHARP);
+    float azimuth = (atan2(abs(tangent_1.y), abs(tangent_1.x)) * 0.63661975);
+    float4 places_1 = float4((log2((1.0 + (5.0 * sqrt(alpha_3.y)))) * 0.3868528), sqrt(cosine_2), (1.0 - pow(max((1.0 - azimuth), 0.0), 0.6666667)), (log2((max(alpha_3.x, sharp) / sharp)) / -(log2(min(sharp, 0.999999)))));
+    return clamp(places_1, ZeroValuefloat4(), (1.0).xxxx);
 }
 
 octagloss_RowPlace Constructoctagloss_RowPlace(float3 arg0, float arg1) {
@@ -952,21 +967,14 @@ octagloss_RowPlace Constructoctagloss_RowPlace(float3 arg0, float arg1) {
     return ret;
 }
 
-float4 ZeroValuefloat4() {
-    return (float4)0;
-}
-
-octagloss_RowPlace octagloss_row_place(float2 alpha_3, float cosine_2, float2 tangent_1)
+octagloss_RowPlace octagloss_row_place(float2 alpha_4, float cosine_3, float2 tangent_2)
 {
-    float sharp = max(alpha_3.y, octagloss_ROW_SHARP);
-    float azimuth = (atan2(abs(tangent_1.y), abs(tangent_1.x)) * 0.63661975);
-    float4 places_1 = float4((log2((1.0 + (5.0 * sqrt(alpha_3.y)))) * 0.3868528), sqrt(cosine_2), (1.0 - pow(max((1.0 - azimuth), 0.0), 0.6666667)), (log2((max(alpha_3.x, sharp) / sharp)) / -(log2(min(sharp, 0.999999)))));
-    float4 place_3 = (clamp(places_1, ZeroValuefloat4(), (1.0).xxxx) * float4(15.0, 9.0, 7.0, 6.0));
-    float lower = min(floor(place_3.w), 5.0);
-    float2 inside = clamp(place_3.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx));
-    float3 texel_3 = (float3(inside.x, (inside.y + (10.0 * lower)), place_3.z) + (0.5).xxx);
-    float3 size_1 = float3(352.0, 70.0, 8.0);
-    const octagloss_RowPlace octagloss_rowplace = Constructoctagloss_RowPlace((texel_3 / size_1), (place_3.w - lower));
+    const float4 _e3 = octagloss_row_places(alpha_4, cosine_3, tangent_2);
+    float4 place_4 = (_e3 * float4(15.0, 9.0, 7.0, 6.0));
+    float lower = min(floor(place_4.w), 5.0);
+    float2 inside = clamp(place_4.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx));
+    float3 texel_3 = (float3(inside.x, (inside.y + (10.0 * lower)), place_4.z) + (0.5).xxx);
+    const octagloss_RowPlace octagloss_rowplace = Constructoctagloss_RowPlace((texel_3 / octagloss_ROW_SIZE), (place_4.w - lower));
     return octagloss_rowplace;
 }
 
@@ -978,18 +986,38 @@ float4 octagloss_read_rows(float3 at_6)
 
 float4 octagloss_row_node(uint layer_2, octagloss_RowPlace place)
 {
-    float3 at_8 = float3((place.at.x + (float(layer_2) / 22.0)), place.at.yz);
+    float3 at_8 = float3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
     const float4 _e11 = octagloss_read_rows(at_8);
-    const float4 _e18 = octagloss_read_rows(float3(at_8.x, (at_8.y + 0.14285715), at_8.z));
+    const float4 _e18 = octagloss_read_rows(float3(at_8.x, (at_8.y + 0.125), at_8.z));
     return lerp(_e11, _e18, place.share);
 }
 
-float2 octagloss_row_albedo(float2 alpha_4, float cosine_3, float along, float2 more)
+float4 octagloss_row_block(float block, float3 place_1)
 {
-    float2 squares_1 = (alpha_4 * alpha_4);
+    float row_2 = floor(((block + 0.5) / octagloss_ROW_BLOCKS));
+    float2 corner_1 = (float2(16.0, 10.0) * float2((block - (octagloss_ROW_BLOCKS * row_2)), row_2));
+    float3 first_1 = float3(corner_1.x, (corner_1.y + 70.0), 0.0);
+    const float4 _e27 = octagloss_read_rows((((first_1 + place_1) + (0.5).xxx) / octagloss_ROW_SIZE));
+    return _e27;
+}
+
+float4 octagloss_row_more(float2 alpha_5, float cosine_4, float2 tangent_3)
+{
+    const float4 _e3 = octagloss_row_places(alpha_5, cosine_4, tangent_3);
+    float4 place_5 = (_e3 * float4(15.0, 9.0, 7.0, 12.0));
+    float lower_1 = min(floor(place_5.w), 11.0);
+    float3 inside_1 = float3(clamp(place_5.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx)), place_5.z);
+    const float4 _e25 = octagloss_row_block(lower_1, inside_1);
+    const float4 _e28 = octagloss_row_block((lower_1 + 1.0), inside_1);
+    return lerp(_e25, _e28, (place_5.w - lower_1));
+}
+
+float2 octagloss_row_albedo(float2 alpha_6, float cosine_5, float along, float2 more)
+{
+    float2 squares_1 = (alpha_6 * alpha_6);
     float mean_1 = sqrt((0.5 * (squares_1.x + squares_1.y)));
     float seen_1 = sqrt(lerp(squares_1.y, squares_1.x, along));
-    const float2 _e17 = octagloss_round_albedo(cosine_3, sqrt(lerp(seen_1, mean_1, cosine_3)));
+    const float2 _e17 = octagloss_round_albedo(cosine_5, sqrt(lerp(seen_1, mean_1, cosine_5)));
     return max((_e17 + more), ZeroValuefloat2());
 }
 
@@ -1009,15 +1037,15 @@ octagloss_Row Constructoctagloss_Row(float2 arg0, float arg1, float arg2, float4
     return ret;
 }
 
-octagloss_Row octagloss_row_of(float2 alpha_5, float2 tangent_2, float cosine_4)
+octagloss_Row octagloss_row_of(float2 alpha_7, float2 tangent_4, float cosine_6)
 {
     float2 axis = float2(1.0, 0.0);
 
-    float2 squares_2 = (alpha_5 * alpha_5);
+    float2 squares_2 = (alpha_7 * alpha_7);
     float difference = (squares_2.x - squares_2.y);
-    float along_3 = (squares_2.y + ((difference * tangent_2.x) * tangent_2.x));
-    float across_2 = (((squares_2.y + ((difference * tangent_2.y) * tangent_2.y)) * cosine_4) * cosine_4);
-    float mixed_1 = (((difference * tangent_2.x) * tangent_2.y) * cosine_4);
+    float along_3 = (squares_2.y + ((difference * tangent_4.x) * tangent_4.x));
+    float across_2 = (((squares_2.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_6) * cosine_6);
+    float mixed_1 = (((difference * tangent_4.x) * tangent_4.y) * cosine_6);
     float apart_1 = (0.5 * (along_3 - across_2));
     float root = length(float2(apart_1, mixed_1));
     float greatest = max(((0.5 * (along_3 + across_2)) + root), 1e-30);
@@ -1025,11 +1053,11 @@ octagloss_Row octagloss_row_of(float2 alpha_5, float2 tangent_2, float cosine_4)
         float2 steep = float2(abs(mixed_1), ((root - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0)));
         axis = normalize((((apart_1 >= 0.0) ? float2((apart_1 + root), mixed_1) : steep) / (root).xx));
     }
-    float x_2 = log(max((((alpha_5.x * alpha_5.y) * cosine_4) / greatest), octagloss_NARROWEST));
+    float x_2 = log(max((((alpha_7.x * alpha_7.y) * cosine_6) / greatest), octagloss_NARROWEST));
     float extent = sqrt(greatest);
     float y_2 = log((1.0 + (6.0 * extent)));
     float _e75 = axis.x;
-    float tilt = (_e75 * smoothstep(0.0, octagloss_TILTED, sqrt((1.0 - (cosine_4 * cosine_4)))));
+    float tilt = (_e75 * smoothstep(0.0, octagloss_TILTED, sqrt((1.0 - (cosine_6 * cosine_6)))));
     float _e85 = axis.x;
     float e_1 = (_e85 * tilt);
     float4 terms_1[3] = Constructarray3_float4_(float4(1.0, x_2, (x_2 * x_2), y_2), float4((x_2 * y_2), (y_2 * y_2), e_1, (e_1 * x_2)), float4(((x_2 * x_2) * x_2), ((y_2 * y_2) * y_2), ((x_2 * x_2) * y_2), ((x_2 * y_2) * y_2)));
@@ -1042,14 +1070,14 @@ octagloss_Row octagloss_row_of(float2 alpha_5, float2 tangent_2, float cosine_4)
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;
-    const octagloss_Row octagloss_row = Constructoctagloss_Row((float2(_e201, (_e203 / cosine_4)) * sqrt((2.0 * root))), extent, (_e119 * tilt), exp(float4(_e135, _e151, _e167, _e183)), exp(_e199), smoothstep(0.0, octagloss_SKEWED, _e216));
+    const octagloss_Row octagloss_row = Constructoctagloss_Row((float2(_e201, (_e203 / cosine_6)) * sqrt((2.0 * root))), extent, (_e119 * tilt), exp(float4(_e135, _e151, _e167, _e183)), exp(_e199), smoothstep(0.0, octagloss_SKEWED, _e216));
     return octagloss_row;
 }
 
 float2 octagloss_row_read(octagloss_Row row_1, uint read)
 {
-    float place_4 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
-    float slope = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_4))) / row_1.steps.y);
+    float place_6 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
+    float slope = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_6))) / row_1.steps.y);
     float wider = ((naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation));
     float growth = (row_1.steps.w * slope);
     float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
@@ -1066,7 +1094,7 @@ ret_Constructarray4_float3_ Constructarray4_float3_(float3 arg0, float3 arg1, fl
     return ret;
 }
 
-float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, float2 tangent_3, float2 alpha_6, float3 f0_4, float f90_4)
+float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, float2 tangent_5, float2 alpha_8, float3 f0_4, float f90_4)
 {
     float3 sum_6 = ZeroValuefloat3();
     float in_mirror_1 = 0.0;
@@ -1087,11 +1115,12 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     float3 n_2 = surface_3.normal;
     float3 across_3 = cross(n_2, surface_3.towards);
     float3 v_2 = ((surface_3.towards * surface_3.sine) + (n_2 * surface_3.cosine));
-    const octagloss_RowPlace _e16 = octagloss_row_place(alpha_6, surface_3.cosine, tangent_3);
-    const octagloss_Row _e18 = octagloss_row_of(alpha_6, tangent_3, surface_3.cosine);
+    const octagloss_RowPlace _e16 = octagloss_row_place(alpha_8, surface_3.cosine, tangent_5);
+    const octagloss_Row _e18 = octagloss_row_of(alpha_8, tangent_5, surface_3.cosine);
     float3 axis_1 = ((surface_3.towards * _e18.axis.x) + (across_3 * _e18.axis.y));
-    const float4 _e32 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
-    const float2 _e34 = octagloss_row_albedo(alpha_6, surface_3.cosine, (tangent_3.x * tangent_3.x), _e32.xy);
+    const float4 _e28 = octagloss_row_more(alpha_8, surface_3.cosine, tangent_5);
+    float2 more_1 = _e28.xy;
+    const float2 _e34 = octagloss_row_albedo(alpha_8, surface_3.cosine, (tangent_5.x * tangent_5.x), more_1);
     float3 scaled_1 = (f0_4 * _e34.x);
     float grazing_1 = (f90_4 * _e34.y);
     uint2 loop_bound_14 = uint2(4294967295u, 4294967295u);
@@ -1180,7 +1209,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
         {
             uint _e151 = k_8;
             uint _e154 = k_8;
-            const float4 _e156 = octagloss_row_node((9u + _e154), _e16);
+            const float4 _e156 = octagloss_row_node((octagloss_ROW_PAIRS + _e154), _e16);
             pairs_2[min(uint(_e151), 7u)] = _e156;
         }
     }
@@ -1188,7 +1217,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     float4 _e161[8] = pairs_2;
     const float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled_1, grazing_1);
     sum_6 = (_e160 + _e162);
-    float3 mirrored = (across_3 * (((tangent_3.x * tangent_3.y) < 0.0) ? -1.0 : 1.0));
+    float3 mirrored = (across_3 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
     float4 _e192 = pairs_2[7];
     texel_1 = _e192;
     uint2 loop_bound_17 = uint2(4294967295u, 4294967295u);
@@ -1241,7 +1270,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
                     uint _e236 = pair_1;
                     if ((naga_mod(_e236, 2u) == 0u)) {
                         uint _e242 = pair_1;
-                        const float4 _e246 = octagloss_row_node((9u + naga_div(_e242, 2u)), _e16);
+                        const float4 _e246 = octagloss_row_node((octagloss_ROW_PAIRS + naga_div(_e242, 2u)), _e16);
                         texel_1 = _e246;
                     }
                     float4 _e247 = texel_1;
@@ -1266,24 +1295,24 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     float _e290 = in_mirror_1;
     float share_3 = max((1.0 - (_e290 / (_e34.x + _e34.y))), 0.0);
     float3 _e299 = sum_6;
-    const float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_3, alpha_6, f0_4, f90_4);
+    const float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_5, alpha_8, f0_4, f90_4);
     return (_e299 + (share_3 * _e300));
 }
 
-float3 octagloss_reflect_of(uint probe_16, float3 normal_4, float3 view_3, float3 tangent_4, float roughness_7, float anisotropy_1, float3 f0_5, float f90_5)
+float3 octagloss_reflect_of(uint probe_16, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_5, float f90_5)
 {
     float2 level_3 = ZeroValuefloat2();
     bool local = (bool)0;
 
     const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_16, normal_4, view_3);
     if ((anisotropy_1 > 0.0)) {
-        local = (dot(tangent_4, tangent_4) > 0.0);
+        local = (dot(tangent_6, tangent_6) > 0.0);
     } else {
         local = false;
     }
     bool _e19 = local;
     if (_e19) {
-        const float3 _e20 = octagloss_source_from_world(probe_16, tangent_4);
+        const float3 _e20 = octagloss_source_from_world(probe_16, tangent_6);
         float3 across_4 = cross(_e8.normal, _e8.towards);
         level_3 = float2(dot(_e20, _e8.towards), dot(_e20, across_4));
     }
@@ -1306,48 +1335,46 @@ float3 octagloss_reflect_of(uint probe_16, float3 normal_4, float3 view_3, float
     return (sum_7 + ((1.0 - _e37) * _e51));
 }
 
-float3 octagloss_reflect(float3 normal_5, float3 view_4, float3 tangent_5, float roughness_8, float anisotropy_2, float3 f0_6, float f90_6)
+float3 octagloss_reflect(float3 normal_5, float3 view_4, float3 tangent_7, float roughness_8, float anisotropy_2, float3 f0_6, float f90_6)
 {
-    const float3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_5, roughness_8, anisotropy_2, f0_6, f90_6);
+    const float3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_7, roughness_8, anisotropy_2, f0_6, f90_6);
     return _e8;
 }
 
-float2 octagloss_faded_albedo(float2 alpha_7, float cosine_5, float2 own_2)
+float2 octagloss_faded_albedo(float2 alpha_9, float cosine_7, float2 own_2)
 {
-    const float2 _e8 = octagloss_round_albedo(cosine_5, sqrt(sqrt((alpha_7.x * alpha_7.y))));
-    const float _e9 = octagloss_row_share(alpha_7);
+    const float2 _e8 = octagloss_round_albedo(cosine_7, sqrt(sqrt((alpha_9.x * alpha_9.y))));
+    const float _e9 = octagloss_row_share(alpha_9);
     return lerp(_e8, own_2, _e9);
 }
 
-float2 octagloss_albedo(float cosine_6, float roughness_9, float anisotropy_3)
+float2 octagloss_albedo(float cosine_8, float roughness_9, float anisotropy_3)
 {
     if ((anisotropy_3 <= 0.0)) {
-        const float2 _e5 = octagloss_round_albedo(cosine_6, roughness_9);
+        const float2 _e5 = octagloss_round_albedo(cosine_8, roughness_9);
         return _e5;
     }
     const float2 _e8 = octagloss_row_alphas(roughness_9, min(anisotropy_3, 1.0));
-    float seen_2 = clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
-    const octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_2, float2(1.0, 0.0));
-    const float4 _e17 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16);
-    float2 more_1 = _e17.zw;
-    const float2 _e20 = octagloss_row_albedo(_e8, seen_2, 0.5, more_1);
-    const float2 _e21 = octagloss_faded_albedo(_e8, seen_2, _e20);
-    return _e21;
+    float seen_2 = clamp(cosine_8, octagloss_LEAST_COSINE, 1.0);
+    const float4 _e15 = octagloss_row_more(_e8, seen_2, float2(1.0, 0.0));
+    float2 more_2 = _e15.zw;
+    const float2 _e18 = octagloss_row_albedo(_e8, seen_2, 0.5, more_2);
+    const float2 _e19 = octagloss_faded_albedo(_e8, seen_2, _e18);
+    return _e19;
 }
 
-float2 octagloss_albedo_along(float cosine_7, float along_1, float roughness_10, float anisotropy_4)
+float2 octagloss_albedo_along(float cosine_9, float along_1, float roughness_10, float anisotropy_4)
 {
     if ((anisotropy_4 <= 0.0)) {
-        const float2 _e6 = octagloss_round_albedo(cosine_7, roughness_10);
+        const float2 _e6 = octagloss_round_albedo(cosine_9, roughness_10);
         return _e6;
     }
     const float2 _e9 = octagloss_row_alphas(roughness_10, min(anisotropy_4, 1.0));
-    float seen_3 = clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
+    float seen_3 = clamp(cosine_9, octagloss_LEAST_COSINE, 1.0);
     float x_3 = min((abs(along_1) / max(sqrt((1.0 - (seen_3 * seen_3))), 0.0001)), 1.0);
-    const octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_3, float2(x_3, sqrt((1.0 - (x_3 * x_3)))));
-    const float4 _e30 = octagloss_row_node(octagloss_ROW_ALBEDO, _e29);
-    float2 more_2 = _e30.xy;
-    const float2 _e33 = octagloss_row_albedo(_e9, seen_3, (x_3 * x_3), more_2);
-    const float2 _e34 = octagloss_faded_albedo(_e9, seen_3, _e33);
-    return _e34;
+    const float4 _e28 = octagloss_row_more(_e9, seen_3, float2(x_3, sqrt((1.0 - (x_3 * x_3)))));
+    float2 more_3 = _e28.xy;
+    const float2 _e31 = octagloss_row_albedo(_e9, seen_3, (x_3 * x_3), more_3);
+    const float2 _e32 = octagloss_faded_albedo(_e9, seen_3, _e31);
+    return _e32;
 }

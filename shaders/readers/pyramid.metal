@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a aa6c309287777607.
+// Translated from pyramid.wgsl, FNV-1a 4200b294563c6ddb.
 // Metal; the resources are arguments of each function.
 // language: metal1.0
 #include <metal_stdlib>
@@ -103,8 +103,11 @@ constant float octagloss_LEAST_ALPHA = 0.000001;
 constant metal::float2 octagloss_TABLES = metal::float2(864.0, 39.0);
 constant metal::float4 octagloss_ROW_NODES = metal::float4(16.0, 10.0, 8.0, 7.0);
 constant uint octagloss_ROW_MIDDLE = 7u;
-constant uint octagloss_ROW_ALBEDO = 8u;
-constant uint octagloss_ROW_LAYERS = 22u;
+constant uint octagloss_ROW_PAIRS = 8u;
+constant uint octagloss_ROW_LAYERS = 21u;
+constant metal::float4 octagloss_ROW_ALBEDO_NODES = metal::float4(16.0, 10.0, 8.0, 13.0);
+constant float octagloss_ROW_BLOCKS = 21.0;
+constant metal::float3 octagloss_ROW_SIZE = metal::float3(336.0, 80.0, 8.0);
 constant float octagloss_ROW_SHARP = 0.001;
 constant float octagloss_NARROWEST = 0.05;
 constant float octagloss_BLEND = 0.1;
@@ -409,7 +412,7 @@ metal::float3 octagloss_radiance_of(
     metal::float3 _e110 = sum_1;
     float _e116 = octagloss_lights.inner[probe_6].unscale;
     sum_1 = metal::max(_e110, metal::float3 {}) * _e116;
-    float alpha_8 = roughness * roughness;
+    float alpha_10 = roughness * roughness;
     uint2 loop_bound_4 = uint2(4294967295u);
     bool loop_init_4 = true;
     while(true) {
@@ -434,7 +437,7 @@ metal::float3 octagloss_radiance_of(
             metal::float3 apart = metal::float3(_e133, _e137, _e141);
             metal::float3 s = metal::min(0.25 * apart, metal::float3(0.5));
             metal::float3 spread_1 = metal::float3(sun.red.w, sun.green.w, sun.blue.w);
-            metal::float3 a2_ = metal::min(metal::float3(alpha_8 * alpha_8) + (0.5 * spread_1), metal::float3(1.0));
+            metal::float3 a2_ = metal::min(metal::float3(alpha_10 * alpha_10) + (0.5 * spread_1), metal::float3(1.0));
             metal::float3 bend = s + (a2_ * (metal::float3(1.0) - s));
             metal::float3 lobe = ((0.31830987 * a2_) / (bend * bend)) * (metal::float3(1.0) - (2.0 * s));
             metal::float3 _e178 = sum_1;
@@ -528,8 +531,8 @@ metal::float4 octagloss_reflection_node(
     metal::sampler octagloss_linear
 ) {
     float sine = metal::sqrt(metal::max(1.0 - (cosine * cosine), 0.0));
-    metal::float2 place_1 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
-    metal::float2 at_7 = ((place_1 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
+    metal::float2 place_2 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
+    metal::float2 at_7 = ((place_2 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
     metal::float4 _e31 = octagloss_read_reflections(layer_1, at_7, octagloss_tables, octagloss_linear);
     return _e31;
 }
@@ -557,9 +560,9 @@ metal::float2 octagloss_round_albedo(
 ) {
     float seen = metal::clamp(cosine_1, 0.0001, 1.0);
     metal::float2 places = metal::float2(metal::log2(1.0 + (30.0 * roughness_3)) * 0.2018487, (metal::sqrt(metal::sqrt(seen)) - 0.1) / 0.9);
-    metal::float2 place_2 = metal::clamp(places, metal::float2 {}, metal::float2(1.0)) * metal::float2(90.0, 74.0);
-    metal::float2 node_2 = metal::min(metal::floor(place_2), metal::float2(89.0, 73.0));
-    metal::float2 share_1 = place_2 - node_2;
+    metal::float2 place_3 = metal::clamp(places, metal::float2 {}, metal::float2(1.0)) * metal::float2(90.0, 74.0);
+    metal::float2 node_2 = metal::min(metal::floor(place_3), metal::float2(89.0, 73.0));
+    metal::float2 share_1 = place_3 - node_2;
     uint first = naga_f2u32(node_2.x + (91.0 * node_2.y));
     metal::float4 _e39 = octagloss_read_albedo(first, octagloss_tables);
     metal::float4 _e42 = octagloss_read_albedo(first + 91u, octagloss_tables);
@@ -601,8 +604,8 @@ metal::float2 octagloss_brdf_around(
         return metal::float2 {};
     }
     metal::float3 half_vector = metal::normalize(view + light);
-    float cosine_8 = metal::dot(view, half_vector);
-    metal::float2 across = metal::float2(-(view.y), view.x) / metal::float2(cosine_8);
+    float cosine_10 = metal::dot(view, half_vector);
+    metal::float2 across = metal::float2(-(view.y), view.x) / metal::float2(cosine_10);
     metal::float2 squares = (alpha * alpha) + ((0.5 * spread) * (metal::float2(1.0) + (across * across)));
     float mixed = ((0.5 * spread) * across.x) * across.y;
     float determinant = (squares.x * squares.y) - (mixed * mixed);
@@ -611,7 +614,7 @@ metal::float2 octagloss_brdf_around(
     float bend_1 = (slopes / determinant) + (half_vector.z * half_vector.z);
     float masking = (light.z * metal::length(metal::float3(alpha * view.xy, view.z))) + (view.z * metal::length(metal::float3(alpha * light.xy, light.z)));
     float value = (0.5 * light.z) / ((((masking * 3.1415927) * metal::sqrt(determinant)) * bend_1) * bend_1);
-    return metal::float2(value, metal::pow(metal::max(1.0 - cosine_8, 0.0), 5.0));
+    return metal::float2(value, metal::pow(metal::max(1.0 - cosine_10, 0.0), 5.0));
 }
 
 type_19 octagloss_harmonic_orders(
@@ -872,11 +875,11 @@ metal::float3 octagloss_reflected_isotropic(
     type_20 pairs_1 = type_20 {};
     uint k_7 = 0u;
     metal::float3 n_1 = surface_2.normal;
-    float cosine_9 = surface_2.cosine;
+    float cosine_11 = surface_2.cosine;
     metal::float3 along_2 = surface_2.towards * surface_2.sine;
-    metal::float3 v_1 = along_2 + (n_1 * cosine_9);
-    metal::float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_9, octagloss_tables, octagloss_linear);
-    metal::float2 _e14 = octagloss_round_albedo(cosine_9, roughness_4, octagloss_tables);
+    metal::float3 v_1 = along_2 + (n_1 * cosine_11);
+    metal::float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_11, octagloss_tables, octagloss_linear);
+    metal::float2 _e14 = octagloss_round_albedo(cosine_11, roughness_4, octagloss_tables);
     metal::float2 _e16 = octagloss_albedo_share(_e14, _e13.zw);
     metal::float3 scaled = f0_2 * _e16.x;
     float grazing = f90_2 * _e16.y;
@@ -897,7 +900,7 @@ metal::float3 octagloss_reflected_isotropic(
         }
         {
             uint _e30 = k_6;
-            metal::float4 _e31 = octagloss_reflection_node(_e30, roughness_4, cosine_9, octagloss_tables, octagloss_linear);
+            metal::float4 _e31 = octagloss_reflection_node(_e30, roughness_4, cosine_11, octagloss_tables, octagloss_linear);
             metal::float3 half_vector_1 = metal::normalize(n_1 + (_e31.x * along_2));
             metal::float3 direction_5 = (half_vector_1 * (2.0 * metal::dot(v_1, half_vector_1))) - v_1;
             metal::float3 _e41 = sum_5;
@@ -928,7 +931,7 @@ metal::float3 octagloss_reflected_isotropic(
         {
             uint _e83 = k_7;
             uint _e86 = k_7;
-            metal::float4 _e88 = octagloss_reflection_node(10u + _e86, roughness_4, cosine_9, octagloss_tables, octagloss_linear);
+            metal::float4 _e88 = octagloss_reflection_node(10u + _e86, roughness_4, cosine_11, octagloss_tables, octagloss_linear);
             pairs_1.inner[_e83] = _e88;
         }
     }
@@ -941,9 +944,9 @@ metal::float3 octagloss_reflected_isotropic(
     sum_5 = metal::max(_e96, metal::float3 {}) * _e102;
     float _e104 = in_mirror;
     float share_2 = metal::max(1.0 - (_e104 / (_e13.z + _e13.w)), 0.0);
-    metal::float2 alpha_9 = metal::float2(roughness_4 * roughness_4);
+    metal::float2 alpha_11 = metal::float2(roughness_4 * roughness_4);
     metal::float3 _e115 = sum_5;
-    metal::float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_9, f0_2, f90_2, octagloss_lights, octagloss_maps);
+    metal::float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_2, f90_2, octagloss_lights, octagloss_maps);
     return _e115 + (share_2 * _e119);
 }
 
@@ -956,7 +959,7 @@ octagloss_SurfaceFrame octagloss_surface_of(
     metal::float3 level_view = {};
     metal::float3 _e3 = octagloss_source_from_world(probe_14, normal_2, octagloss_lights);
     metal::float3 _e4 = octagloss_source_from_world(probe_14, view_1, octagloss_lights);
-    float cosine_10 = metal::clamp(metal::dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
+    float cosine_12 = metal::clamp(metal::dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = _e4 - (_e3 * metal::dot(_e3, _e4));
     metal::float3 _e13 = level_view;
     metal::float3 _e14 = level_view;
@@ -966,7 +969,7 @@ octagloss_SurfaceFrame octagloss_surface_of(
     metal::float3 _e31 = level_view;
     metal::float3 _e32 = level_view;
     metal::float3 towards = metal::normalize(_e31 - (_e3 * metal::dot(_e3, _e32)));
-    return octagloss_SurfaceFrame {_e3, towards, cosine_10, metal::sqrt(1.0 - (cosine_10 * cosine_10))};
+    return octagloss_SurfaceFrame {_e3, towards, cosine_12, metal::sqrt(1.0 - (cosine_12 * cosine_12))};
 }
 
 metal::float3 octagloss_reflect_isotropic(
@@ -989,8 +992,8 @@ metal::float2 octagloss_row_alphas(
     float roughness_6,
     float anisotropy
 ) {
-    float alpha_10 = roughness_6 * roughness_6;
-    return metal::float2(alpha_10 + (((1.0 - alpha_10) * anisotropy) * anisotropy), alpha_10);
+    float alpha_12 = roughness_6 * roughness_6;
+    return metal::float2(alpha_12 + (((1.0 - alpha_12) * anisotropy) * anisotropy), alpha_12);
 }
 
 float octagloss_row_share(
@@ -999,7 +1002,7 @@ float octagloss_row_share(
     return metal::smoothstep(0.0, 1.0, (alpha_2.x - alpha_2.y) / (octagloss_BLEND * metal::max(alpha_2.y, 0.000001)));
 }
 
-octagloss_RowPlace octagloss_row_place(
+metal::float4 octagloss_row_places(
     metal::float2 alpha_3,
     float cosine_2,
     metal::float2 tangent_1
@@ -1007,12 +1010,20 @@ octagloss_RowPlace octagloss_row_place(
     float sharp = metal::max(alpha_3.y, octagloss_ROW_SHARP);
     float azimuth = metal::atan2(metal::abs(tangent_1.y), metal::abs(tangent_1.x)) * 0.63661975;
     metal::float4 places_1 = metal::float4(metal::log2(1.0 + (5.0 * metal::sqrt(alpha_3.y))) * 0.3868528, metal::sqrt(cosine_2), 1.0 - metal::pow(metal::max(1.0 - azimuth, 0.0), 0.6666667), metal::log2(metal::max(alpha_3.x, sharp) / sharp) / -(metal::log2(metal::min(sharp, 0.999999))));
-    metal::float4 place_3 = metal::clamp(places_1, metal::float4 {}, metal::float4(1.0)) * metal::float4(15.0, 9.0, 7.0, 6.0);
-    float lower = metal::min(metal::floor(place_3.w), 5.0);
-    metal::float2 inside = metal::clamp(place_3.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
-    metal::float3 texel_3 = metal::float3(inside.x, inside.y + (10.0 * lower), place_3.z) + metal::float3(0.5);
-    metal::float3 size_1 = metal::float3(352.0, 70.0, 8.0);
-    return octagloss_RowPlace {texel_3 / size_1, place_3.w - lower};
+    return metal::clamp(places_1, metal::float4 {}, metal::float4(1.0));
+}
+
+octagloss_RowPlace octagloss_row_place(
+    metal::float2 alpha_4,
+    float cosine_3,
+    metal::float2 tangent_2
+) {
+    metal::float4 _e3 = octagloss_row_places(alpha_4, cosine_3, tangent_2);
+    metal::float4 place_4 = _e3 * metal::float4(15.0, 9.0, 7.0, 6.0);
+    float lower = metal::min(metal::floor(place_4.w), 5.0);
+    metal::float2 inside = metal::clamp(place_4.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
+    metal::float3 texel_3 = metal::float3(inside.x, inside.y + (10.0 * lower), place_4.z) + metal::float3(0.5);
+    return octagloss_RowPlace {texel_3 / octagloss_ROW_SIZE, place_4.w - lower};
 }
 
 metal::float4 octagloss_read_rows(
@@ -1030,23 +1041,52 @@ metal::float4 octagloss_row_node(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float3 at_8 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 22.0), metal::float3(place.at).yz);
+    metal::float3 at_8 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
     metal::float4 _e11 = octagloss_read_rows(at_8, octagloss_linear, octagloss_rows);
-    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_8.x, at_8.y + 0.14285715, at_8.z), octagloss_linear, octagloss_rows);
+    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_8.x, at_8.y + 0.125, at_8.z), octagloss_linear, octagloss_rows);
     return metal::mix(_e11, _e18, place.share);
 }
 
+metal::float4 octagloss_row_block(
+    float block,
+    metal::float3 place_1,
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
+) {
+    float row_2 = metal::floor((block + 0.5) / octagloss_ROW_BLOCKS);
+    metal::float2 corner_1 = metal::float2(16.0, 10.0) * metal::float2(block - (octagloss_ROW_BLOCKS * row_2), row_2);
+    metal::float3 first_1 = metal::float3(corner_1.x, corner_1.y + 70.0, 0.0);
+    metal::float4 _e27 = octagloss_read_rows(((first_1 + place_1) + metal::float3(0.5)) / octagloss_ROW_SIZE, octagloss_linear, octagloss_rows);
+    return _e27;
+}
+
+metal::float4 octagloss_row_more(
+    metal::float2 alpha_5,
+    float cosine_4,
+    metal::float2 tangent_3,
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
+) {
+    metal::float4 _e3 = octagloss_row_places(alpha_5, cosine_4, tangent_3);
+    metal::float4 place_5 = _e3 * metal::float4(15.0, 9.0, 7.0, 12.0);
+    float lower_1 = metal::min(metal::floor(place_5.w), 11.0);
+    metal::float3 inside_1 = metal::float3(metal::clamp(place_5.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625)), place_5.z);
+    metal::float4 _e25 = octagloss_row_block(lower_1, inside_1, octagloss_linear, octagloss_rows);
+    metal::float4 _e28 = octagloss_row_block(lower_1 + 1.0, inside_1, octagloss_linear, octagloss_rows);
+    return metal::mix(_e25, _e28, place_5.w - lower_1);
+}
+
 metal::float2 octagloss_row_albedo(
-    metal::float2 alpha_4,
-    float cosine_3,
+    metal::float2 alpha_6,
+    float cosine_5,
     float along,
     metal::float2 more,
     metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
-    metal::float2 squares_1 = alpha_4 * alpha_4;
+    metal::float2 squares_1 = alpha_6 * alpha_6;
     float mean_1 = metal::sqrt(0.5 * (squares_1.x + squares_1.y));
     float seen_1 = metal::sqrt(metal::mix(squares_1.y, squares_1.x, along));
-    metal::float2 _e17 = octagloss_round_albedo(cosine_3, metal::sqrt(metal::mix(seen_1, mean_1, cosine_3)), octagloss_tables);
+    metal::float2 _e17 = octagloss_round_albedo(cosine_5, metal::sqrt(metal::mix(seen_1, mean_1, cosine_5)), octagloss_tables);
     return metal::max(_e17 + more, metal::float2 {});
 }
 
@@ -1060,16 +1100,16 @@ float octagloss_row_number(
 }
 
 octagloss_Row octagloss_row_of(
-    metal::float2 alpha_5,
-    metal::float2 tangent_2,
-    float cosine_4
+    metal::float2 alpha_7,
+    metal::float2 tangent_4,
+    float cosine_6
 ) {
     metal::float2 axis = metal::float2(1.0, 0.0);
-    metal::float2 squares_2 = alpha_5 * alpha_5;
+    metal::float2 squares_2 = alpha_7 * alpha_7;
     float difference = squares_2.x - squares_2.y;
-    float along_3 = squares_2.y + ((difference * tangent_2.x) * tangent_2.x);
-    float across_2 = ((squares_2.y + ((difference * tangent_2.y) * tangent_2.y)) * cosine_4) * cosine_4;
-    float mixed_1 = ((difference * tangent_2.x) * tangent_2.y) * cosine_4;
+    float along_3 = squares_2.y + ((difference * tangent_4.x) * tangent_4.x);
+    float across_2 = ((squares_2.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_6) * cosine_6;
+    float mixed_1 = ((difference * tangent_4.x) * tangent_4.y) * cosine_6;
     float apart_1 = 0.5 * (along_3 - across_2);
     float root = metal::length(metal::float2(apart_1, mixed_1));
     float greatest = metal::max((0.5 * (along_3 + across_2)) + root, 0.000000000000000000000000000001);
@@ -1077,11 +1117,11 @@ octagloss_Row octagloss_row_of(
         metal::float2 steep = metal::float2(metal::abs(mixed_1), (root - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0));
         axis = metal::normalize(((apart_1 >= 0.0) ? metal::float2(apart_1 + root, mixed_1) : steep) / metal::float2(root));
     }
-    float x_2 = metal::log(metal::max(((alpha_5.x * alpha_5.y) * cosine_4) / greatest, octagloss_NARROWEST));
+    float x_2 = metal::log(metal::max(((alpha_7.x * alpha_7.y) * cosine_6) / greatest, octagloss_NARROWEST));
     float extent = metal::sqrt(greatest);
     float y_2 = metal::log(1.0 + (6.0 * extent));
     float _e75 = axis.x;
-    float tilt = _e75 * metal::smoothstep(0.0, octagloss_TILTED, metal::sqrt(1.0 - (cosine_4 * cosine_4)));
+    float tilt = _e75 * metal::smoothstep(0.0, octagloss_TILTED, metal::sqrt(1.0 - (cosine_6 * cosine_6)));
     float _e85 = axis.x;
     float e_1 = _e85 * tilt;
     type_22 terms_1 = type_22 {{metal::float4(1.0, x_2, x_2 * x_2, y_2), metal::float4(x_2 * y_2, y_2 * y_2, e_1, e_1 * x_2), metal::float4((x_2 * x_2) * x_2, (y_2 * y_2) * y_2, (x_2 * x_2) * y_2, (x_2 * y_2) * y_2)}};
@@ -1094,7 +1134,7 @@ octagloss_Row octagloss_row_of(
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;
-    return octagloss_Row {metal::float2(_e201, _e203 / cosine_4) * metal::sqrt(2.0 * root), extent, _e119 * tilt, metal::exp(metal::float4(_e135, _e151, _e167, _e183)), metal::exp(_e199), metal::smoothstep(0.0, octagloss_SKEWED, _e216)};
+    return octagloss_Row {metal::float2(_e201, _e203 / cosine_6) * metal::sqrt(2.0 * root), extent, _e119 * tilt, metal::exp(metal::float4(_e135, _e151, _e167, _e183)), metal::exp(_e199), metal::smoothstep(0.0, octagloss_SKEWED, _e216)};
 }
 
 metal::float2 octagloss_row_read(
@@ -1102,8 +1142,8 @@ metal::float2 octagloss_row_read(
     uint read,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps
 ) {
-    float place_4 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
-    float slope = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_4)) / row_1.steps.y;
+    float place_6 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
+    float slope = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_6)) / row_1.steps.y;
     float wider = (naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation);
     float growth = row_1.steps.w * slope;
     float width = ((wider * row_1.steps.z) * metal::sqrt(1.0 + (growth * growth))) * row_1.extent;
@@ -1117,8 +1157,8 @@ metal::float2 octagloss_row_read(
 metal::float3 octagloss_reflect_in_row(
     uint probe_15,
     octagloss_SurfaceFrame surface_3,
-    metal::float2 tangent_3,
-    metal::float2 alpha_6,
+    metal::float2 tangent_5,
+    metal::float2 alpha_8,
     metal::float3 f0_4,
     float f90_4,
     constant type_7& octagloss_lights,
@@ -1145,11 +1185,12 @@ metal::float3 octagloss_reflect_in_row(
     metal::float3 n_2 = surface_3.normal;
     metal::float3 across_3 = metal::cross(n_2, surface_3.towards);
     metal::float3 v_2 = (surface_3.towards * surface_3.sine) + (n_2 * surface_3.cosine);
-    octagloss_RowPlace _e16 = octagloss_row_place(alpha_6, surface_3.cosine, tangent_3);
-    octagloss_Row _e18 = octagloss_row_of(alpha_6, tangent_3, surface_3.cosine);
+    octagloss_RowPlace _e16 = octagloss_row_place(alpha_8, surface_3.cosine, tangent_5);
+    octagloss_Row _e18 = octagloss_row_of(alpha_8, tangent_5, surface_3.cosine);
     metal::float3 axis_1 = (surface_3.towards * _e18.axis.x) + (across_3 * _e18.axis.y);
-    metal::float4 _e32 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16, octagloss_linear, octagloss_rows);
-    metal::float2 _e34 = octagloss_row_albedo(alpha_6, surface_3.cosine, tangent_3.x * tangent_3.x, _e32.xy, octagloss_tables);
+    metal::float4 _e28 = octagloss_row_more(alpha_8, surface_3.cosine, tangent_5, octagloss_linear, octagloss_rows);
+    metal::float2 more_1 = _e28.xy;
+    metal::float2 _e34 = octagloss_row_albedo(alpha_8, surface_3.cosine, tangent_5.x * tangent_5.x, more_1, octagloss_tables);
     metal::float3 scaled_1 = f0_4 * _e34.x;
     float grazing_1 = f90_4 * _e34.y;
     uint2 loop_bound_14 = uint2(4294967295u);
@@ -1238,7 +1279,7 @@ metal::float3 octagloss_reflect_in_row(
         {
             uint _e151 = k_8;
             uint _e154 = k_8;
-            metal::float4 _e156 = octagloss_row_node(9u + _e154, _e16, octagloss_linear, octagloss_rows);
+            metal::float4 _e156 = octagloss_row_node(octagloss_ROW_PAIRS + _e154, _e16, octagloss_linear, octagloss_rows);
             pairs_2.inner[_e151] = _e156;
         }
     }
@@ -1246,7 +1287,7 @@ metal::float3 octagloss_reflect_in_row(
     type_20 _e161 = pairs_2;
     metal::float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled_1, grazing_1, octagloss_lights);
     sum_6 = _e160 + _e162;
-    metal::float3 mirrored = across_3 * (((tangent_3.x * tangent_3.y) < 0.0) ? -1.0 : 1.0);
+    metal::float3 mirrored = across_3 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
     metal::float4 _e192 = pairs_2.inner[7];
     texel_1 = _e192;
     uint2 loop_bound_17 = uint2(4294967295u);
@@ -1299,7 +1340,7 @@ metal::float3 octagloss_reflect_in_row(
                     uint _e236 = pair_1;
                     if (naga_mod(_e236, 2u) == 0u) {
                         uint _e242 = pair_1;
-                        metal::float4 _e246 = octagloss_row_node(9u + naga_div(_e242, 2u), _e16, octagloss_linear, octagloss_rows);
+                        metal::float4 _e246 = octagloss_row_node(octagloss_ROW_PAIRS + naga_div(_e242, 2u), _e16, octagloss_linear, octagloss_rows);
                         texel_1 = _e246;
                     }
                     metal::float4 _e247 = texel_1;
@@ -1324,7 +1365,7 @@ metal::float3 octagloss_reflect_in_row(
     float _e290 = in_mirror_1;
     float share_3 = metal::max(1.0 - (_e290 / (_e34.x + _e34.y)), 0.0);
     metal::float3 _e299 = sum_6;
-    metal::float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_3, alpha_6, f0_4, f90_4, octagloss_lights, octagloss_maps);
+    metal::float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_5, alpha_8, f0_4, f90_4, octagloss_lights, octagloss_maps);
     return _e299 + (share_3 * _e300);
 }
 
@@ -1332,7 +1373,7 @@ metal::float3 octagloss_reflect_of(
     uint probe_16,
     metal::float3 normal_4,
     metal::float3 view_3,
-    metal::float3 tangent_4,
+    metal::float3 tangent_6,
     float roughness_7,
     float anisotropy_1,
     metal::float3 f0_5,
@@ -1347,13 +1388,13 @@ metal::float3 octagloss_reflect_of(
     bool local = {};
     octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_16, normal_4, view_3, octagloss_lights);
     if (anisotropy_1 > 0.0) {
-        local = metal::dot(tangent_4, tangent_4) > 0.0;
+        local = metal::dot(tangent_6, tangent_6) > 0.0;
     } else {
         local = false;
     }
     bool _e19 = local;
     if (_e19) {
-        metal::float3 _e20 = octagloss_source_from_world(probe_16, tangent_4, octagloss_lights);
+        metal::float3 _e20 = octagloss_source_from_world(probe_16, tangent_6, octagloss_lights);
         metal::float3 across_4 = metal::cross(_e8.normal, _e8.towards);
         level_3 = metal::float2(metal::dot(_e20, _e8.towards), metal::dot(_e20, across_4));
     }
@@ -1379,7 +1420,7 @@ metal::float3 octagloss_reflect_of(
 metal::float3 octagloss_reflect(
     metal::float3 normal_5,
     metal::float3 view_4,
-    metal::float3 tangent_5,
+    metal::float3 tangent_7,
     float roughness_8,
     float anisotropy_2,
     metal::float3 f0_6,
@@ -1390,23 +1431,23 @@ metal::float3 octagloss_reflect(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_5, roughness_8, anisotropy_2, f0_6, f90_6, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_7, roughness_8, anisotropy_2, f0_6, f90_6, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
     return _e8;
 }
 
 metal::float2 octagloss_faded_albedo(
-    metal::float2 alpha_7,
-    float cosine_5,
+    metal::float2 alpha_9,
+    float cosine_7,
     metal::float2 own_2,
     metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
-    metal::float2 _e8 = octagloss_round_albedo(cosine_5, metal::sqrt(metal::sqrt(alpha_7.x * alpha_7.y)), octagloss_tables);
-    float _e9 = octagloss_row_share(alpha_7);
+    metal::float2 _e8 = octagloss_round_albedo(cosine_7, metal::sqrt(metal::sqrt(alpha_9.x * alpha_9.y)), octagloss_tables);
+    float _e9 = octagloss_row_share(alpha_9);
     return metal::mix(_e8, own_2, _e9);
 }
 
 metal::float2 octagloss_albedo(
-    float cosine_6,
+    float cosine_8,
     float roughness_9,
     float anisotropy_3,
     metal::texture2d<float, metal::access::sample> octagloss_tables,
@@ -1414,21 +1455,20 @@ metal::float2 octagloss_albedo(
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
     if (anisotropy_3 <= 0.0) {
-        metal::float2 _e5 = octagloss_round_albedo(cosine_6, roughness_9, octagloss_tables);
+        metal::float2 _e5 = octagloss_round_albedo(cosine_8, roughness_9, octagloss_tables);
         return _e5;
     }
     metal::float2 _e8 = octagloss_row_alphas(roughness_9, metal::min(anisotropy_3, 1.0));
-    float seen_2 = metal::clamp(cosine_6, octagloss_LEAST_COSINE, 1.0);
-    octagloss_RowPlace _e16 = octagloss_row_place(_e8, seen_2, metal::float2(1.0, 0.0));
-    metal::float4 _e17 = octagloss_row_node(octagloss_ROW_ALBEDO, _e16, octagloss_linear, octagloss_rows);
-    metal::float2 more_1 = _e17.zw;
-    metal::float2 _e20 = octagloss_row_albedo(_e8, seen_2, 0.5, more_1, octagloss_tables);
-    metal::float2 _e21 = octagloss_faded_albedo(_e8, seen_2, _e20, octagloss_tables);
-    return _e21;
+    float seen_2 = metal::clamp(cosine_8, octagloss_LEAST_COSINE, 1.0);
+    metal::float4 _e15 = octagloss_row_more(_e8, seen_2, metal::float2(1.0, 0.0), octagloss_linear, octagloss_rows);
+    metal::float2 more_2 = _e15.zw;
+    metal::float2 _e18 = octagloss_row_albedo(_e8, seen_2, 0.5, more_2, octagloss_tables);
+    metal::float2 _e19 = octagloss_faded_albedo(_e8, seen_2, _e18, octagloss_tables);
+    return _e19;
 }
 
 metal::float2 octagloss_albedo_along(
-    float cosine_7,
+    float cosine_9,
     float along_1,
     float roughness_10,
     float anisotropy_4,
@@ -1437,16 +1477,15 @@ metal::float2 octagloss_albedo_along(
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
     if (anisotropy_4 <= 0.0) {
-        metal::float2 _e6 = octagloss_round_albedo(cosine_7, roughness_10, octagloss_tables);
+        metal::float2 _e6 = octagloss_round_albedo(cosine_9, roughness_10, octagloss_tables);
         return _e6;
     }
     metal::float2 _e9 = octagloss_row_alphas(roughness_10, metal::min(anisotropy_4, 1.0));
-    float seen_3 = metal::clamp(cosine_7, octagloss_LEAST_COSINE, 1.0);
+    float seen_3 = metal::clamp(cosine_9, octagloss_LEAST_COSINE, 1.0);
     float x_3 = metal::min(metal::abs(along_1) / metal::max(metal::sqrt(1.0 - (seen_3 * seen_3)), 0.0001), 1.0);
-    octagloss_RowPlace _e29 = octagloss_row_place(_e9, seen_3, metal::float2(x_3, metal::sqrt(1.0 - (x_3 * x_3))));
-    metal::float4 _e30 = octagloss_row_node(octagloss_ROW_ALBEDO, _e29, octagloss_linear, octagloss_rows);
-    metal::float2 more_2 = _e30.xy;
-    metal::float2 _e33 = octagloss_row_albedo(_e9, seen_3, x_3 * x_3, more_2, octagloss_tables);
-    metal::float2 _e34 = octagloss_faded_albedo(_e9, seen_3, _e33, octagloss_tables);
-    return _e34;
+    metal::float4 _e28 = octagloss_row_more(_e9, seen_3, metal::float2(x_3, metal::sqrt(1.0 - (x_3 * x_3))), octagloss_linear, octagloss_rows);
+    metal::float2 more_3 = _e28.xy;
+    metal::float2 _e31 = octagloss_row_albedo(_e9, seen_3, x_3 * x_3, more_3, octagloss_tables);
+    metal::float2 _e32 = octagloss_faded_albedo(_e9, seen_3, _e31, octagloss_tables);
+    return _e32;
 }

@@ -22,7 +22,7 @@ pub(super) struct ReaderArgs {
     language: Option<Language>,
     /// Write the table of anisotropic reflections to FILE.ktx2
     ///
-    /// A texture of three dimensions, RGBA16F, 1.6 MB, the same for all pyramids of one size. Shaders that
+    /// A texture of three dimensions, RGBA16F, 1.7 MB, the same for all pyramids of one size. Shaders that
     /// call octagloss_reflect with anisotropy, or octagloss_albedo_along, bind it as octagloss_rows.
     #[arg(long, value_name = "FILE", conflicts_with = "language")]
     rows: Option<PathBuf>,

@@ -27,13 +27,13 @@ pub const READS: usize = 15;
 /// The read in the middle of the row.
 pub const MIDDLE: usize = 7;
 
-/// The texel of a node with its albedo, after the weights of reads by their distance from the middle: the
-/// middle's and the cosine's, then those on either side.
-pub const ALBEDO: usize = 8;
+/// Texels of a node with the weights of reads, by their distance from the middle: the middle's and the
+/// cosine's, then those on either side.
+pub const PAIRS: usize = 8;
 
-/// Texels of a node. The albedo's has what it exceeds a round lobe's by, at this azimuth and in the mean;
-/// weights of harmonics follow, two in a texel, those symmetric about the plane of incidence first.
-pub const LAYERS: usize = 22;
+/// Texels of a node. After those of reads come the weights of harmonics, two in a texel, those symmetric about
+/// the plane of incidence first.
+pub const LAYERS: usize = 21;
 
 /// Harmonics that change sign in the plane of incidence: pairs of a direction of [`ASIDE`] and an order of at
 /// least its place, from 1.
@@ -45,8 +45,8 @@ pub const SKEW: usize = 10;
 pub const ASIDE: [[f64; 2]; 4] = [[2.344, 0.869], [1.353, 0.407], [0.413, 1.272], [2.164, 1.401]];
 
 const _: () = {
-    assert!(2 * MIDDLE + 1 == READS && ALBEDO == MIDDLE + 1, "pairs of reads");
-    assert!(LAYERS == ALBEDO + 1 + (HARMONICS + SKEW).div_ceil(2), "pairs of harmonics");
+    assert!(2 * MIDDLE + 1 == READS && PAIRS == MIDDLE + 1, "pairs of reads");
+    assert!(LAYERS == PAIRS + (HARMONICS + SKEW).div_ceil(2), "pairs of harmonics");
 };
 
 /// A node of the table. First numbers are for f0, second for f90; weights are shares of the albedo.
@@ -56,6 +56,13 @@ pub type Node = [[f32; 4]; LAYERS];
 /// tangent from the plane of incidence, evenly in the power 2/3 of its distance from a right angle; and over
 /// anisotropy, evenly in the logarithm of alpha along the tangent, from alpha across it to 1.
 pub const NODES: [usize; 4] = [16, 10, 8, 7];
+
+/// Nodes of the albedo over the same, twice as dense over anisotropy, where it is bent most: what it exceeds that of a round lobe by, at the
+/// azimuth and in the mean.
+pub const ALBEDO_NODES: [usize; 4] = [16, 10, 8, 13];
+
+/// Anisotropies whose nodes of the albedo stand side by side in the texture.
+pub const BLOCKS: usize = 21;
 
 /// How much denser nodes are at roughness 0 than at 1, less 1.
 const CROWDING: f64 = 5.0;
@@ -161,21 +168,29 @@ fn row([shift, spacing, bend, width, growth, alternation]: [f64; 6]) -> [[f64; 2
     })
 }
 
-/// Alpha along the tangent and across it of a node.
-fn alphas_of(roughness: usize, anisotropy: usize) -> DVec2 {
-    let r = (((1.0 + CROWDING).ln() * roughness as f64 / (NODES[0] - 1) as f64).exp() - 1.0) / CROWDING;
-    let share = anisotropy as f64 / (NODES[3] - 1) as f64;
-    DVec2::new((r * r).max(SHARP).powf(1.0 - share), r * r)
+/// Alpha along the tangent and across it at places between the first node and the last.
+fn alphas_of(roughness: f64, anisotropy: f64) -> DVec2 {
+    let r = (((1.0 + CROWDING).ln() * roughness).exp() - 1.0) / CROWDING;
+    DVec2::new((r * r).max(SHARP).powf(1.0 - anisotropy), r * r)
 }
 
-/// n.v of a node.
-fn cosine_of(node: usize) -> f64 {
-    (node as f64 / (NODES[1] - 1) as f64).powi(2).max(LEAST_COSINE)
+/// n.v of a place.
+fn cosine_of(place: f64) -> f64 {
+    place.powi(2).max(LEAST_COSINE)
 }
 
-/// Azimuth of a node.
-fn azimuth_of(node: usize) -> f64 {
-    FRAC_PI_2 * (1.0 - (1.0 - node as f64 / (NODES[2] - 1) as f64).powf(1.5))
+/// Azimuth of a place.
+fn azimuth_of(place: f64) -> f64 {
+    FRAC_PI_2 * (1.0 - (1.0 - place).powf(1.5))
+}
+
+/// Alphas, n.v and azimuth of node `index` of `nodes`.
+fn lobe_of([across, up, around, deep]: [usize; 4], index: usize) -> (DVec2, f64, f64) {
+    let share = |node: usize, nodes: usize| node as f64 / (nodes - 1) as f64;
+    let (x, y) = (index % across, index / across % up);
+    let (z, w) = (index / across / up % around, index / across / up / around);
+    let alpha = alphas_of(share(x, across), share(w, deep));
+    (alpha, cosine_of(share(y, up)), azimuth_of(share(z, around)))
 }
 
 /// All nodes over the levels of `octaves`, first axes first.
@@ -184,19 +199,42 @@ pub fn table(octaves: Octaves) -> Vec<Node> {
 }
 
 /// Width, height and depth of the table as a texture.
-pub const TEXTURE: [u32; 3] = [(NODES[0] * LAYERS) as u32, (NODES[1] * NODES[3]) as u32, NODES[2] as u32];
+pub const TEXTURE: [u32; 3] = [
+    (NODES[0] * LAYERS) as u32,
+    (NODES[1] * NODES[3] + ALBEDO_NODES[1] * ALBEDO_NODES[3].div_ceil(BLOCKS)) as u32,
+    NODES[2] as u32,
+];
+
+const _: () = assert!(
+    BLOCKS * ALBEDO_NODES[0] <= NODES[0] * LAYERS && ALBEDO_NODES[2] == NODES[2],
+    "blocks of the albedo beside each other"
+);
 
 /// The table as shaders read it: nodes over roughness side by side, for each texel of a node; below one
-/// another those over n.v, for each anisotropy; azimuths along the third axis.
+/// another those over n.v, for each anisotropy; azimuths along the third axis. Below them the albedo: of
+/// [`BLOCKS`] anisotropies a row, each a block of nodes over roughness and n.v.
 pub(crate) fn texels(octaves: Octaves) -> Vec<[f32; 4]> {
     let [across, up, around, deep] = NODES;
     let nodes = table(octaves);
     let node = |x, y, z, w| &nodes[x + across * (y + up * (z + around * w))];
-    let rows = (0..around).flat_map(|z| (0..deep).flat_map(move |w| (0..up).map(move |y| [y, z, w])));
-    rows.flat_map(|[y, z, w]| {
-        (0..LAYERS).flat_map(move |layer| (0..across).map(move |x| node(x, y, z, w)[layer]))
-    })
-    .collect()
+    let [wide, high, _, blocks] = ALBEDO_NODES;
+    let albedo: Vec<[f32; 4]> =
+        (0..ALBEDO_NODES.iter().product()).into_par_iter().map(more_of_node).collect();
+    let mut texels = Vec::with_capacity(TEXTURE.iter().product::<u32>() as usize);
+    for z in 0..around {
+        for (w, y) in (0..deep).flat_map(|w| (0..up).map(move |y| (w, y))) {
+            texels.extend((0..LAYERS).flat_map(|layer| (0..across).map(move |x| node(x, y, z, w)[layer])));
+        }
+        for (first, y) in (0..blocks).step_by(BLOCKS).flat_map(|first| (0..high).map(move |y| (first, y))) {
+            let row = texels.len() + across * LAYERS;
+            for w in first..(first + BLOCKS).min(blocks) {
+                let from = wide * (y + high * (z + around * w));
+                texels.extend_from_slice(&albedo[from..from + wide]);
+            }
+            texels.resize(row, [0.0; 4]);
+        }
+    }
+    texels
 }
 
 /// One node, fitted at the first call.
@@ -207,24 +245,33 @@ fn node(octaves: Octaves, index: usize) -> &'static Node {
     let nodes = FITTED[octaves.count() as usize - 1]
         .get_or_init(|| (0..across * up * around * deep).map(|_| OnceLock::new()).collect());
     nodes[index].get_or_init(|| {
-        let (x, y) = (index % across, index / across % up);
-        let (z, w) = (index / across / up % around, index / across / up / around);
-        let (alpha, cosine) = (alphas_of(x, w), cosine_of(y));
-        let mut node = fitted(octaves, alpha, cosine, azimuth_of(z));
-        node[ALBEDO][2..].copy_from_slice(&mean_albedo(x + across * (y + up * w), alpha, cosine));
-        node
+        let (alpha, cosine, azimuth) = lobe_of(NODES, index);
+        fitted(octaves, alpha, cosine, azimuth)
     })
 }
 
-/// What a lobe reflects of a white world in the mean over azimuths, less [`round_albedo`], as halves hold it;
-/// `index` numbers its nodes.
-fn mean_albedo(index: usize, alpha: DVec2, cosine: f64) -> [f32; 2] {
-    static KNOWN: [OnceLock<[f32; 2]>; NODES[0] * NODES[1] * NODES[3]] =
-        [const { OnceLock::new() }; NODES[0] * NODES[1] * NODES[3]];
-    *KNOWN[index].get_or_init(|| mean_of_azimuths(alpha, cosine))
+/// What a node of [`ALBEDO_NODES`] reflects of a white world less [`round_albedo`], at its azimuth and in the
+/// mean over azimuths, as halves hold it; found at the first call.
+fn more_of_node(index: usize) -> [f32; 4] {
+    const COUNT: usize = ALBEDO_NODES[0] * ALBEDO_NODES[1] * ALBEDO_NODES[2] * ALBEDO_NODES[3];
+    const MEANS: usize = COUNT / ALBEDO_NODES[2];
+    static KNOWN: [OnceLock<[f32; 4]>; COUNT] = [const { OnceLock::new() }; COUNT];
+    static MEAN: [OnceLock<[f32; 2]>; MEANS] = [const { OnceLock::new() }; MEANS];
+    *KNOWN[index].get_or_init(|| {
+        let (alpha, cosine, azimuth) = lobe_of(ALBEDO_NODES, index);
+        let [across, up, around, _] = ALBEDO_NODES;
+        let place = index % (across * up) + across * up * (index / (across * up * around));
+        let [c, d] = *MEAN[place].get_or_init(|| mean_of_azimuths(alpha, cosine));
+        let (y, x) = azimuth.sin_cos();
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        let own = albedo(DVec3::new(sine * x, -sine * y, cosine), alpha);
+        let round = round_albedo(alpha, cosine, x * x);
+        let [a, b] = [0, 1].map(|side| f16::from_f64(own[side] - round[side]).to_f32());
+        [a, b, c, d]
+    })
 }
 
-/// The same of any lobe.
+/// What a lobe reflects of a white world in the mean over azimuths, less [`round_albedo`].
 fn mean_of_azimuths(alpha: DVec2, cosine: f64) -> [f32; 2] {
     let mut mean = [0.0; 2];
     for k in 0..AZIMUTHS {
@@ -253,9 +300,36 @@ fn round_albedo(alpha: DVec2, cosine: f64, along: f64) -> [f64; 2] {
 }
 
 /// The node for `alpha` along the tangent and across it, n.v of `cosine`, and the tangent's `azimuth` from
-/// the plane of incidence, between those of [`table`], which are fitted as they
-/// are needed.
+/// the plane of incidence, between those of [`table`], which are fitted as they are needed.
 pub fn node_at(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
+    let mut sum = [[0.0; 4]; LAYERS];
+    for (index, weight) in corners(NODES, alpha, cosine, azimuth) {
+        for (texel, own) in sum.iter_mut().zip(node(octaves, index)) {
+            texel.iter_mut().zip(own).for_each(|(value, own)| *value += weight * own);
+        }
+    }
+    sum
+}
+
+/// What scale and bias of f0 exceed those of the round lobe of [`round_roughness`] by, likewise: at the
+/// azimuth, and in the mean over azimuths.
+#[must_use]
+pub fn more_at(alpha: DVec2, cosine: f64, azimuth: f64) -> [[f32; 2]; 2] {
+    let mut sum = [0.0; 4];
+    for (index, weight) in corners(ALBEDO_NODES, alpha, cosine, azimuth) {
+        sum.iter_mut().zip(more_of_node(index)).for_each(|(value, own)| *value += weight * own);
+    }
+    let [a, b, c, d] = sum;
+    [[a, b], [c, d]]
+}
+
+/// The nodes around a lobe and their weights, those of none left out.
+fn corners(
+    counts: [usize; 4],
+    alpha: DVec2,
+    cosine: f64,
+    azimuth: f64,
+) -> impl Iterator<Item = (usize, f32)> {
     let sharp = alpha.y.max(SHARP);
     let places = [
         (1.0 + CROWDING * alpha.y.sqrt()).ln() / (1.0 + CROWDING).ln(),
@@ -265,7 +339,7 @@ pub fn node_at(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Nod
     ];
     let mut corners = [(0, 1.0_f32); 16];
     let mut stride = 1;
-    for (axis, nodes) in NODES.into_iter().enumerate() {
+    for (axis, nodes) in counts.into_iter().enumerate() {
         let place = places[axis].clamp(0.0, 1.0) * (nodes - 1) as f64;
         let whole = (place as usize).min(nodes - 2);
         let share = (place - whole as f64) as f32;
@@ -276,13 +350,7 @@ pub fn node_at(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Nod
         }
         stride *= nodes;
     }
-    let mut sum = [[0.0; 4]; LAYERS];
-    for (index, weight) in corners.into_iter().filter(|(_, weight)| *weight != 0.0) {
-        for (texel, own) in sum.iter_mut().zip(node(octaves, index)) {
-            texel.iter_mut().zip(own).for_each(|(value, own)| *value += weight * own);
-        }
-    }
-    sum
+    corners.into_iter().filter(|(_, weight)| *weight != 0.0)
 }
 
 /// Samples of visible normals: points of the unit disc and their shares. Denser at the rim, where normals are
@@ -393,8 +461,6 @@ pub fn fitted(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node
         let share = |side: usize| pair[side] / (albedo[side] as f32).max(1e-6);
         node[texel][at..at + 2].copy_from_slice(&[share(0), share(1)]);
     }
-    let round = round_albedo(alpha, cosine, x * x);
-    node[ALBEDO][..2].copy_from_slice(&[0, 1].map(|side| (albedo[side] - round[side]) as f32));
     node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))
 }
 
@@ -404,7 +470,7 @@ fn place_of(k: usize) -> [usize; 2] {
         _ if k < MIDDLE => [MIDDLE - k, 2],
         _ if k < READS => [k - MIDDLE, 0],
         READS => [0, 2],
-        _ => [ALBEDO + 1 + (k - READS - 1) / 2, 2 * ((k - READS - 1) % 2)],
+        _ => [PAIRS + (k - READS - 1) / 2, 2 * ((k - READS - 1) % 2)],
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Pyramid;
 use super::albedo::albedo_at;
-use super::anisotropic::{self, ALBEDO, ASIDE, MIDDLE, Row, aside};
+use super::anisotropic::{self, ASIDE, MIDDLE, PAIRS, Row, aside};
 use super::brdf::{Brdf, alphas};
 use super::fit::smooth;
 use super::places::READS;
@@ -107,14 +107,14 @@ impl Pyramid {
         let row = Row::new(alpha, tangent, frame.view.z);
         // From axes of the plane of incidence to those of the tangent.
         let axis = level_view * row.axis.x + level_view.perp() * row.axis.y;
-        let [scale, bias] =
-            beside_round(alpha, frame.view.z, tangent.x * tangent.x, [node[ALBEDO][0], node[ALBEDO][1]]);
+        let [more, _] = anisotropic::more_at(alpha, frame.view.z, azimuth);
+        let [scale, bias] = beside_round(alpha, frame.view.z, tangent.x * tangent.x, more);
         let sunlit = (f0, f90);
         let (f0, f90) = (f0 * scale, f90 * bias);
         let coloured = |[a, b]: [f32; 2]| f0 * a + f90 * b;
         let mut sum = coloured([node[0][2], node[0][3]]) * self.cosine.around(frame.axes.z_axis);
         let mut in_mirror = 0.0;
-        for (distance, [a, b, c, d]) in node[..ALBEDO].iter().copied().enumerate() {
+        for (distance, [a, b, c, d]) in node[..PAIRS].iter().copied().enumerate() {
             let (own, other) = ([a, b], if distance == 0 { [a, b] } else { [c, d] });
             for side in if distance == 0 { &[1.0][..] } else { &[1.0, -1.0] } {
                 let [a, b] = [0, 1]
@@ -128,7 +128,7 @@ impl Pyramid {
                 in_mirror += (scale * a + bias * b) * (1.0 - level).max(0.0);
             }
         }
-        let pairs = &node[ALBEDO + 1..];
+        let pairs = &node[PAIRS..];
         sum += self.harmonics_reflected(frame, pairs, f0, f90);
         // The table is for tangents on one side of the plane of incidence.
         let side = if tangent.x * tangent.y < 0.0 { -1.0 } else { 1.0 };
@@ -197,8 +197,7 @@ impl Pyramid {
     #[cfg(any(test, feature = "internals"))]
     pub fn albedo(&self, cosine: f32, roughness: f32, anisotropy: f32) -> [f32; 2] {
         Self::albedo_of(cosine, roughness, anisotropy, 0.5, |alpha, cosine| {
-            let [.., a, b] = anisotropic::node_at(self.octaves, alpha, cosine, 0.0)[ALBEDO];
-            [a, b]
+            anisotropic::more_at(alpha, cosine, 0.0)[1]
         })
     }
 
@@ -208,8 +207,7 @@ impl Pyramid {
         let sine = (1.0 - f64::from(cosine).powi(2)).max(0.0).sqrt().max(1e-4);
         let level = (f64::from(along).abs() / sine).min(1.0);
         Self::albedo_of(cosine, roughness, anisotropy, level * level, |alpha, cosine| {
-            let [a, b, ..] = anisotropic::node_at(self.octaves, alpha, cosine, level.acos())[ALBEDO];
-            [a, b]
+            anisotropic::more_at(alpha, cosine, level.acos())[0]
         })
     }
 
