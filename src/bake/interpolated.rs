@@ -11,6 +11,7 @@
 //! Beyond the horizon k is 0; what it lacks there of its continuation has a slope of at most P/(1 + q/2)^2 per unit
 //! of distance.
 
+use super::FINEST;
 use super::level::{Advance, BakedLevel, LeafCounts, LevelJob, Processor};
 use super::sparse::{Nodes, Part};
 use crate::environment::{Environment, Layout, exact_luminance};
@@ -100,7 +101,7 @@ impl Interpolation {
         };
         let (stride, cubic) =
             std::iter::successors(Some(2), |stride| Some(2 * stride)).map_while(certified).last()?;
-        Some(Self { stride, tolerance: FINER * error, cubic })
+        Some(Self { stride, tolerance: (FINER * error).max(FINEST), cubic })
     }
 
     /// Tolerance of the nodes' lobes.
@@ -225,7 +226,7 @@ impl CubicError {
                 + self.bent * energies[q]
                 + most[q] / f64::from(1 << 23)
         })
-        .map(|bound| rounded_up(bound));
+        .map(rounded_up);
         let radiance = radiance.map(|value| value.clamp(0.0, f64::from(f32::MAX)) as f32);
         Answer { radiance, bound: Some(Bound { channels, luminance }) }
     }
@@ -338,6 +339,9 @@ mod tests {
             Interpolation::of(&level).map(|interpolation| interpolation.stride)
         };
         assert_eq!([256, 512, 1024].map(|size| of(size, 0.24, Lobe::Ggx, true)), [Some(2), Some(4), Some(8)]);
+        let spec = LevelSpec { layout: Layout::Cube { size: 512 }, roughness: 0.24 };
+        let least = LevelJob { spec, lobe: Lobe::Ggx, filter: Filter::Adaptive(FINEST), sparse: true };
+        assert_eq!(Interpolation::of(&least).map(|own| own.tolerance), Some(FINEST));
         for (size, roughness, lobe, sparse) in [
             (512, 0.2, Lobe::Ggx, false),
             (512, 0.2, Lobe::Phong, true),

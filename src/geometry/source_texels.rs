@@ -101,7 +101,7 @@ enum Table {
     Panorama {
         texels: Panorama,
         rounded: Vec<(f32, f32)>,
-        pieces: [OnceLock<Panorama>; TABLED],
+        pieces: Box<[OnceLock<Panorama>; TABLED]>,
     },
     /// Those of a face, in the coordinates s, normal, t.
     Cube {
@@ -198,7 +198,7 @@ impl SourceTexels {
             Layout::Panorama { width, height } => {
                 let texels = Panorama::new(width, height);
                 let rounded = texels.columns.iter().map(|(cos, sin)| (*cos as f32, *sin as f32)).collect();
-                Table::Panorama { texels, rounded, pieces: [const { OnceLock::new() }; TABLED] }
+                Table::Panorama { texels, rounded, pieces: Box::default() }
             }
             Layout::Cube { size } => {
                 let texel = |x: u32, y: u32| {
