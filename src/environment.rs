@@ -198,10 +198,7 @@ impl Environment {
         }
         let environment = of_sound(layout, texels)?;
         let texels = &environment.texels;
-        let is_wrong = |c: f32| !(c.is_finite() && c >= 0.0);
-        // No early exit, which would prevent vectorisation.
-        let any = texels.as_flattened().iter().fold(false, |any, c| any | is_wrong(*c));
-        if any && let Some(at) = texels.iter().position(|t| t.iter().any(|c| is_wrong(*c))) {
+        if let Some(at) = first_wrong(texels.as_flattened()).map(|k| k / 3) {
             return wrong(format!(
                 "texel {at} is {:?}; radiance must be finite and not negative",
                 texels[at]
@@ -303,4 +300,30 @@ pub fn of_sound(layout: Layout, texels: Vec<Rgb>) -> Result<Environment> {
         return wrong(format!("{layout:?} requires {needed} texels, got {given}"));
     }
     Ok(Environment { layout, texels, source_from_world: DMat3::IDENTITY })
+}
+
+/// Whether `value` is no radiance and no bound: negative or not finite.
+pub(crate) const fn is_wrong(value: f32) -> bool {
+    !(value.is_finite() && value >= 0.0)
+}
+
+/// The index of the first of `values` that [`is_wrong`].
+pub(crate) fn first_wrong(values: &[f32]) -> Option<usize> {
+    // Blocks without a branch are searched many values at a time.
+    let block = values
+        .chunks(1024)
+        .position(|block| block.iter().fold(false, |any, value| any | is_wrong(*value)))?;
+    values[1024 * block..].iter().position(|value| is_wrong(*value)).map(|k| 1024 * block + k)
+}
+
+/// A panorama of coloured noise, with lamps of one colour in texels whose noise exceeds `rare`.
+#[cfg(test)]
+pub(crate) fn lamps([rare, light]: [f64; 2]) -> Environment {
+    let texel = |k: u32| -> Rgb {
+        let noise = |turn: u32| f64::from(k.wrapping_mul(2_654_435_761).rotate_left(turn) >> 16) / 65536.0;
+        let lamp = |turn: u32| if noise(turn) > rare { light } else { 0.0 };
+        [0, 7, 19].map(|turn| (0.2 + noise(turn) + lamp(turn + 3)) as f32)
+    };
+    let layout = Layout::Panorama { width: 128, height: 64 };
+    Environment::new(layout, (0..128 * 64).map(texel).collect()).expect("a panorama")
 }

@@ -1,6 +1,6 @@
 //! Filters: methods of evaluating a lobe.
 
-use crate::environment::Rgb;
+use crate::environment::{Rgb, is_wrong};
 use crate::error::{Result, wrong};
 use crate::lobe::Lobe;
 use crate::pyramid::Octaves;
@@ -123,15 +123,6 @@ pub fn parsed(text: &str) -> Result<Filter, String> {
 /// What names of the filter before [`Filter::Pyramid`] are answered with.
 pub(crate) const FITTED: &str = "fitted:K is no more; use pyramid";
 
-/// The index of the first of `values` that is negative or not finite.
-pub(crate) fn first_wrong(values: &[f32]) -> Option<usize> {
-    let is_wrong = |value: &f32| !(value.is_finite() && *value >= 0.0);
-    // Blocks without a branch are searched many values at a time.
-    let block =
-        values.chunks(1024).position(|block| block.iter().fold(false, |any, value| any | is_wrong(value)))?;
-    values[1024 * block..].iter().position(is_wrong).map(|k| 1024 * block + k)
-}
-
 impl std::ops::Add for Bound {
     type Output = Self;
 
@@ -194,6 +185,6 @@ impl Answer {
     pub(crate) fn wrong_value(&self) -> Option<f32> {
         let bounds = self.bound.into_iter().flat_map(Bound::values);
         let mut values = self.radiance.into_iter().chain(bounds);
-        values.find(|value| !(value.is_finite() && *value >= 0.0))
+        values.find(|value| is_wrong(*value))
     }
 }

@@ -465,6 +465,15 @@ enum Evaluation<'r> {
 /// Greatest distance of directions that share a traversal, in widths of their lobe.
 const WIDEST_PACKET: f64 = 64.0;
 
+/// The greatest distance of one of `directions` from the first.
+fn spread(directions: &[DVec3]) -> f64 {
+    directions.iter().map(|d| d.distance(directions[0])).fold(0.0, f64::max)
+}
+
+/// The answer to which shares are added.
+const NO_LIGHT: Answer =
+    Answer { radiance: [0.0; 3], bound: Some(Bound { channels: [0.0; 3], luminance: 0.0 }) };
+
 /// Lobes of one family, roughness and filter over a reflector.
 #[derive(Debug)]
 pub struct Lobes<'r> {
@@ -522,7 +531,6 @@ impl Lobes<'_> {
                 let mut turned = [DVec3::ZERO; LANES];
                 // Directions many lobes apart share no leaves: a common cut would resolve the whole area
                 // between them.
-                let spread = |group: &[DVec3]| group.iter().map(|d| d.distance(group[0])).fold(0.0, f64::max);
                 let together = |group: &[DVec3]| if spread(group) <= *widest { LANES } else { 1 };
                 for group in directions.chunks(LANES).flat_map(|group| group.chunks(together(group))) {
                     for (turned, direction) in turned.iter_mut().zip(group) {
@@ -530,8 +538,7 @@ impl Lobes<'_> {
                     }
                     let packet = Packet::new(&turned[..group.len()]);
                     let first = answers.len();
-                    let none = Answer { radiance: [0.0; 3], bound: Some(Bound::default()) };
-                    answers.extend(group.iter().map(|_| none));
+                    answers.extend(group.iter().map(|_| NO_LIGHT));
                     for part in [source, bilinear].into_iter().flatten() {
                         let shares = part.evaluate(&packet, &mut workspace.scratch);
                         workspace.leaves += shares.leaves as u64;

@@ -1,19 +1,19 @@
 //! Levels of cubes whose texels are much finer than their GGX lobe: lobes at nodes several texels apart, and
 //! cubic interpolation in between, with certified bounds.
 //!
-//! Along an edge of a face at abscissa s, R moves on a great circle, by at most 1 per unit of s. With P (1 - 2 S)/
-//! (1 + q S)^2 for the kernel k of S = |l - R|^2/4, and G for k without its cosine, 1 - 2 S, the fourth derivative
-//! of a light's share is at most D G: in the plane around R, where S is a quarter of the squared distance, 4.5 q^2 G,
-//! at the peak, and the sphere adds terms of lower order; D = 4.7 q^2 + 20 q^1.5 + 60 q + 60 was found by search,
-//! and a test compares it with other lights. G grows by at most exp(sqrt(q) d) over a distance of d, is at most
-//! 1.25 k where S <= 1/10, and G(1/10) beyond. Four nodes h apart leave |t (t-1) (t-2) (t-3)|/24 h^4 of the fourth
-//! derivative, at t distances from the first, and what the nodes of one axis leave the other axis weights, |w|.
-//! Beyond the horizon k is 0; what it lacks there of its continuation has a slope of at most P/(1 + q/2)^2 per unit
-//! of distance.
+//! Along an edge of a face at abscissa s, R moves on a great circle, by at most 1 per unit of s. With
+//! P (1 - 2 S)/(1 + q S)^2 for the kernel k of S = |l - R|^2/4, and G for k without its cosine, 1 - 2 S, the
+//! fourth derivative of a light's share is at most D G: in the plane around R, where S is a quarter of the
+//! squared distance, 4.5 q^2 G, at the peak, and the sphere adds terms of lower order;
+//! D = 4.7 q^2 + 20 q^1.5 + 60 q + 60 was found by search, and a test compares it with other lights. G grows
+//! by at most exp(sqrt(q) d) over a distance of d, is at most 1.25 k where S <= 1/10, and G(1/10) beyond.
+//! Four nodes h apart leave |t (t-1) (t-2) (t-3)|/24 h^4 of the fourth derivative, at t distances from the
+//! first, and what the nodes of one axis leave the other axis weights, |w|. Beyond the horizon k is 0; what
+//! it lacks there of its continuation has a slope of at most P/(1 + q/2)^2 per unit of distance.
 
 use super::FINEST;
 use super::level::{Advance, BakedLevel, LeafCounts, LevelJob, Processor};
-use super::sparse::{Nodes, Part};
+use super::sparse::{FEWEST_CELLS, Nodes, Part, share};
 use crate::environment::{Environment, Layout, exact_luminance};
 use crate::error::Result;
 use crate::filter::{Answer, Bound, Filter};
@@ -34,8 +34,8 @@ const BENT: f64 = 0.02;
 /// Tolerance of the nodes' lobes over that of the level's: interpolation weights their bounds by up to 1.56.
 const FINER: f64 = 0.6;
 
-/// Fewest cells between nodes along an edge of a face: as in [`super::sparse`].
-const FEWEST_CELLS: u32 = 64;
+/// Error of both axes in the middle of a cell, where weights add up to 5/4, over [`CubicError::smooth`].
+const MIDDLE: f64 = 2.25 * 3.0 / 128.0;
 
 /// How a level is interpolated.
 pub(crate) struct Interpolation {
@@ -57,8 +57,8 @@ struct CubicError {
     bent: f64,
 }
 
-/// The greatest fourth derivative of a GGX kernel of steepness `steep` along an edge of a face, over the kernel
-/// without the cosine.
+/// The greatest fourth derivative of a GGX kernel of steepness `steep` along an edge of a face, over the
+/// kernel without the cosine.
 fn fourth_derivative(steep: f64) -> f64 {
     4.7 * steep * steep + 20.0 * steep * steep.sqrt() + 60.0 * steep + 60.0
 }
@@ -92,10 +92,9 @@ impl Interpolation {
         let kernel = Kernel::new(level.lobe, level.spec.roughness * level.spec.roughness);
         let certified = |stride: u32| {
             let error = CubicError::new(&kernel, 2.0 * f64::from(stride) / f64::from(size))?;
-            let middle = Axis::new([0.0, 1.0, 0.0, 0.0], 1.5);
             let fits = size.is_multiple_of(stride)
                 && size / stride >= FEWEST_CELLS
-                && 2.25 * middle.rest * error.smooth <= SMOOTH
+                && MIDDLE * error.smooth <= SMOOTH
                 && 4.0 * PI * error.bent <= BENT;
             fits.then_some((stride, error))
         };
@@ -109,8 +108,8 @@ impl Interpolation {
         self.tolerance
     }
 
-    /// Bakes `level`, of lobes over `environment`, by `evaluate`: the answers to packets of directions in their
-    /// order, to the [`Self::tolerance`].
+    /// Bakes `level`, of lobes over `environment`, by `evaluate`: the answers to packets of directions in
+    /// their order, to the [`Self::tolerance`].
     pub(crate) async fn bake(
         &self,
         level: &LevelJob,
@@ -122,15 +121,12 @@ impl Interpolation {
         let (size, texels) = (level.spec.layout.sides().1, level.spec.layout.texel_count() as u64);
         let nodes = Nodes::new(self.stride, size / self.stride);
         let (places, packets) = nodes.gathered(|_, _, _| true);
-        let upto = |part: u64, parts: u64| texels * part / parts;
-        let (answers, work) =
-            evaluate(&packets, &|part, parts| advance(upto(part + 1, parts) - upto(part, parts))).await?;
+        let (answers, work) = evaluate(&packets, &|part, parts| advance(share(texels, part, parts))).await?;
         let mut grid = answers.clone();
         for (place, answer) in places.iter().zip(answers) {
             grid[*place] = answer;
         }
-        let [red, green, blue] = energy(environment.layout(), environment.texels());
-        let energies = with_luminance([red, green, blue]);
+        let energies = with_luminance(energy(environment.layout(), environment.texels()));
         let axes: Vec<(u32, Axis)> = (0..size)
             .map(|texel| {
                 let place = (f64::from(texel) + 0.5) / f64::from(self.stride);
@@ -237,6 +233,7 @@ mod tests {
     use super::*;
     use crate::bake::{Engine as _, ready};
     use crate::chain::LevelSpec;
+    use crate::environment::lamps;
     use crate::lobe::Lobe;
     use crate::reflector::{Reflector, ReflectorSettings, Workspace};
     use crate::sphere::cube::{Face, direction_from_cube};
@@ -283,21 +280,9 @@ mod tests {
         }
     }
 
-    /// Coloured noise with lamps of one colour.
-    fn lamps() -> Environment {
-        let texel = |k: u32| -> crate::environment::Rgb {
-            let noise =
-                |turn: u32| f64::from(k.wrapping_mul(2_654_435_761).rotate_left(turn) >> 16) / 65536.0;
-            let lamp = |turn: u32| if noise(turn) > 0.999 { 3000.0 } else { 0.0 };
-            [0, 7, 19].map(|turn| (0.2 + noise(turn) + lamp(turn + 3)) as f32)
-        };
-        let layout = Layout::Panorama { width: 128, height: 64 };
-        Environment::new(layout, (0..128 * 64).map(texel).collect()).expect("a panorama")
-    }
-
     #[test]
     fn interpolated_levels_are_within_their_bounds() {
-        let environment = lamps();
+        let environment = lamps([0.999, 3000.0]);
         let roughness = 0.24;
         let reflector = Reflector::new(&environment, &ReflectorSettings::default()).expect("a reflector");
         let spec = LevelSpec { layout: Layout::Cube { size: 256 }, roughness };

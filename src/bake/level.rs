@@ -1,9 +1,9 @@
 //! Bakes one level. Tiles of neighbouring texels share their tree walks.
 
 use crate::chain::LevelSpec;
-use crate::environment::{Layout, Rgb};
+use crate::environment::{Layout, Rgb, first_wrong};
 use crate::error::{Error, Result};
-use crate::filter::{Answer, Bound, Filter, first_wrong};
+use crate::filter::{Answer, Bound, Filter};
 use crate::geometry::footprints::footprints_over;
 use crate::geometry::tiling::{Tile, Tiling};
 use crate::lobe::Lobe;

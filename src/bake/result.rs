@@ -2,9 +2,8 @@
 
 use super::level::{BakedLevel, Processor};
 use crate::chain::{Chain, Level};
-use crate::environment::{Layout, Map};
+use crate::environment::{Layout, Map, first_wrong};
 use crate::error::{Error, Result, wrong};
-use crate::filter::first_wrong;
 use crate::oem::OemSize;
 use crate::pyramid::BakedPyramid;
 use crate::sh::window::ShWindow;

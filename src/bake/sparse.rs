@@ -19,7 +19,7 @@ const NODE_SHARE: f64 = 0.45;
 
 /// Fewest cells between nodes along an edge of a face: lobes at directions farther apart share too little of
 /// the light to be evaluated together.
-const FEWEST_CELLS: u32 = 64;
+pub(super) const FEWEST_CELLS: u32 = 64;
 
 /// Tolerance of these lobes over the requested one. A surface's sheen is this light times the lobe's
 /// reflectance, at any roughness .19 (RMS over a sphere's disc): twice the error is seen as two fifths of it.
@@ -78,6 +78,11 @@ pub(crate) fn tolerance(level: &LevelJob) -> Option<f64> {
     }
 }
 
+/// What part `part` of `parts` is of `whole`; all parts add up to it.
+pub(super) const fn share(whole: u64, part: u64, parts: u64) -> u64 {
+    whole * (part + 1) / parts - whole * part / parts
+}
+
 /// Adds `counts` to `work`.
 fn add(work: &mut LeafCounts, counts: &LeafCounts) {
     work.leaves += counts.leaves;
@@ -109,8 +114,8 @@ pub(super) fn evaluate(
     Ok((answers, work))
 }
 
-/// Bakes `level` over an OEM of `inner` texels without certified bounds, by `evaluate`: the answers to packets
-/// of directions in their order, to the level's [`tolerance`].
+/// Bakes `level` over an OEM of `inner` texels without certified bounds, by `evaluate`: the answers to
+/// packets of directions in their order, to the level's [`tolerance`].
 pub(crate) async fn bake_sparsely(
     inner: u32,
     level: &LevelJob,
@@ -124,7 +129,6 @@ pub(crate) async fn bake_sparsely(
     // Nodes take about half the time.
     let total = level.spec.layout.texel_count() as u64;
     let half = total / 2;
-    let share = |whole: u64, part: u64, parts: u64| whole * (part + 1) / parts - whole * part / parts;
     let unmeasured: Part<'_> = &|_, _| advance(0);
 
     let mut nodes = Nodes::new(stride, tiling.sides.1 / stride);

@@ -1,14 +1,15 @@
 //! Footprints of texels: a texel's lobe is the mean of those around several directions R.
 //!
-//! Such directions are a distribution with a centroid c, a covariance K and a reach, as a cell's light is. With
-//! both, s = |l - R|^2/4 = (1 - l.R)/2 has the mean (|m - c|^2 + tr C + tr K)/4, and the variance
-//! (c.C.c + m.K.m + tr CK)/4, since light and direction are independent; it stays within the sum of the reaches
-//! of |m - c|. The bounds of [`super::adaptive`] hold for it as they stand, with that mean, that reach P and
-//! (m - c).(C + K).(m - c) for the variance. What this leaves out of it has a deviation of at most
-//! sqrt(tr C r^2/4 + tr K q^2/4 + tr C tr K), for reaches r and q, and so of less than the sqrt(tr C + tr K) P/2
-//! that is allowed for. A tint's second order gains 2 D.K.m + tr QK, of which 2 D.K.(m - c) is used. The rest is
-//! at most X r q^2 P; the allowance for the quadrupole's radial part, X P^3 (P/4 + |m - c|), exceeds its own
-//! need, which has r for P, by as much and more: P^4 - r^4 > 4 r q^2 P.
+//! Such directions are a distribution with a centroid c, a covariance K and a reach, as a cell's light is.
+//! With both, s = |l - R|^2/4 = (1 - l.R)/2 has the mean (|m - c|^2 + tr C + tr K)/4, and the variance
+//! (c.C.c + m.K.m + tr CK)/4, since light and direction are independent; it stays within the sum of the
+//! reaches of |m - c|. The bounds of [`super::adaptive`] hold for it as they stand, with that mean, that
+//! reach P and (m - c).(C + K).(m - c) for the variance. What this leaves out has a deviation of at most
+//! sqrt(tr C r^2/4 + tr K q^2/4 + tr C tr K), for reaches r and q, and so of less than the
+//! sqrt(tr C + tr K) P/2 that is allowed for. A tint's second order gains 2 D.K.m + tr QK, of which
+//! 2 D.K.(m - c) is used. The rest is at most X r q^2 P; the allowance for the quadrupole's radial part,
+//! X P^3 (P/4 + |m - c|), exceeds its own need, which has r for P, by as much and more:
+//! P^4 - r^4 > 4 r q^2 P.
 //!
 //! So light from afar is evaluated once for each texel, and only what is near for each direction.
 

@@ -19,8 +19,8 @@ pub const LANES: usize = 16;
 pub struct Packet {
     pub(super) axis: DVec3,
     pub(super) radius: f32,
-    /// The greatest reach of a footprint around its direction, and the greatest trace of its covariance; 0 for
-    /// directions alone.
+    /// The greatest reach of a footprint around its direction, and the greatest trace of its covariance; 0
+    /// for directions alone.
     pub(super) reach: f32,
     pub(super) trace: f32,
     /// Directions minus the axis: differences keep the precision that sharp lobes need.
@@ -122,14 +122,6 @@ pub struct Scratch {
     pub(super) stack: Vec<Visit>,
     /// What a cut for footprints leaves to their directions.
     pub(super) frontier: Vec<Visit>,
-}
-
-impl Scratch {
-    /// Removes what the last evaluation left behind.
-    pub(super) fn begin(&mut self) {
-        self.leaves.clear();
-        self.slack = [0.0; 3];
-    }
 }
 
 /// A quad to visit: that of the cell in column `i` of row `j` of the level above.

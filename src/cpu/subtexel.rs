@@ -5,7 +5,7 @@ use super::cells::{Members, SourceLight};
 use super::leaves::{Leaf, Packet, Scratch};
 use crate::cpu::leaves::weighted;
 use crate::environment::Rgb;
-use crate::geometry::source_texels;
+use crate::geometry::source_texels::Piece;
 use crate::geometry::tent::{Moments, Reconstruction, Texel};
 use crate::lobe::radial::{Radial, expected_error, first_order_width};
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
@@ -27,28 +27,6 @@ pub(super) struct LitTexels<'a> {
 
 /// Most halvings of a piece: 2^-40 of a texel is finer than any lobe that is not served as a mirror.
 const DEPTH: u8 = 40;
-
-/// A rectangle of one quarter of the spread, in texels from its centre.
-#[derive(Clone, Copy)]
-struct Piece {
-    low: DVec2,
-    high: DVec2,
-    depth: u8,
-}
-
-impl Piece {
-    fn quarters(self) -> [Self; 4] {
-        let Self { low, high, depth } = self;
-        let (middle, depth) = ((low + high) / 2.0, depth + 1);
-        let quarter = |low, high| Self { low, high, depth };
-        [
-            quarter(low, middle),
-            quarter(DVec2::new(middle.x, low.y), DVec2::new(high.x, middle.y)),
-            quarter(DVec2::new(low.x, middle.y), DVec2::new(middle.x, high.y)),
-            quarter(middle, high),
-        ]
-    }
-}
 
 /// Pieces with longer sides in (u, v) have no exact centroid. The error of two nodes per axis, |d^4 l/du^4|
 /// <= 216 over 4320 times the fourth power of the side, is below 5e-8 up to this length. Texels of maps of 64
@@ -100,9 +78,10 @@ pub(super) fn refine<R: Radial>(
     for signs in [DVec2::new(1.0, 1.0), DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0), DVec2::new(-1.0, -1.0)]
     {
         let direction = |p: DVec2| direction_from_oct(wrap_oct(centre + signs * p * h));
-        stack.push(Piece { low: DVec2::ZERO, high: DVec2::splat(reach), depth: 0 });
+        stack.push(Piece::WHOLE);
         while let Some(piece) = stack.pop() {
-            let Piece { low, high, depth } = piece;
+            // Of the quarter of the spread, in texels from its centre.
+            let [low, high] = piece.corners().map(|corner| corner * reach);
             let (mass_x, nodes_x) = slice(spread.reconstruction, low.x, high.x);
             let (mass_y, nodes_y) = slice(spread.reconstruction, low.y, high.y);
             let share = mass_x * mass_y;
@@ -129,7 +108,7 @@ pub(super) fn refine<R: Radial>(
                 expected_error(kernel, distance, moments.radius as f32, packet.radius, trace)
             };
             let error = f64::from(error);
-            if error * weight * share > tolerance && depth < DEPTH {
+            if error * weight * share > tolerance && piece.depth < DEPTH {
                 stack.extend(piece.quarters());
                 continue;
             }
@@ -171,7 +150,7 @@ pub(super) fn refine_members<R: Radial>(
             scratch.leaves.push(Leaf::of_patch(&patch, offset, energy));
             continue;
         }
-        stack.extend(source_texels::Piece::WHOLE.quarters());
+        stack.extend(Piece::WHOLE.quarters());
         while let Some(piece) = stack.pop() {
             let (Texel { patch, solid_angle }, centroid) = texels.piece(x, y, piece);
             let offset = centroid - packet.axis;

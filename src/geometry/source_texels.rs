@@ -33,7 +33,7 @@ impl Piece {
     }
 
     /// Its corners, in texels.
-    fn corners(self) -> [DVec2; 2] {
+    pub(crate) fn corners(self) -> [DVec2; 2] {
         let side = 0.5_f64.powi(i32::from(self.depth));
         let low = DVec2::from(self.place.map(|k| k as f64)) * side;
         [low, low + side]
@@ -96,8 +96,8 @@ const TABLED: usize = 3;
 /// Moments from which those of all texels follow.
 #[derive(Debug)]
 enum Table {
-    /// Texels, cosine and sine of their columns' longitudes in single precision, and the pieces by one and more
-    /// halvings, which are texels of finer panoramas.
+    /// Texels, cosine and sine of their columns' longitudes in single precision, and the pieces by one and
+    /// more halvings, which are texels of finer panoramas.
     Panorama {
         texels: Panorama,
         rounded: Vec<(f32, f32)>,
@@ -169,8 +169,8 @@ fn grid_of(layout: Layout) -> (Layout, [u32; 2]) {
     }
 }
 
-/// Cells along an edge for a source of `layout`, at most `most`: so many that each holds about two texels. They
-/// are subdivided down to texels, and cells of a finer grid cost more than they save.
+/// Cells along an edge for a source of `layout`, at most `most`: so many that each holds about two texels.
+/// They are subdivided down to texels, and cells of a finer grid cost more than they save.
 pub(crate) fn cells_across(layout: Layout, most: u32) -> u32 {
     let texels = grid_of(layout).0.texel_count();
     ((texels as f64 / 2.0).sqrt().ceil() as u32).next_power_of_two().min(most)

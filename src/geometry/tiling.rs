@@ -165,7 +165,8 @@ fn longest_edge(layout: Layout) -> f64 {
 }
 
 impl Tile {
-    /// Of each texel, its own of `directions`, which are those of the tile in another space, and their weights.
+    /// Of each texel, its own of `directions`, which are those of the tile in another space, and their
+    /// weights.
     pub(crate) fn footprints<'a>(
         &'a self,
         directions: &'a [DVec3],
@@ -274,9 +275,9 @@ impl Footprint {
 
 /// Order of the [`rule`] for a texel `share` lobes wide: 1 for its centre alone.
 ///
-/// GGX, near its axis (1 + q x^2)^-2 with half maxima 1.287/sqrt(q) apart, is within 0.0022 of its peak from its
-/// mean over squares of edges up to 0.4, 0.72, 1.04 and 1.36 lobes by the rules of order 2, 3, 4 and 5, wherever
-/// the light is; it demands fewer nodes for each further lobe.
+/// GGX, near its axis (1 + q x^2)^-2 with half maxima 1.287/sqrt(q) apart, is within 0.0022 of its peak from
+/// its mean over squares of edges up to 0.4, 0.72, 1.04 and 1.36 lobes by the rules of order 2, 3, 4 and 5,
+/// wherever the light is; it demands fewer nodes for each further lobe.
 fn order(share: f64) -> u32 {
     let extent = extent(share);
     if extent < NEGLIGIBLE_EXTENT {
@@ -285,33 +286,38 @@ fn order(share: f64) -> u32 {
     2 + ((extent * share - 0.4) / 0.32).ceil().clamp(0.0, 62.0) as u32
 }
 
-/// Places and weights of means over a square of edge 1 around 0, exact for polynomials of degree 2 `order` - 1.
+/// Places and weights of means over a square of edge 1 around 0, exact for polynomials of degree 2 `order` -
+/// 1.
 ///
 /// Products of Gauss's rules, but for orders 3 and 4 those of Radon (7 nodes; Stroud 1971, "Approximate
-/// Calculation of Multiple Integrals", C2 5-1) and Tyler (12 nodes; C2 7-1), each with the fewest that there are.
+/// Calculation of Multiple Integrals", C2 5-1) and Tyler (12 nodes; C2 7-1), the fewest that there are.
 fn rule(order: u32) -> Vec<(f64, f64, f64)> {
-    let both = |x: f64| [x, -x];
-    let corners = |x: f64, y: f64| both(x / 2.0).into_iter().flat_map(move |x| both(y / 2.0).map(|y| (x, y)));
-    let weighted = |places: &mut dyn Iterator<Item = (f64, f64)>, weight: f64| -> Vec<_> {
-        places.map(|(x, y)| (x, y, weight)).collect()
+    let both = |x: f64| if x == 0.0 { vec![x] } else { vec![x, -x] };
+    // A node, in half edges, and its mirror images.
+    let mirrored = |(x, y, weight): (f64, f64, f64)| {
+        let column = move |x: f64| both(y / 2.0).into_iter().map(move |y| (x, y, weight));
+        both(x / 2.0).into_iter().flat_map(column)
     };
     match order {
         3 => [
-            weighted(&mut std::iter::once((0.0, 0.0)), 2.0 / 7.0),
-            weighted(&mut both((7.0_f64 / 30.0).sqrt()).into_iter().map(|y| (0.0, y)), 5.0 / 63.0),
-            weighted(&mut corners(0.6_f64.sqrt(), (1.0_f64 / 3.0).sqrt()), 5.0 / 36.0),
+            (0.0, 0.0, 2.0 / 7.0),
+            (0.0, (14.0_f64 / 15.0).sqrt(), 5.0 / 63.0),
+            (0.6_f64.sqrt(), (1.0_f64 / 3.0).sqrt(), 5.0 / 36.0),
         ]
-        .concat(),
+        .into_iter()
+        .flat_map(mirrored)
+        .collect(),
         4 => {
             let root = 583.0_f64.sqrt();
-            let axis = (3.0_f64 / 14.0).sqrt();
+            let axis = (6.0_f64 / 7.0).sqrt();
             let diagonal = |sign: f64| {
                 let place = ((114.0 + sign * 3.0 * root) / 287.0).sqrt();
-                let weight = (178_981.0 - sign * 2769.0 * root) / 1_888_920.0;
-                weighted(&mut corners(place, place), weight)
+                (place, place, (178_981.0 - sign * 2769.0 * root) / 1_888_920.0)
             };
-            let axes = both(axis).into_iter().flat_map(|x| [(x, 0.0), (0.0, x)]);
-            [weighted(&mut { axes }, 49.0 / 810.0), diagonal(-1.0), diagonal(1.0)].concat()
+            [(axis, 0.0, 49.0 / 810.0), (0.0, axis, 49.0 / 810.0), diagonal(-1.0), diagonal(1.0)]
+                .into_iter()
+                .flat_map(mirrored)
+                .collect()
         }
         _ => {
             let line = gauss_legendre(order);

@@ -31,8 +31,8 @@ pub const MIDDLE: usize = 7;
 /// cosine's, then those on either side.
 pub const PAIRS: usize = 8;
 
-/// Texels of a node. After those of reads come the weights of harmonics, two in a texel, those symmetric about
-/// the plane of incidence first.
+/// Texels of a node. After those of reads come the weights of harmonics, two in a texel, those symmetric
+/// about the plane of incidence first.
 pub const LAYERS: usize = 21;
 
 /// Harmonics that change sign in the plane of incidence: pairs of a direction of [`ASIDE`] and an order of at
@@ -57,8 +57,8 @@ pub type Node = [[f32; 4]; LAYERS];
 /// anisotropy, evenly in the logarithm of alpha along the tangent, from alpha across it to 1.
 pub const NODES: [usize; 4] = [16, 10, 8, 7];
 
-/// Nodes of the albedo over the same, twice as dense over anisotropy, where it is bent most: what it exceeds that of a round lobe by, at the
-/// azimuth and in the mean.
+/// Nodes of the albedo over the same, twice as dense over anisotropy, where it is bent most: what it exceeds
+/// that of a round lobe by, at the azimuth and in the mean.
 pub const ALBEDO_NODES: [usize; 4] = [16, 10, 8, 13];
 
 /// Anisotropies whose nodes of the albedo stand side by side in the texture.

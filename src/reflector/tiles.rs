@@ -1,10 +1,10 @@
 //! Lobes of the texels of a tile: means over each texel's directions.
 
-use super::{Evaluation, Lobes, Workspace};
+use super::{Evaluation, Lobes, NO_LIGHT, Workspace, spread};
 use crate::cpu::adaptive::{Adaptive, Shares};
 use crate::cpu::footprints::Footprints;
 use crate::cpu::leaves::{LANES, Packet};
-use crate::filter::{Answer, Bound};
+use crate::filter::Answer;
 use crate::geometry::tiling::Tile;
 use glam::DVec3;
 
@@ -22,19 +22,17 @@ impl Lobes<'_> {
     ) {
         answers.clear();
         let directions = &tile.directions[..];
-        let apart = directions.iter().map(|d| d.distance(directions[0])).fold(0.0, f64::max);
         match &self.method {
             Evaluation::Adaptive { source, bilinear, widest }
                 if directions.len() >= WORTHWHILE * LANES
-                    && apart <= *widest
+                    && spread(directions) <= *widest
                     && tile.texels.len() <= LANES
                     && [source, bilinear].into_iter().flatten().all(Adaptive::takes_footprints) =>
             {
                 let turned: Vec<DVec3> = directions.iter().map(|d| self.source_from_world * *d).collect();
                 let footprints = Footprints::new(tile.footprints(&turned));
-                let none = Answer { radiance: [0.0; 3], bound: Some(Bound::default()) };
-                let mut far = [none; LANES];
-                answers.resize(directions.len(), none);
+                let mut far = [NO_LIGHT; LANES];
+                answers.resize(directions.len(), NO_LIGHT);
                 for part in [source, bilinear].into_iter().flatten() {
                     let shares = part.evaluate_far(&footprints, &mut workspace.scratch);
                     workspace.leaves += shares.leaves as u64;
@@ -76,27 +74,15 @@ pub(super) fn add(answers: &mut [Answer], shares: &Shares) {
 mod tests {
     use super::*;
     use crate::chain::LevelSpec;
-    use crate::environment::{Environment, Layout, Rgb};
+    use crate::environment::{Layout, lamps};
     use crate::filter::Filter;
     use crate::geometry::tiling::Tiling;
     use crate::lobe::Lobe;
     use crate::reflector::{Reflector, ReflectorSettings};
 
-    /// Coloured noise with lamps of one colour.
-    fn lamps() -> Environment {
-        let texel = |k: u32| -> Rgb {
-            let noise =
-                |salt: u32| f64::from(k.wrapping_mul(2_654_435_761).rotate_left(salt) >> 16) / 65536.0;
-            let lamp = |salt: u32| if noise(salt) > 0.997 { 300.0 } else { 0.0 };
-            [0, 7, 19].map(|salt| (0.2 + noise(salt) + lamp(salt + 3)) as f32)
-        };
-        let layout = Layout::Panorama { width: 128, height: 64 };
-        Environment::new(layout, (0..128 * 64).map(texel).collect()).expect("a panorama")
-    }
-
     #[test]
     fn far_light_of_footprints_is_within_its_bounds() {
-        let environment = lamps();
+        let environment = lamps([0.997, 300.0]);
         let reflector = Reflector::new(&environment, &ReflectorSettings::default()).expect("a reflector");
         let (mut worst, mut far, mut together, mut apart) = (0.0_f64, 0, 0.0, 0.0);
         for roughness in [0.06, 0.1, 0.14] {
