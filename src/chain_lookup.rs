@@ -15,9 +15,8 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub struct LevelLookup {
     size: usize,
-    /// Per face, a row-major square with `size + 2` entries per side: texel indices in the level. The four
-    /// corners are unset.
-    indices: Vec<u32>,
+    /// Per face, indices of the texels beyond its edges: above, below, left and right.
+    beyond: Vec<u32>,
 }
 
 /// Maximum texels per look-up.
@@ -37,31 +36,31 @@ pub struct Taps {
 impl LevelLookup {
     /// Prepares look-ups of levels with `size` texels per edge.
     pub fn new(size: u32) -> Self {
-        let (n, side) = (size as usize, size as usize + 2);
-        let mut indices = vec![0; 6 * side * side];
-        // The border entry is the neighbour's outermost texel.
+        let n = size as usize;
+        // The neighbour's outermost texel is just across the edge.
         let across = 1.0 + 1e-9;
-        let centre = |k: usize| {
-            if k == 0 {
-                -across
-            } else if k > n {
-                across
-            } else {
-                (2 * k - 1) as f64 / n as f64 - 1.0
-            }
-        };
-        for (place, texel) in indices.iter_mut().enumerate() {
-            let (face, row, column) = (place / (side * side), place / side % side, place % side);
-            if (1..=n).contains(&row) && (1..=n).contains(&column) {
-                *texel = ((face * n + row - 1) * n + column - 1) as u32;
-                continue;
-            }
-            let point = cube_point(Face::ALL[face], centre(column), centre(row));
-            let (face, s, t) = cube_from_direction(point);
+        let index = |place: usize| {
+            let (face, edge, k) = (place / (4 * n), place / n % 4, place % n);
+            let along = (2 * k + 1) as f64 / n as f64 - 1.0;
+            let (s, t) = [(along, -across), (along, across), (-across, along), (across, along)][edge];
+            let (face, s, t) = cube_from_direction(cube_point(Face::ALL[face], s, t));
             let line = |x: f64| (((x + 1.0) / 2.0 * n as f64) as usize).min(n - 1);
-            *texel = ((face.index() * n + line(t)) * n + line(s)) as u32;
+            ((face.index() * n + line(t)) * n + line(s)) as u32
+        };
+        Self { size: n, beyond: (0..24 * n).map(index).collect() }
+    }
+
+    /// Index of the texel in column `i` and row `j` of `face`, counted from 1; 0 and one more than the size
+    /// are beyond its edges. `None` for corners.
+    pub(crate) fn texel(&self, face: Face, i: usize, j: usize) -> Option<u32> {
+        let n = self.size;
+        let beyond = |edge: usize, k: usize| Some(self.beyond[(4 * face.index() + edge) * n + k - 1]);
+        match ((1..=n).contains(&i), (1..=n).contains(&j)) {
+            (true, true) => Some(((face.index() * n + j - 1) * n + i - 1) as u32),
+            (true, false) => beyond(usize::from(j > 0), i),
+            (false, true) => beyond(2 + usize::from(i > 0), j),
+            (false, false) => None,
         }
-        Self { size: n, indices }
     }
 
     /// Texels read by a look-up along `direction` (any nonzero length).
@@ -71,25 +70,23 @@ impl LevelLookup {
 
     /// Texels read by a look-up at (s, t) of a face.
     pub(crate) fn taps_at(&self, (face, s, t): (Face, f64, f64)) -> Taps {
-        let (n, side) = (self.size, self.size + 2);
+        let n = self.size;
         let split = |x: f64| {
             let place = (x + 1.0) / 2.0 * n as f64 + 0.5;
             let low = (place.max(0.0) as usize).min(n);
             (low, place - low as f64)
         };
         let ((i, a), (j, b)) = (split(s), split(t));
-        let corner = |i: usize, j: usize| (i == 0 || i > n) && (j == 0 || j > n);
         let square = [
-            (i, j, (1.0 - a) * (1.0 - b)),
-            (i + 1, j, a * (1.0 - b)),
-            (i, j + 1, (1.0 - a) * b),
-            (i + 1, j + 1, a * b),
+            (self.texel(face, i, j), (1.0 - a) * (1.0 - b)),
+            (self.texel(face, i + 1, j), a * (1.0 - b)),
+            (self.texel(face, i, j + 1), (1.0 - a) * b),
+            (self.texel(face, i + 1, j + 1), a * b),
         ];
-        let missing: f64 =
-            square.iter().filter(|(i, j, _)| corner(*i, *j)).map(|(_, _, weight)| weight).sum();
+        let missing: f64 = square.iter().filter(|(texel, _)| texel.is_none()).map(|(_, weight)| weight).sum();
         let mut taps = Taps { texels: [0; MAX_TAPS], weights: [0.0; MAX_TAPS], count: 0 };
-        for (i, j, weight) in square.into_iter().filter(|(i, j, _)| !corner(*i, *j)) {
-            taps.texels[taps.count] = self.indices[(face.index() * side + j) * side + i];
+        for (texel, weight) in square.into_iter().filter_map(|(texel, weight)| Some((texel?, weight))) {
+            taps.texels[taps.count] = texel;
             taps.weights[taps.count] = weight + missing / 3.0;
             taps.count += 1;
         }
