@@ -9,6 +9,7 @@ use super::delivered::default_roughnesses;
 use crate::chain::{Chain, Level};
 use crate::chain_lookup::ChainLookup;
 use crate::environment::{Layout, Rgb, exact_luminance};
+use crate::geometry::quadrant::Quadrant;
 use crate::ladder::Ladder;
 use crate::lobe::Lobe;
 use glam::DVec3;
@@ -97,10 +98,14 @@ impl Lights {
         let (width, height) = level.layout.sides();
         let area = width as usize * height as usize;
         // The same on every face.
-        let solid_angles: Vec<f64> = (0..height)
-            .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .map(|(x, y)| level.layout.texel_solid_angle(x, y))
-            .collect();
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let solid_angles: Vec<f64> = match level.layout {
+            Layout::Cube { size } => {
+                let quadrant = Quadrant::new(size, |x, y| level.layout.texel_solid_angle(x, y));
+                places.map(|(x, y)| quadrant.at(x, y)).collect()
+            }
+            layout => places.map(|(x, y)| layout.texel_solid_angle(x, y)).collect(),
+        };
         let solid_angle = |at: usize| solid_angles[at % area];
         let (mut sums, mut whole) = ([0.0; 3], 0.0);
         for (at, texel) in level.texels.iter().enumerate() {

@@ -150,19 +150,19 @@ impl BakedLevel {
     /// Creates a level from `answers`, one a texel.
     pub(crate) fn new(processor: Processor, answers: impl Iterator<Item = Answer>, work: LeafCounts) -> Self {
         let mut greatest: Option<Bound> = None;
-        let (texels, bounds): (Vec<Rgb>, Vec<Option<f32>>) = answers
-            .map(|Answer { radiance, bound }| {
-                greatest = bound.map(|bound| greatest.map_or(bound, |most| most.max(bound)));
-                (radiance, bound.map(|bound| bound.luminance))
-            })
-            .unzip();
+        let (mut texels, mut bounds) = (Vec::new(), Vec::new());
+        for Answer { radiance, bound } in answers {
+            greatest = bound.map(|bound| greatest.map_or(bound, |most| most.max(bound)));
+            texels.push(radiance);
+            bounds.extend(bound.map(|bound| bound.luminance));
+        }
         // Every direction of a packet sums all leaves of the packet.
         let LeafCounts { leaves, packets, directions } = work;
         let per_texel = leaves as f64 / packets as f64 * directions as f64 / texels.len() as f64;
         Self {
             processor,
             texels,
-            bounds: bounds.into_iter().collect(),
+            bounds: greatest.is_some().then_some(bounds),
             channel_bounds: greatest.map(|bound| bound.channels),
             leaves_per_texel: (packets > 0).then_some(per_texel),
         }

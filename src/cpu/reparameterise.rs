@@ -3,14 +3,14 @@
 
 use crate::environment::{Environment, Layout, Rgb};
 use crate::error::Result;
-use crate::geometry::overlap::{Space, Target, is_swept, mean_radiances};
+use crate::geometry::overlap::{Space, Target, mean_radiances, surely_fits};
 use crate::geometry::solid_angles::solid_angles;
 use crate::oem::{Oem, OemSize};
 use rayon::prelude::*;
 
 /// Whether [`oem_from_environment`] cannot fail for sources of `layout`.
 pub(crate) fn is_infallible(layout: Layout, size: OemSize) -> bool {
-    layout == (Layout::Octahedral { size: size.inner }) || is_swept(layout, Target::Octahedral(size.inner))
+    layout == (Layout::Octahedral { size: size.inner }) || surely_fits(layout, Target::Octahedral(size.inner))
 }
 
 /// The OEM of `environment` in the source's own space; queries are rotated instead.

@@ -74,8 +74,7 @@ fn file_of(
     let container =
         if plan.target.has_container() { plan.container } else { own().unwrap_or(plan.container) };
     let pixel = if container.holds(plan.pixel) { plan.pixel } else { Pixel::F16 };
-    let cube = |levels: &[Level], sh: bool| {
-        let chain = Chain { levels: levels.iter().map(|level| flipped(level, plan.flip)).collect() };
+    let flipped_cube = |chain: &Chain, sh: bool| {
         let own = match content {
             Content::Sheen => vec![("lobe", json!(Lobe::Charlie)), ("chain", json!(ChainKind::Sampled))],
             Content::Skybox if bake.skybox.is_some() => mirror(),
@@ -83,24 +82,26 @@ fn file_of(
             _ => Vec::new(),
         };
         let pairs = cube_metadata(plan, bake, &recorded(metadata, &own), sh);
-        cube_bytes(container, &chain, pixel, &pairs)
+        cube_bytes(container, chain, pixel, &pairs)
     };
+    let cubes = |chain: &Chain, sh: bool| flipped_cube(&flipped_chain(chain, plan.flip), sh);
+    let cube = |level: &Level| flipped_cube(&Chain { levels: vec![flipped(level, plan.flip)] }, false);
     let levels = &bake.chain.levels[..];
     let text = |text: String| CubeFile { bytes: text.into_bytes(), clamped: Vec::new() };
     Ok(match content {
         Content::ShJson => text(sh_json(plan, bake)),
         Content::ShText => text(sh_text(bake)),
-        Content::Specular => cube(levels, plan.diffuse.has_sh())?,
-        Content::Skybox => cube(std::slice::from_ref(skybox(bake)?), false)?,
+        Content::Specular => cubes(&bake.chain, plan.diffuse.has_sh())?,
+        Content::Skybox => cube(skybox(bake)?)?,
         Content::SkyboxPanorama => {
             let bytes = panorama(plan, skybox(bake)?, path, metadata)?;
             CubeFile { bytes, clamped: Vec::new() }
         }
         Content::Sheen => {
             let sheen = bake.sheen.as_ref().ok_or_else(|| missing("a sheen cube"))?;
-            cube(&sheen.levels, false)?
+            cubes(sheen, false)?
         }
-        Content::Irradiance => cube(std::slice::from_ref(irradiance(bake)?), false)?,
+        Content::Irradiance => cube(irradiance(bake)?)?,
         Content::Oem => oem_bytes(plan.container, levels, plan.pixel, &of_target(plan, metadata))?,
         Content::Pyramid => maps_bytes(
             baked_pyramid(bake)?,

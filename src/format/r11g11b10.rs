@@ -25,12 +25,17 @@ pub fn rgb_from_r11g11b10(packed: u32) -> Rgb {
     [channel(0, 6), channel(11, 6), channel(22, 5)]
 }
 
+/// 2^52.
+const WHOLE: f64 = (1_u64 << 52) as f64;
+
 /// Encodes `value` with five bits of exponent, bias 15, and `mantissa_bits`.
 fn small_float(value: f32, mantissa_bits: u32) -> u32 {
     let value = f64::from(value.clamp(0.0, R11G11B10_MAX));
     // floor(log2) from the bits; subnormal numbers share the spacing of the smallest normal number.
     let exponent = ((value.to_bits() >> 52) as i32 - 1023).max(-14);
-    let steps = (value * f64::from(mantissa_bits.cast_signed() - exponent).exp2()).round_ties_even() as u32;
+    let scale = f64::from_bits(((1023 + mantissa_bits.cast_signed() - exponent) as u64) << 52);
+    // Of numbers from 2^52 on, sums are rounded to integers, ties to even.
+    let steps = (value * scale + WHOLE - WHOLE) as u32;
     // A mantissa that rounds up to the next power of two carries into the exponent.
     ((exponent + 14) as u32 * (1 << mantissa_bits)) + steps
 }

@@ -18,9 +18,9 @@ pub(crate) fn texel_bytes(size: u32, texels: &[Rgb], pixel: Pixel) -> Vec<u8> {
             for texels in texels.chunks(256) {
                 rgb.clear();
                 push_halves(texels.as_flattened(), &mut rgb);
-                for texel in rgb.chunks_exact(6) {
-                    bytes.extend(texel);
-                    bytes.extend(f16::ONE.to_le_bytes());
+                let [one, alpha] = f16::ONE.to_le_bytes();
+                for &[a, b, c, d, e, f] in rgb.as_chunks().0 {
+                    bytes.extend_from_slice(&[a, b, c, d, e, f, one, alpha]);
                 }
             }
         }

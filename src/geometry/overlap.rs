@@ -58,13 +58,30 @@ pub(crate) fn mean_radiances(environment: &Environment, target: Target, space: S
         return Ok(means);
     }
     let overlaps = Overlaps::new(environment.layout(), turn, target)?;
-    let mean = |texel| overlaps.mean_radiance(texel, environment.texels());
+    let texels = environment.texels();
+    if let (Target::Cube(n), true) = (target, overlaps.symmetric) {
+        let half = n as usize / 2;
+        let mut means = vec![[0.0; 3]; target.texel_count()];
+        means
+            .par_chunks_mut(half)
+            .enumerate()
+            .for_each(|(k, means)| overlaps.half_row(k * half, texels, means));
+        return Ok(means);
+    }
+    let mean = |texel| overlaps.mean_radiance(texel, texels);
     Ok((0..target.texel_count()).into_par_iter().map(mean).collect())
 }
 
 /// Whether unrotated sources of `layout` are resampled to `target` without a matrix.
-pub(crate) fn is_swept(layout: Layout, target: Target) -> bool {
+fn is_swept(layout: Layout, target: Target) -> bool {
     index::is_symmetric(layout, target) && sweep::serves(layout, target)
+}
+
+/// Whether unrotated sources of `layout` are resampled to `target` without a matrix, or the matrix has far
+/// fewer entries than it may have.
+pub(crate) fn surely_fits(layout: Layout, target: Target) -> bool {
+    let overlaps = most_overlaps(layout.texel_count(), target.texel_count());
+    is_swept(layout, target) || overlaps < u32::MAX as usize / 64
 }
 
 /// The mean radiance of `environment` over every texel of a `width` x `height` panorama of the world.
@@ -260,17 +277,53 @@ impl Overlaps {
 
     /// Overlap-weighted mean of the sources of one target texel.
     fn mean_radiance(&self, target: usize, texels: &[Rgb]) -> Rgb {
-        // Sum in f64: radiance spans more decades than f32 sums preserve.
-        let (mut sum, mut total) = ([0.0_f64; 3], 0.0_f64);
-        self.for_each_source(target, |source, solid_angle| {
-            let weight = f64::from(solid_angle);
-            total += weight;
-            for (sum, value) in sum.iter_mut().zip(texels[source]) {
-                *sum += weight * f64::from(value);
+        let mut mean = Mean::default();
+        self.for_each_source(target, |source, solid_angle| mean.add(texels[source], solid_angle));
+        mean.radiance()
+    }
+
+    /// [`Self::mean_radiance`] for half a row of a cube's face, from texel `first` on: all in one octant of a
+    /// symmetric matrix.
+    fn half_row(&self, first: usize, texels: &[Rgb], means: &mut [Rgb]) {
+        let ends =
+            [first, first + means.len() - 1].map(|texel| index::octants_of_texel(self.target, texel)[0]);
+        let [Some((octant, start)), Some((_, end))] = ends else { unreachable!("texels of a cube") };
+        let source = &self.source_maps[octant];
+        for (k, mean) in means.iter_mut().enumerate() {
+            let row = if start <= end { start + k } else { start - k };
+            let mut sum = Mean::default();
+            for &(packed, solid_angle) in
+                &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize]
+            {
+                sum.add(texels[source.texel(packed)], solid_angle);
             }
-        });
-        let per_total = 1.0 / total;
-        sum.map(|sum| (sum * per_total) as f32)
+            *mean = sum.radiance();
+        }
+    }
+}
+
+/// A weighted mean of radiance, in double precision: radiance spans more decades than sums in single
+/// precision preserve.
+#[derive(Default)]
+struct Mean {
+    sum: [f64; 3],
+    total: f64,
+}
+
+impl Mean {
+    #[inline]
+    fn add(&mut self, radiance: Rgb, solid_angle: f32) {
+        let weight = f64::from(solid_angle);
+        self.total += weight;
+        for (sum, value) in self.sum.iter_mut().zip(radiance) {
+            *sum += weight * f64::from(value);
+        }
+    }
+
+    #[inline]
+    fn radiance(&self) -> Rgb {
+        let per_total = 1.0 / self.total;
+        self.sum.map(|sum| (sum * per_total) as f32)
     }
 }
 

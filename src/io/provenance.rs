@@ -231,7 +231,7 @@ impl Provenance {
             _ if !chain.levels.iter().all(|level| matches!(level.layout, Layout::Cube { .. })) => {
                 return Err("a flip is for cubes; bake it again".to_owned());
             }
-            flip => flipped_chain(&chain, flip),
+            flip => flipped_chain(&chain, flip).into_owned(),
         })
     }
 }

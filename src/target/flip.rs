@@ -4,6 +4,7 @@ use crate::chain::{Chain, Level};
 use crate::names::named;
 use crate::sphere::cube::{Face, cube_from_direction, cube_point};
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// Axis along which an engine negates a world direction before a cube look-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,30 +39,36 @@ pub fn flipped(level: &Level, flip: Flip) -> Level {
     if flip == Flip::None {
         return level.clone();
     }
-    let n = level.size() as usize;
-    // A face maps to one face, and rows and columns to rows and columns; texel centres give the mapping.
-    let coordinate = |k: usize| (2 * k + 1) as f64 / n as f64 - 1.0;
-    let texel = |c: f64| ((c + 1.0) / 2.0 * n as f64) as usize;
-    let sources: Vec<usize> = Face::ALL
-        .into_iter()
-        .flat_map(|face| (0..n * n).map(move |at| (face, at % n, at / n)))
-        .map(|(face, i, j)| {
-            let place = flip.apply(cube_point(face, coordinate(i), coordinate(j)));
-            let (face, s, t) = cube_from_direction(place);
-            (face.index() * n + texel(t)) * n + texel(s)
-        })
-        .collect();
     Level {
         layout: level.layout,
         roughness: level.roughness,
-        texels: sources.iter().map(|at| level.texels[*at]).collect(),
-        bounds: level.bounds.as_ref().map(|bounds| sources.iter().map(|at| bounds[*at]).collect()),
+        texels: permuted(&level.texels, level.size(), flip),
+        bounds: level.bounds.as_ref().map(|bounds| permuted(bounds, level.size(), flip)),
     }
 }
 
+/// The `values` of a cube's texels, flipped: a face maps to one face, and rows and columns to rows and
+/// columns.
+fn permuted<T: Copy>(values: &[T], size: u32, flip: Flip) -> Vec<T> {
+    let n = size as usize;
+    let mut permuted = Vec::with_capacity(values.len());
+    for face in Face::ALL {
+        let (face, s, t) = cube_from_direction(flip.apply(cube_point(face, 0.5, 0.5)));
+        for j in 0..n {
+            let row = face.index() * n + if t > 0.0 { j } else { n - 1 - j };
+            let row = &values[row * n..(row + 1) * n];
+            if s > 0.0 { permuted.extend_from_slice(row) } else { permuted.extend(row.iter().rev()) }
+        }
+    }
+    permuted
+}
+
 /// Flips every level of `chain`.
-pub fn flipped_chain(chain: &Chain, flip: Flip) -> Chain {
-    Chain { levels: chain.levels.iter().map(|level| flipped(level, flip)).collect() }
+pub fn flipped_chain(chain: &Chain, flip: Flip) -> Cow<'_, Chain> {
+    if flip == Flip::None {
+        return Cow::Borrowed(chain);
+    }
+    Cow::Owned(Chain { levels: chain.levels.iter().map(|level| flipped(level, flip)).collect() })
 }
 
 #[cfg(test)]
