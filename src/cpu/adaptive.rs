@@ -106,8 +106,9 @@ fn expected_errors<R: Radial>(
         [lanes(|quad| quad.blue_tint[0]), lanes(|quad| quad.blue_tint[1]), lanes(|quad| quad.blue_tint[2])];
     let radius = lanes(|quad| quad.radius);
     let flat = |lanes: &[[f32; 4]; QUADS], k: usize| lanes.as_flattened()[k];
-    let mut errors = [[0.0; 4]; QUADS];
-    for (k, error) in errors.as_flattened_mut().iter_mut().enumerate() {
+    let [mut energy, mut distances, mut reaches, mut traces] = [[0.0; 4 * QUADS]; 4];
+    let mut across = false;
+    for k in 0..4 * QUADS {
         let (mx, my, mz) = (flat(&x, k), flat(&y, k), flat(&z, k));
         let (x, y, z) = (mx - axis.x, my - axis.y, mz - axis.z);
         let distance = x.times_plus(x, y.times_plus(y, z * z)).sqrt();
@@ -127,8 +128,24 @@ fn expected_errors<R: Radial>(
             .at_least(weights[2] * blue.times_plus(trace, blue_tint));
         let reach = flat(&radius, k);
         let trace = (spread / weight.at_least(f32::MIN_POSITIVE)).at_least(trace).at_most(reach * reach);
-        let (reach, trace) = (reach + packet.reach, trace + packet.trace);
-        *error = weight * expected_error(kernel, distance, reach, packet.radius, trace);
+        (energy[k], distances[k]) = (weight, distance);
+        (reaches[k], traces[k]) = (reach + packet.reach, trace + packet.trace);
+        let far = distance + reaches[k] + packet.radius;
+        across |= 0.25 * far * far > 0.499;
+    }
+    let mut errors = [[0.0; 4]; QUADS];
+    let all = errors.as_flattened_mut();
+    if across {
+        for k in 0..4 * QUADS {
+            let error = expected_error::<R, true>(kernel, distances[k], reaches[k], packet.radius, traces[k]);
+            all[k] = energy[k] * error;
+        }
+    } else {
+        for k in 0..4 * QUADS {
+            let error =
+                expected_error::<R, false>(kernel, distances[k], reaches[k], packet.radius, traces[k]);
+            all[k] = energy[k] * error;
+        }
     }
     errors
 }
@@ -144,6 +161,9 @@ struct Series {
     rest: [f32; LANES],
     spread: [f32; LANES],
 }
+
+/// Leaves whose intervals are computed before they are summed.
+const BATCH: usize = 8;
 
 /// Contributions of the tints of red and blue, by lanes, with bounds of their error.
 #[derive(Default)]
@@ -359,9 +379,16 @@ impl<'a> Adaptive<'a> {
                 }
             }
         }
+        if let (Finest::Source(members), Some(light), false) =
+            (&cells.finest, &self.light, scratch.refined.is_empty())
+        {
+            let source = LitTexels { members, light, least: Vec3::from(cells.least) };
+            subtexel::refine_members((&source, self.weights, self.tolerance), kernel, packet, scratch);
+        }
     }
 
-    /// Adds pieces of the finest cell (`i`, `j`) to the leaves, if it can be subdivided.
+    /// Adds pieces of the finest cell (`i`, `j`) to the leaves, or the cell to those to be refined, if it can
+    /// be subdivided.
     #[inline(always)]
     fn refine<R: Radial>(
         &self,
@@ -377,10 +404,8 @@ impl<'a> Adaptive<'a> {
                 subtexel::refine(limits, kernel, (i, j), packet, scratch);
                 true
             }
-            (Finest::Source(members), Some(light)) => {
-                let source = LitTexels { members, light, least: Vec3::from(self.cells.least) };
-                let limits = (&source, self.weights, self.tolerance);
-                subtexel::refine_members(limits, kernel, (i, j), packet, scratch);
+            (Finest::Source(_), Some(_)) => {
+                scratch.refined.push((i, j));
                 true
             }
             _ => false,
@@ -399,65 +424,72 @@ impl<'a> Adaptive<'a> {
         // How far the luminance's true value can lie above and below the estimate; how far a channel's can.
         let (mut above, mut below) = ([0.0_f32; LANES], [0.0_f32; LANES]);
         let mut off = [[0.0_f32; LANES]; 3];
-        let (mut series, mut tinted) = (Series::default(), TintSums::default());
+        let mut tinted = TintSums::default();
         // Energy with s above 1/4 for some lane, and not beyond the horizon.
         let mut grazing = [0.0_f32; 3];
-        for leaf in &scratch.leaves {
-            let [lx, ly, lz] = leaf.offset;
-            let [xx, yy, zz, yz, zx, xy] = leaf.covariance;
-            let trace = xx + yy + zz;
-            let [red, green, blue] = leaf.energy;
-            let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
-            let radius = if SPREAD { leaf.radius + packet.reach } else { leaf.radius };
-            let (distance, reach) = ((lx * lx + ly * ly + lz * lz).sqrt(), packet.radius + radius);
-            if (distance + reach > 0.999) & (distance - reach < 1.415) {
-                grazing.iter_mut().zip(leaf.energy).for_each(|(sum, energy)| *sum += energy);
-            }
-            // Whether s reaches the horizon for any lane.
-            let across = 0.25 * (distance + reach) * (distance + reach) > 0.499;
-            for k in 0..LANES {
-                let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
-                let squared = x.times_plus(x, y.times_plus(y, z * z));
-                // The covariance applied to (x, y, z) on both sides, row by row.
-                let mut along = x.times_plus(
-                    xx.times_plus(x, 2.0 * xy.times_plus(y, zx * z)),
-                    y.times_plus(yy.times_plus(y, 2.0 * yz * z), zz * z * z),
-                );
-                let mut trace = trace;
-                if SPREAD {
-                    let [ux, uy, uz] = applied(covariance, k, [x, y, z]);
-                    along += x * ux + y * uy + z * uz;
-                    trace += covariance[0][k] + covariance[1][k] + covariance[2][k];
+        // Intervals of some leaves at a time: none waits for the sums of another.
+        let mut batch: [Series; BATCH] = Default::default();
+        for leaves in scratch.leaves.chunks(BATCH) {
+            for (leaf, series) in leaves.iter().zip(&mut batch) {
+                let [lx, ly, lz] = leaf.offset;
+                let [xx, yy, zz, yz, zx, xy] = leaf.covariance;
+                let trace = xx + yy + zz;
+                let radius = if SPREAD { leaf.radius + packet.reach } else { leaf.radius };
+                let (distance, reach) = ((lx * lx + ly * ly + lz * lz).sqrt(), packet.radius + radius);
+                if (distance + reach > 0.999) & (distance - reach < 1.415) {
+                    grazing.iter_mut().zip(leaf.energy).for_each(|(sum, energy)| *sum += energy);
                 }
-                let share = if across {
-                    kernel.interval::<true>(squared, trace, along, radius)
-                } else {
-                    kernel.interval::<false>(squared, trace, along, radius)
-                };
-                series.estimate[k] = share.estimate;
-                (series.over[k], series.under[k]) =
-                    (share.greatest - share.estimate, share.estimate - share.least);
-                (series.slope[k], series.bend[k]) = (share.slope, share.bend);
-                (series.rest[k], series.spread[k]) = (share.rest, share.spread);
+                // Whether s reaches the horizon for any lane.
+                let across = 0.25 * (distance + reach) * (distance + reach) > 0.499;
+                for k in 0..LANES {
+                    let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
+                    let squared = x.times_plus(x, y.times_plus(y, z * z));
+                    // The covariance applied to (x, y, z) on both sides, row by row.
+                    let mut along = x.times_plus(
+                        xx.times_plus(x, 2.0 * xy.times_plus(y, zx * z)),
+                        y.times_plus(yy.times_plus(y, 2.0 * yz * z), zz * z * z),
+                    );
+                    let mut trace = trace;
+                    if SPREAD {
+                        let [ux, uy, uz] = applied(covariance, k, [x, y, z]);
+                        along += x * ux + y * uy + z * uz;
+                        trace += covariance[0][k] + covariance[1][k] + covariance[2][k];
+                    }
+                    let share = if across {
+                        kernel.interval::<true>(squared, trace, along, radius)
+                    } else {
+                        kernel.interval::<false>(squared, trace, along, radius)
+                    };
+                    series.estimate[k] = share.estimate;
+                    (series.over[k], series.under[k]) =
+                        (share.greatest - share.estimate, share.estimate - share.least);
+                    (series.slope[k], series.bend[k]) = (share.slope, share.bend);
+                    (series.rest[k], series.spread[k]) = (share.rest, share.spread);
+                }
             }
-            // Green's tint follows from those of the others, and may exceed its energy.
-            let beside_green = luminance / LUMINANCE[1] - green;
-            // A loop of its own, which leaves the registers to the one above.
-            for k in 0..LANES {
-                let (estimate, over, under) = (series.estimate[k], series.over[k], series.under[k]);
-                let neglected = NEGLIGIBLE_TINT * series.spread[k];
-                let width = over.at_least(under) + neglected;
-                sums[0][k] = red.times_plus(estimate, sums[0][k]);
-                sums[1][k] = green.times_plus(estimate, sums[1][k]);
-                sums[2][k] = blue.times_plus(estimate, sums[2][k]);
-                above[k] = luminance.times_plus(over, above[k]);
-                below[k] = luminance.times_plus(under, below[k]);
-                off[0][k] = red.times_plus(width, off[0][k]);
-                off[1][k] = green.times_plus(width, beside_green.times_plus(neglected, off[1][k]));
-                off[2][k] = blue.times_plus(width, off[2][k]);
+            for (leaf, series) in leaves.iter().zip(&batch) {
+                let [red, green, blue] = leaf.energy;
+                let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
+                // Green's tint follows from those of the others, and may exceed its energy.
+                let beside_green = luminance / LUMINANCE[1] - green;
+                for k in 0..LANES {
+                    let (estimate, over, under) = (series.estimate[k], series.over[k], series.under[k]);
+                    let neglected = NEGLIGIBLE_TINT * series.spread[k];
+                    let width = over.at_least(under) + neglected;
+                    sums[0][k] = red.times_plus(estimate, sums[0][k]);
+                    sums[1][k] = green.times_plus(estimate, sums[1][k]);
+                    sums[2][k] = blue.times_plus(estimate, sums[2][k]);
+                    above[k] = luminance.times_plus(over, above[k]);
+                    below[k] = luminance.times_plus(under, below[k]);
+                    off[0][k] = red.times_plus(width, off[0][k]);
+                    off[1][k] = green.times_plus(width, beside_green.times_plus(neglected, off[1][k]));
+                    off[2][k] = blue.times_plus(width, off[2][k]);
+                }
             }
-            if let Some(tints) = self.cells.tints(leaf.cell) {
-                tinted.add::<SPREAD>(leaf, &tints, (packet, covariance), &series);
+            for (leaf, series) in leaves.iter().zip(&batch) {
+                if let Some(tints) = self.cells.tints(leaf.cell) {
+                    tinted.add::<SPREAD>(leaf, &tints, (packet, covariance), series);
+                }
             }
         }
         let Self { cells, scale, .. } = *self;

@@ -462,7 +462,10 @@ impl Cells {
 
 /// The quads over `width` x `width` cells, and their levels.
 fn pyramid(mut cells: Vec<Cell>, mut width: u32) -> (Vec<Quad>, Vec<CellLevel>) {
-    let (mut quads, mut levels) = (Vec::new(), Vec::new());
+    let sides =
+        || std::iter::successors(Some(width.div_ceil(2)), |side| (*side > 1).then(|| side.div_ceil(2)));
+    let mut quads = Vec::with_capacity(sides().map(|side| side as usize * side as usize).sum());
+    let mut levels = Vec::new();
     loop {
         let above = width.div_ceil(2);
         let first = quads.len();

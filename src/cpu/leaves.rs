@@ -3,6 +3,7 @@
 use crate::cpu::cells::Quad;
 #[cfg(feature = "gpu")]
 use crate::cpu::cells::{Cells, QUAD_FIELDS};
+use crate::cpu::subtexel::LitPiece;
 use crate::environment::{LUMINANCE, Rgb};
 use crate::geometry::tent::Patch;
 #[cfg(feature = "gpu")]
@@ -122,6 +123,9 @@ pub struct Scratch {
     pub(super) stack: Vec<Visit>,
     /// What a cut for footprints leaves to their directions.
     pub(super) frontier: Vec<Visit>,
+    /// Finest cells to be divided into texels of the source, and the pieces of these that are left.
+    pub(super) refined: Vec<(u32, u32)>,
+    pub(super) pieces: Vec<LitPiece>,
 }
 
 /// A quad to visit: that of the cell in column `i` of row `j` of the level above.

@@ -6,7 +6,7 @@ use super::leaves::{Leaf, Packet, Scratch};
 use crate::cpu::leaves::weighted;
 use crate::environment::Rgb;
 use crate::geometry::source_texels::Piece;
-use crate::geometry::tent::{Moments, Reconstruction, Texel};
+use crate::geometry::tent::{Moments, Patch, Reconstruction, Texel};
 use crate::lobe::radial::{Radial, expected_error, first_order_width};
 use crate::sphere::octahedral::{direction_from_oct, texel_centre, wrap_oct};
 use glam::{DVec2, DVec3, Vec3};
@@ -105,7 +105,7 @@ pub(super) fn refine<R: Radial>(
                 first_order_width(kernel, distance, moments.radius as f32, packet.radius)
             } else {
                 let trace = moments.diagonal.element_sum() as f32;
-                expected_error(kernel, distance, moments.radius as f32, packet.radius, trace)
+                expected_error::<R, true>(kernel, distance, moments.radius as f32, packet.radius, trace)
             };
             let error = f64::from(error);
             if error * weight * share > tolerance && piece.depth < DEPTH {
@@ -122,46 +122,76 @@ pub(super) fn refine<R: Radial>(
     }
 }
 
-/// Adds the texels of the source in cell (`i`, `j`) to the leaves, in pieces where their intervals exceed the
-/// tolerance. Light is constant over a texel's solid angle, and so are the pieces' moments exact.
+/// A piece of a texel of the source.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LitPiece {
+    column: u32,
+    row: u32,
+    piece: Piece,
+    /// Radiance above the least.
+    above: Vec3,
+    /// What of it counts.
+    weight: f32,
+}
+
+/// Pieces whose errors are estimated together.
+const PIECES: usize = 16;
+
+/// Adds the texels of the source in the refined cells to the leaves, in pieces where their intervals exceed
+/// the tolerance. Light is constant over a texel's solid angle, and so are the pieces' moments exact.
 #[inline(always)]
 pub(super) fn refine_members<R: Radial>(
     (source, weights, tolerance): (&LitTexels<'_>, [f32; 3], f64),
     kernel: R,
-    (i, j): (u32, u32),
     packet: &Packet,
     scratch: &mut Scratch,
 ) {
     let texels = &source.members.texels;
-    let mut stack = Vec::new();
-    let runs = source.members.in_cell(i, j).iter();
-    for (x, y) in runs.flat_map(|run| (run.column..run.column + run.count).map(|x| (x, run.row))) {
-        let above = source.light.radiance(texels.source_row(y) + texels.source_column(x)) - source.least;
-        let weight = f64::from(weighted(above.to_array(), weights));
-        if weight <= 0.0 {
-            continue;
-        }
-        let Texel { patch, solid_angle } = texels.at(x, y);
-        let offset = patch.centroid.as_dvec3() - packet.axis;
-        let trace = patch.diagonal.element_sum();
-        let error = expected_error(kernel, offset.length() as f32, patch.radius, packet.radius, trace);
-        if f64::from(error * solid_angle) * weight <= tolerance {
-            let energy = (above * solid_angle).to_array();
-            scratch.leaves.push(Leaf::of_patch(&patch, offset, energy));
-            continue;
-        }
-        stack.extend(Piece::WHOLE.quarters());
-        while let Some(piece) = stack.pop() {
-            let (Texel { patch, solid_angle }, centroid) = texels.piece(x, y, piece);
-            let offset = centroid - packet.axis;
-            let trace = patch.diagonal.element_sum();
-            let error = expected_error(kernel, offset.length() as f32, patch.radius, packet.radius, trace);
-            if f64::from(error * solid_angle) * weight > tolerance && piece.depth < DEPTH {
-                stack.extend(piece.quarters());
-                continue;
+    let Scratch { refined, pieces, leaves, .. } = scratch;
+    for (i, j) in refined.drain(..) {
+        for run in source.members.in_cell(i, j) {
+            let row = run.row;
+            for column in run.column..run.column + run.count {
+                let texel = texels.source_row(row) + texels.source_column(column);
+                let above = source.light.radiance(texel) - source.least;
+                let weight = weighted(above.to_array(), weights);
+                if weight > 0.0 {
+                    pieces.push(LitPiece { column, row, piece: Piece::WHOLE, above, weight });
+                }
             }
-            let energy = (above * solid_angle).to_array();
-            scratch.leaves.push(Leaf::of_patch(&patch, offset, energy));
+        }
+    }
+    while !pieces.is_empty() {
+        let rest = pieces.len().saturating_sub(PIECES);
+        let count = pieces.len() - rest;
+        let mut batch = [pieces[rest]; PIECES];
+        batch[..count].copy_from_slice(&pieces[rest..]);
+        pieces.truncate(rest);
+        let mut found = [(Patch::default(), DVec3::ZERO, 0.0); PIECES];
+        let [mut distances, mut reaches, mut traces, mut errors] = [[0.0_f32; PIECES]; 4];
+        for (k, LitPiece { column, row, piece, .. }) in batch.iter().enumerate().take(count) {
+            let (Texel { patch, solid_angle }, centroid) = if piece.depth == 0 {
+                let texel = texels.at(*column, *row);
+                (texel, texel.patch.centroid.as_dvec3())
+            } else {
+                texels.piece(*column, *row, *piece)
+            };
+            let offset = centroid - packet.axis;
+            (distances[k], reaches[k]) = (offset.length() as f32, patch.radius);
+            traces[k] = patch.diagonal.element_sum();
+            found[k] = (patch, offset, solid_angle);
+        }
+        for k in 0..PIECES {
+            errors[k] = expected_error::<R, true>(kernel, distances[k], reaches[k], packet.radius, traces[k]);
+        }
+        for (k, lit) in batch.iter().enumerate().take(count) {
+            let (patch, offset, solid_angle) = found[k];
+            let error = f64::from(errors[k] * solid_angle) * f64::from(lit.weight);
+            if error > tolerance && lit.piece.depth < DEPTH {
+                pieces.extend(lit.piece.quarters().map(|piece| LitPiece { piece, ..*lit }));
+            } else {
+                leaves.push(Leaf::of_patch(&patch, offset, (lit.above * solid_angle).to_array()));
+            }
         }
     }
 }

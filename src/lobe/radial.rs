@@ -234,8 +234,9 @@ pub(super) fn share_in_front(before: f32, half_width: f32) -> f32 {
 
 /// Expected error of the estimate for a cell of unit energy and the worst direction among those within
 /// `packet` of an axis at `distance` from its centroid. It selects the cells to split and is not a bound.
+/// ACROSS must be true if one may reach beyond the horizon.
 #[inline(always)]
-pub(crate) fn expected_error<R: Radial>(
+pub(crate) fn expected_error<R: Radial, const ACROSS: bool>(
     kernel: R,
     distance: f32,
     radius: f32,
@@ -249,7 +250,7 @@ pub(crate) fn expected_error<R: Radial>(
     let worst = kernel.worst_distance((distance - packet).at_least(0.0), distance + packet);
     // About half of the trace lies along the line to R.
     let along = 0.6 * trace * worst * worst;
-    let interval = kernel.interval::<true>(worst * worst, trace, along, radius);
+    let interval = kernel.interval::<ACROSS>(worst * worst, trace, along, radius);
     let s = 0.25 * (worst * worst + trace);
     let scale = kernel.scale(s);
     let reach = 0.25 * radius * (2.0 * worst + radius);
@@ -257,6 +258,9 @@ pub(crate) fn expected_error<R: Radial>(
     let moment = 0.25 * (along + 0.25 * trace * radius * radius) * reach;
     let third = kernel.third_order(s, interval.estimate, moment);
     let certain = 0.25 * (interval.greatest - interval.least);
+    if !ACROSS {
+        return if reach < 0.5 * scale { third } else { certain };
+    }
     // Add the uncertainty from the kink, for the direction nearest to it: the gap between Scarf's bound and
     // Jensen's, as such errors have one sign and accumulate; at most the part that reaches over the horizon.
     let (near, far) = ((distance - packet - radius).at_least(0.0), distance + packet + radius);
