@@ -340,7 +340,7 @@ impl Cells {
                 for y in range(j) {
                     members.extend(range(i).map(|x| texel(x, y)));
                 }
-                *cell = merge(&members);
+                *cell = merge(members.iter());
             }
         });
         let finest = if block == 1 {
@@ -349,7 +349,8 @@ impl Cells {
         } else {
             Finest::Blocks
         };
-        let (quads, levels) = pyramid(cells, width);
+        let copied = |j: u32, row: &mut [Cell]| row.copy_from_slice(row_of(&cells, width, j));
+        let (quads, levels, _) = pyramid(width, copied);
         Self { least, mean, quads, levels, finest, omitted: omitted_radiance(n), energy: None }
     }
 
@@ -357,28 +358,23 @@ impl Cells {
     pub(crate) fn of_source(texels: SourceTexels, light: SourceLight<'_>, width: u32) -> Self {
         let members = Members::new(texels, width);
         let lit = Lit { texels: &members.texels, light, least: light.least() };
-        let mut cells = vec![Cell::default(); width as usize * width as usize];
-        let sums: Vec<(DVec3, f64)> = cells
-            .par_chunks_mut(width as usize)
-            .zip(0..width)
-            .map(|(row, j)| {
-                let (mut gathered, mut faint) = (Vec::new(), 0.0_f64);
-                let mut total = DVec3::ZERO;
-                for (cell, i) in row.iter_mut().zip(0..width) {
-                    gathered.clear();
-                    members.in_cell(i, j).iter().for_each(|run| lit.gather(run, &mut gathered, &mut faint));
-                    *cell = if gathered.len() > 1 { merge_many(&gathered) } else { merge(&gathered) };
-                    total += cell.energy.as_dvec3();
-                }
-                (total, faint)
-            })
-            .collect();
+        let row = |j: u32, row: &mut [Cell]| {
+            let (mut gathered, mut faint) = (Vec::new(), 0.0_f64);
+            let mut total = DVec3::ZERO;
+            for (cell, i) in row.iter_mut().zip(0..width) {
+                gathered.clear();
+                members.in_cell(i, j).iter().for_each(|run| lit.gather(run, &mut gathered, &mut faint));
+                *cell = if gathered.len() > 1 { merge_many(&gathered) } else { merge(gathered.iter()) };
+                total += cell.energy.as_dvec3();
+            }
+            (total, faint)
+        };
+        let (quads, levels, sums) = pyramid(width, row);
         let least = lit.least.to_array();
         let above: DVec3 = sums.iter().map(|(total, _)| total).sum();
         let sphere = 4.0 * std::f64::consts::PI;
         let energy = (above + lit.least.as_dvec3() * sphere).to_array();
         let omitted = sums.iter().map(|(_, faint)| *faint).fold(0.0, f64::max);
-        let (quads, levels) = pyramid(cells, width);
         Self {
             least,
             mean: energy.map(|energy| energy / sphere),
@@ -460,35 +456,64 @@ impl Cells {
     }
 }
 
-/// The quads over `width` x `width` cells, and their levels.
-fn pyramid(mut cells: Vec<Cell>, mut width: u32) -> (Vec<Quad>, Vec<CellLevel>) {
-    let sides =
-        || std::iter::successors(Some(width.div_ceil(2)), |side| (*side > 1).then(|| side.div_ceil(2)));
-    let mut quads = Vec::with_capacity(sides().map(|side| side as usize * side as usize).sum());
-    let mut levels = Vec::new();
-    loop {
-        let above = width.div_ceil(2);
-        let first = quads.len();
-        levels.push(CellLevel { first: u32::try_from(first).expect("fewer than 2^32 cells"), width: above });
-        quads.resize(first + above as usize * above as usize, Quad::default());
-        let mut parents = vec![Cell::default(); above as usize * above as usize];
-        let rows = quads[first..].par_chunks_mut(above as usize).zip(parents.par_chunks_mut(above as usize));
-        rows.zip(0..above).for_each(|((quads, parents), j)| {
-            for ((quad, parent), i) in quads.iter_mut().zip(parents).zip(0..above) {
-                let siblings = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(di, dj)| {
-                    let (i, j) = (2 * i + di, 2 * j + dj);
-                    let inside = i < width && j < width;
-                    if inside { cells[(j * width + i) as usize] } else { Cell::default() }
-                });
-                *quad = Quad::new(&siblings);
-                *parent = merge(&siblings);
-            }
+/// Row `j` of cells, `width` a row.
+fn row_of(cells: &[Cell], width: u32, j: u32) -> &[Cell] {
+    &cells[j as usize * width as usize..][..width as usize]
+}
+
+/// The quads over `width` x `width` cells, and their levels; `fill` makes a row of the cells. Also returns
+/// what that does, row by row.
+fn pyramid<T: Send>(
+    width: u32,
+    fill: impl Fn(u32, &mut [Cell]) -> T + Sync,
+) -> (Vec<Quad>, Vec<CellLevel>, Vec<T>) {
+    let half = |width: u32| width.div_ceil(2);
+    let sides = std::iter::successors(Some(half(width)), |side| (*side > 1).then(|| half(*side)));
+    let mut quads = vec![Quad::default(); sides.map(|side| side as usize * side as usize).sum()];
+    let (first, rest) = quads.split_at_mut((half(width) * half(width)) as usize);
+    let mut levels = vec![CellLevel { first: 0, width: half(width) }];
+    let mut cells = vec![Cell::default(); first.len()];
+    let above = half(width) as usize;
+    let rows = first.par_chunks_mut(above).zip(cells.par_chunks_mut(above)).zip(0..half(width));
+    // Two rows at a time: they stay in the cache.
+    let made: Vec<Vec<T>> = rows
+        .map_init(
+            || [(); 2].map(|()| vec![Cell::default(); width as usize]),
+            |below, ((quads, parents), j)| {
+                let rows = (2 * j..width.min(2 * j + 2)).zip(below.iter_mut());
+                let made = rows.map(|(j, row)| fill(j, row)).collect();
+                let [upper, lower] = &*below;
+                gather_quads([upper, if 2 * j + 1 < width { lower } else { &[] }], quads, parents);
+                made
+            },
+        )
+        .collect();
+    let (mut width, mut start, mut rest) = (half(width), first.len(), rest);
+    while width > 1 {
+        let above = half(width) as usize;
+        let (own, further) = rest.split_at_mut(above * above);
+        let place = u32::try_from(start).expect("fewer than 2^32 cells");
+        levels.push(CellLevel { first: place, width: half(width) });
+        let mut parents = vec![Cell::default(); above * above];
+        let rows = own.par_chunks_mut(above).zip(parents.par_chunks_mut(above)).zip(0..half(width));
+        rows.for_each(|((quads, parents), j)| {
+            let lower = if 2 * j + 1 < width { row_of(&cells, width, 2 * j + 1) } else { &[] };
+            gather_quads([row_of(&cells, width, 2 * j), lower], quads, parents);
         });
-        cells = parents;
-        width = above;
-        if width == 1 {
-            return (quads, levels);
-        }
+        (cells, width, rest) = (parents, half(width), further);
+        start += above * above;
+    }
+    (quads, levels, made.into_iter().flatten().collect())
+}
+
+/// Makes a row of `quads` and of their `parents` from two rows of cells, the second of which may be empty.
+fn gather_quads(rows: [&[Cell]; 2], quads: &mut [Quad], parents: &mut [Cell]) {
+    let black = Cell::default();
+    for (i, (quad, parent)) in quads.iter_mut().zip(parents).enumerate() {
+        let siblings = [(0, 0), (1, 0), (0, 1), (1, 1)]
+            .map(|(di, dj): (usize, usize)| rows[dj].get(2 * i + di).unwrap_or(&black));
+        *quad = Quad::new(siblings);
+        *parent = merge(siblings.into_iter());
     }
 }
 
@@ -525,11 +550,13 @@ fn merge_many(members: &[Cell]) -> Cell {
 }
 
 /// Merges cells, centred by luminance; cells without energy contribute nothing.
-fn merge(members: &[Cell]) -> Cell {
-    if let [only] = members {
+fn merge<'a>(members: impl ExactSizeIterator<Item = &'a Cell> + Clone) -> Cell {
+    if members.len() == 1
+        && let Some(only) = members.clone().next()
+    {
         return *only;
     }
-    let members = || members.iter().filter(|member| member.luminance > 0.0);
+    let members = || members.clone().filter(|member| member.luminance > 0.0);
     let mut union = Cell::default();
     let mut offset = Vec3::ZERO;
     for member in members() {
@@ -558,10 +585,10 @@ fn merge(members: &[Cell]) -> Cell {
 }
 
 impl Quad {
-    fn new(siblings: &[Cell; 4]) -> Self {
-        let field = |get: fn(&Cell) -> f32| siblings.each_ref().map(get);
+    fn new(siblings: [&Cell; 4]) -> Self {
+        let field = |get: fn(&Cell) -> f32| siblings.map(get);
         let tints = |channel: usize| {
-            let siblings = siblings.each_ref().map(|cell| cell.tints[channel].to_fields());
+            let siblings = siblings.map(|cell| cell.tints[channel].to_fields());
             std::array::from_fn(|f| siblings.map(|fields| fields[f]))
         };
         Self {

@@ -5,6 +5,7 @@ use super::rgbd::RGBD_MAX;
 use super::rgbp::RGBP_MAX;
 use crate::environment::Rgb;
 use crate::names::named;
+use crate::vector::Extremes as _;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 
@@ -104,9 +105,10 @@ impl Pixel {
         match self {
             Self::Auto => {
                 // Too dim if half floats lose precision even at the brightest texel.
-                let brightest = texels.as_flattened().iter().copied().fold(0.0, f32::max);
+                let brighter = |most: Rgb, texel: &Rgb| std::array::from_fn(|c| most[c].at_least(texel[c]));
+                let brightest = texels.iter().fold([0.0; 3], brighter).into_iter().fold(0.0, f32::max);
                 let dim = brightest > 0.0 && brightest < f16::MIN_POSITIVE.to_f32();
-                if dim || Self::F16.clamped(texels) > 0 { Self::F32 } else { Self::F16 }
+                if dim || brightest > Self::F16.max() { Self::F32 } else { Self::F16 }
             }
             other => other,
         }
@@ -115,7 +117,8 @@ impl Pixel {
     /// Number of `texels` with a channel above the maximum.
     #[must_use]
     pub fn clamped(self, texels: &[Rgb]) -> u64 {
-        texels.iter().filter(|t| t.iter().any(|c| *c > self.max())).count() as u64
+        let most = self.max();
+        texels.iter().filter(|[r, g, b]| (*r > most) | (*g > most) | (*b > most)).count() as u64
     }
 
     /// Number of `texels` with a channel that becomes 0.

@@ -568,7 +568,15 @@ fn finish_finite(
     let mut texels =
         provenance.world_texels(arrangement.layout, texels).map_err(|message| Error::input(path, message))?;
     if !sound {
-        let density = |index| repair::density(arrangement.layout, index);
+        // All texels of a panorama's row have the same.
+        let (layout, mut last) = (arrangement.layout, (usize::MAX, 0.0));
+        let density = |index| {
+            let row = index / layout.sides().0 as usize;
+            if row != last.0 || !matches!(layout, Layout::Panorama { .. }) {
+                last = (row, repair::density(layout, index));
+            }
+            last.1
+        };
         repair::negative(&mut texels, density, &mut repaired);
     }
     let warnings = finish_texels(path, &mut texels, &repaired, warnings, options)?;

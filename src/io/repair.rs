@@ -174,7 +174,7 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
 
 /// Sets negative values to 0, counts them and weighs their energy, with the relative solid angle of each
 /// texel, against that of the rest.
-pub(super) fn negative(texels: &mut [Rgb], density: impl Fn(usize) -> f64, repairs: &mut Repairs) {
+pub(super) fn negative(texels: &mut [Rgb], mut density: impl FnMut(usize) -> f64, repairs: &mut Repairs) {
     // No early exit, so that the loop vectorises.
     if !texels.as_flattened().iter().fold(false, |any, value| any | (*value < 0.0)) {
         return;

@@ -118,7 +118,12 @@ fn zonal_bands(roughness: f64) -> [f64; BANDS] {
     let mut before = vec![0.0; nodes.len()];
     let mut bands = [0.0; BANDS];
     for (l, band) in bands.iter_mut().enumerate() {
-        *band = weighted.iter().sum();
+        // Several sums, none of which waits for the others.
+        let mut sums = [0.0; 8];
+        for weighted in weighted.chunks(8) {
+            sums.iter_mut().zip(weighted).for_each(|(sum, value)| *sum += value);
+        }
+        *band = sums.iter().sum();
         let l = l as f64;
         let (along, back) = ((2.0 * l + 1.0) / (l + 1.0), l / (l + 1.0));
         for ((x, before), weighted) in nodes.iter().zip(&mut before).zip(&mut weighted) {
