@@ -3,8 +3,8 @@
 use crate::cpu::cells::Quad;
 #[cfg(feature = "gpu")]
 use crate::cpu::cells::{Cells, QUAD_FIELDS};
-use crate::cpu::subtexel::LitPiece;
 use crate::environment::{LUMINANCE, Rgb};
+use crate::geometry::source_texels::Piece;
 use crate::geometry::tent::Patch;
 #[cfg(feature = "gpu")]
 use crate::geometry::tint::Tint;
@@ -136,6 +136,18 @@ pub(super) struct Visit {
     pub(super) cells: u8,
     pub(super) i: u32,
     pub(super) j: u32,
+}
+
+/// A piece of a texel of the source.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LitPiece {
+    pub(super) column: u32,
+    pub(super) row: u32,
+    pub(super) piece: Piece,
+    /// Radiance above the least.
+    pub(super) above: Vec3,
+    /// What of it counts.
+    pub(super) weight: f32,
 }
 
 /// [`Visit::cells`] of all four.

@@ -2,7 +2,7 @@
 //! texels of the source.
 
 use super::cells::{Members, SourceLight};
-use super::leaves::{Leaf, Packet, Scratch};
+use super::leaves::{Leaf, LitPiece, Packet, Scratch};
 use crate::cpu::leaves::weighted;
 use crate::environment::Rgb;
 use crate::geometry::source_texels::Piece;
@@ -120,18 +120,6 @@ pub(super) fn refine<R: Radial>(
             scratch.leaves.push(Leaf::of_patch(&moments.into(), offset, energy));
         }
     }
-}
-
-/// A piece of a texel of the source.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LitPiece {
-    column: u32,
-    row: u32,
-    piece: Piece,
-    /// Radiance above the least.
-    above: Vec3,
-    /// What of it counts.
-    weight: f32,
 }
 
 /// Pieces whose errors are estimated together.
