@@ -284,7 +284,7 @@ impl Window {
                 if k + 1 < count {
                     add(&mut rest, -self.off_diagonal[k], &levels[k + 1]);
                 }
-                for l in 0..LANES {
+                for l in 0..VALUES {
                     levels[k][l] = (rest[l] / self.diagonal[k]).max(least[k][l]);
                 }
             }
@@ -310,7 +310,7 @@ impl Targets<'_> {
     fn grid(&self) -> Grid {
         let mut grid = Grid::black(self.edge);
         let side = grid.side();
-        let start = || (Scratch::default(), vec![[0.0; LANES]; self.edge]);
+        let start = || (Scratch::default(), vec![[0.0; VALUES]; self.edge]);
         let rows = grid.places.par_chunks_mut(side).skip(MARGIN).take(self.edge);
         rows.enumerate().for_each_init(start, |(scratch, values), (y, row)| {
             self.row(y, scratch, values);
@@ -344,10 +344,10 @@ impl pulp::NullaryFnOnce for TargetRow<'_> {
         let count = sampled.len();
         for rows in [&mut *own, &mut *right] {
             rows.resize(MAX_LEVELS, Vec::new());
-            rows.iter_mut().for_each(|row| row.resize(*edge, [0.0; LANES]));
+            rows.iter_mut().for_each(|row| row.resize(*edge, [0.0; VALUES]));
         }
-        lobe.resize(*edge, [0.0; LANES]);
-        right.iter_mut().for_each(|row| row.fill([0.0; LANES]));
+        lobe.resize(*edge, [0.0; VALUES]);
+        right.iter_mut().for_each(|row| row.fill([0.0; VALUES]));
         for ((grid, taps), row) in zip(sampled, &mut *own) {
             read_row(grid, taps[self.y], taps, blended, row);
             at_least_black(row);
@@ -371,13 +371,13 @@ impl pulp::NullaryFnOnce for TargetRow<'_> {
         }
         for x in 0..*edge {
             let at: [Sums; MAX_LEVELS] = std::array::from_fn(|k| right[k][x]);
-            let (mut levels, mut least) = ([[0.0; LANES]; MAX_LEVELS], [[0.0; LANES]; MAX_LEVELS]);
-            let mut below = [false; LANES];
+            let (mut levels, mut least) = ([[0.0; VALUES]; MAX_LEVELS], [[0.0; VALUES]; MAX_LEVELS]);
+            let mut below = [false; VALUES];
             for k in 0..count {
                 for j in 0..count {
                     add(&mut levels[k], window.inverse[j][k], &at[j]);
                 }
-                for l in 0..LANES {
+                for l in 0..VALUES {
                     least[k][l] = window.least[k] * own[k][x][l];
                     below[l] |= levels[k][l] < least[k][l];
                 }
@@ -408,16 +408,16 @@ const FIXED: f64 = 1e6;
 /// Relaxation sweeps; each reduces the error to a quarter.
 const SWEEPS: usize = 12;
 
-/// Channels of a place on all six faces, face by face.
-const LANES: usize = 18;
+/// Values of a place: the channels of all six faces, face by face.
+const VALUES: usize = 18;
 
 /// Sums of values of a place.
-type Sums = [f64; LANES];
+type Sums = [f64; VALUES];
 
 /// Adds `factor` times `values` to `sums`.
 #[inline(always)]
 fn add(sums: &mut Sums, factor: f64, values: &Sums) {
-    for l in 0..LANES {
+    for l in 0..VALUES {
         sums[l] += factor * values[l];
     }
 }
@@ -439,7 +439,7 @@ fn by_channel(sums: Sums) -> [f64; 3] {
 
 /// The sums of rows, in their order.
 fn total(rows: &[Sums]) -> [f64; 3] {
-    let mut sums = [0.0; LANES];
+    let mut sums = [0.0; VALUES];
     rows.iter().for_each(|row| add(&mut sums, 1.0, row));
     by_channel(sums)
 }
@@ -464,7 +464,7 @@ struct Grid {
     /// Texels along an edge.
     n: usize,
     /// Rows of a face with its margin.
-    places: Vec<[f32; LANES]>,
+    places: Vec<[f32; VALUES]>,
 }
 
 /// The first of adjacent places along an axis, margin included, and their weights.
@@ -510,7 +510,7 @@ const FINE: usize = 16;
 impl Grid {
     fn black(n: usize) -> Self {
         let side = n + 2 * MARGIN;
-        Self { n, places: vec![[0.0; LANES]; side * side] }
+        Self { n, places: vec![[0.0; VALUES]; side * side] }
     }
 
     /// The `texels` of a cube; its margin is black.
@@ -547,7 +547,7 @@ impl Grid {
         self.n + 2 * MARGIN
     }
 
-    fn row(&self, j: usize) -> &[[f32; LANES]] {
+    fn row(&self, j: usize) -> &[[f32; VALUES]] {
         &self.places[j * self.side()..][..self.side()]
     }
 
@@ -558,7 +558,7 @@ impl Grid {
             Seams::new(self.n).fill(&mut self);
             let taps = linear_taps(self.n, FINE);
             let (mut fine, mut blended, mut values) =
-                (Self::black(FINE), Vec::new(), vec![[0.0; LANES]; FINE]);
+                (Self::black(FINE), Vec::new(), vec![[0.0; VALUES]; FINE]);
             let side = fine.side();
             for (tap, row) in zip(&taps, fine.places.chunks_mut(side).skip(MARGIN)) {
                 read_row(&self, *tap, &taps, &mut blended, &mut values);
@@ -572,7 +572,7 @@ impl Grid {
         // Extend the face's plane beyond its edges.
         let extended = |k: usize| {
             let centre = |k: usize| (2.0 * k as f64 - 3.0) / n as f64 - 1.0;
-            let mut place = [0.0; LANES];
+            let mut place = [0.0; VALUES];
             for (own, values) in Face::ALL.into_iter().zip(place.as_chunks_mut::<3>().0) {
                 let point = cube_point(own, centre(k % side), centre(k / side));
                 let (face, s, t) = cube_from_direction(point);
@@ -584,7 +584,7 @@ impl Grid {
         };
         let is_outside = |k: &usize| !(inside.contains(&(k % side)) && inside.contains(&(k / side)));
         let margin: Vec<usize> = (0..side * side).filter(is_outside).collect();
-        let margin: Vec<(usize, [f32; LANES])> =
+        let margin: Vec<(usize, [f32; VALUES])> =
             margin.into_par_iter().with_min_len(256).map(extended).collect();
         margin.into_iter().for_each(|(k, place)| self.places[k] = place);
         self
@@ -630,17 +630,17 @@ fn read_row<const W: usize>(
     blended: &mut Vec<Sums>,
     out: &mut [Sums],
 ) {
-    let rows: [&[[f32; LANES]]; W] = std::array::from_fn(|k| grid.row(top + k));
-    blended.resize(grid.side(), [0.0; LANES]);
+    let rows: [&[[f32; VALUES]]; W] = std::array::from_fn(|k| grid.row(top + k));
+    blended.resize(grid.side(), [0.0; VALUES]);
     for (i, blended) in blended.iter_mut().enumerate() {
-        let mut sums = [0.0; LANES];
+        let mut sums = [0.0; VALUES];
         for k in 0..W {
             add(&mut sums, down[k], &rows[k][i].map(f64::from));
         }
         *blended = sums;
     }
     for (out, (left, weights)) in zip(out, across) {
-        let mut sums = [0.0; LANES];
+        let mut sums = [0.0; VALUES];
         for (weight, values) in zip(weights, &blended[*left..*left + W]) {
             add(&mut sums, *weight, values);
         }
@@ -769,7 +769,7 @@ impl Seams {
                 let bits = if change == Change::Raise { !value.to_bits() } else { value.to_bits() };
                 (u64::from(bits) << 32) | u64::from(texel)
             };
-            let mut queued = vec![false; solved.places.len() * LANES];
+            let mut queued = vec![false; solved.places.len() * VALUES];
             let mut queue = BinaryHeap::new();
             for texel in disordered[change as usize].iter() {
                 queued[*texel as usize] = true;
@@ -777,9 +777,9 @@ impl Seams {
             }
             while let Some(next) = queue.pop() {
                 let texel = next as u32 as usize;
-                let (k, face, c) = (texel / LANES, texel % LANES / 3, texel % 3);
-                let own = sampled.places[k][texel % LANES];
-                let mut value = changed.places[k][texel % LANES];
+                let (k, face, c) = (texel / VALUES, texel % VALUES / 3, texel % 3);
+                let own = sampled.places[k][texel % VALUES];
+                let mut value = changed.places[k][texel % VALUES];
                 self.for_each_neighbour(k, face, |other, face| {
                     let theirs = sampled.places[other][3 * face + c];
                     let (brighter, darker, sign) = match change {
@@ -793,9 +793,9 @@ impl Seams {
                         value += sign * share * step;
                     }
                 });
-                changed.places[k][texel % LANES] = value;
+                changed.places[k][texel % VALUES] = value;
                 self.for_each_neighbour(k, face, |other, face| {
-                    let (at, theirs) = (other * LANES + 3 * face + c, sampled.places[other][3 * face + c]);
+                    let (at, theirs) = (other * VALUES + 3 * face + c, sampled.places[other][3 * face + c]);
                     let (follows, is_beyond) = match change {
                         Change::Raise => (theirs > own, value > changed.places[other][3 * face + c]),
                         Change::Lower => (theirs < own, value < changed.places[other][3 * face + c]),
@@ -809,7 +809,7 @@ impl Seams {
             changed
         });
         for (k, place) in solved.places.iter_mut().enumerate() {
-            for l in 0..LANES {
+            for l in 0..VALUES {
                 place[l] = ((f64::from(lowered.places[k][l]) + f64::from(raised.places[k][l])) / 2.0) as f32;
             }
         }
@@ -824,21 +824,21 @@ impl Seams {
             let mut found = [Vec::new(), Vec::new()];
             for k in j * side + MARGIN..(j + 1) * side - MARGIN {
                 let (own, value) = (&sampled.places[k], &solved.places[k]);
-                let (mut low, mut high) = ([false; LANES], [false; LANES]);
+                let (mut low, mut high) = ([false; VALUES], [false; VALUES]);
                 for row in [k - side, k, k + side] {
                     for other in row - 1..=row + 1 {
                         if self.corners.iter().any(|(corner, _)| *corner == other) {
                             continue;
                         }
                         let (others, values) = (&sampled.places[other], &solved.places[other]);
-                        for l in 0..LANES {
+                        for l in 0..VALUES {
                             low[l] |= (others[l] < own[l]) & (values[l] > value[l]);
                             high[l] |= (others[l] > own[l]) & (values[l] < value[l]);
                         }
                     }
                 }
                 for (lanes, found) in zip([low, high], &mut found) {
-                    found.extend((0..LANES).filter(|l| lanes[*l]).map(|l| (k * LANES + l) as u32));
+                    found.extend((0..VALUES).filter(|l| lanes[*l]).map(|l| (k * VALUES + l) as u32));
                 }
             }
             found
@@ -925,7 +925,7 @@ impl Fit {
         let couplings: Vec<[f32; 4]> = sums.into_iter().map(|sums| sums.map(|sum| sum as f32)).collect();
         let seams = Seams::new(n);
         let mut diagonal = Grid::black(n);
-        zip(&mut diagonal.places, &couplings).for_each(|(place, own)| *place = [own[0]; LANES]);
+        zip(&mut diagonal.places, &couplings).for_each(|(place, own)| *place = [own[0]; VALUES]);
         seams.fold(&mut diagonal);
         // The same on all faces.
         let inverse = diagonal.places.iter().map(|place| if place[0] > 0.0 { 1.0 / place[0] } else { 0.0 });
@@ -938,8 +938,8 @@ impl Fit {
         let side = residual.side();
         let bands = residual.places.par_chunks_mut(BAND * side).enumerate();
         bands.for_each_init(Scratch::default, |scratch, (band, places)| {
-            let mut rows = vec![[0.0; LANES]; places.len()];
-            let [mut target, mut found] = [(); 2].map(|()| vec![[0.0; LANES]; self.linear.len()]);
+            let mut rows = vec![[0.0; VALUES]; places.len()];
+            let [mut target, mut found] = [(); 2].map(|()| vec![[0.0; VALUES]; self.linear.len()]);
             let first = band * BAND;
             for (b, (top, _)) in self.linear.iter().enumerate() {
                 if (first..first + places.len() / side + 1).contains(&(top + 1)) {
@@ -978,9 +978,9 @@ impl Fit {
             let rows = rows.skip(MARGIN).take(n);
             let sums: Vec<Sums> = rows
                 .map(|(residual, inverse)| {
-                    let mut sums = [0.0; LANES];
+                    let mut sums = [0.0; VALUES];
                     for (residual, inverse) in zip(residual, inverse).skip(MARGIN).take(n) {
-                        for l in 0..LANES {
+                        for l in 0..VALUES {
                             sums[l] += f64::from(residual[l]) * f64::from(residual[l]) * f64::from(*inverse);
                         }
                     }
@@ -997,13 +997,13 @@ impl Fit {
             if round == STEPS || (0..3).all(|c| squares[c] <= 1e-12 * first[c]) {
                 break;
             }
-            let shares: [f32; LANES] = std::array::from_fn(|l| share[l % 3] as f32);
+            let shares: [f32; VALUES] = std::array::from_fn(|l| share[l % 3] as f32);
             let rows = step.places.par_chunks_mut(side).zip(residual.places.par_chunks(side));
             rows.zip(self.inverse.par_chunks(side)).skip(MARGIN).take(n).for_each(
                 |((step, residual), inverse)| {
                     for ((step, residual), inverse) in zip(zip(step, residual), inverse).skip(MARGIN).take(n)
                     {
-                        for l in 0..LANES {
+                        for l in 0..VALUES {
                             step[l] = residual[l] * inverse + shares[l] * step[l];
                         }
                     }
@@ -1022,13 +1022,13 @@ impl Fit {
                     0.0
                 }
             };
-            let lengths: [f32; LANES] = std::array::from_fn(|l| length(l % 3) as f32);
+            let lengths: [f32; VALUES] = std::array::from_fn(|l| length(l % 3) as f32);
             let rows = texels.places.par_chunks_mut(side).zip(residual.places.par_chunks_mut(side));
             let rows = rows.zip(step.places.par_chunks(side).zip(image.places.par_chunks(side)));
             rows.skip(MARGIN).take(n).for_each(|((texels, residual), (step, image))| {
                 let places = zip(zip(texels, residual), zip(step, image));
                 for ((texel, residual), (step, image)) in places.skip(MARGIN).take(n) {
-                    for l in 0..LANES {
+                    for l in 0..VALUES {
                         texel[l] += lengths[l] * step[l];
                         residual[l] -= lengths[l] * image[l];
                     }
@@ -1061,7 +1061,7 @@ impl pulp::NullaryFnOnce for Restriction<'_> {
         let (side, edge) = (own.side(), fit.linear.len());
         let (top, down) = fit.linear[b];
         read_row(own, (top, down), &fit.linear, blended, found);
-        blended.fill([0.0; LANES]);
+        blended.fill([0.0; VALUES]);
         for a in 0..edge {
             let weight = solid_angle(fit.n, edge, a, b);
             let mut lack = target[a];
@@ -1083,7 +1083,7 @@ struct Coupling<'a> {
     fit: &'a Fit,
     step: &'a Grid,
     j: usize,
-    row: &'a mut [[f32; LANES]],
+    row: &'a mut [[f32; VALUES]],
 }
 
 impl pulp::NullaryFnOnce for Coupling<'_> {
@@ -1094,7 +1094,7 @@ impl pulp::NullaryFnOnce for Coupling<'_> {
         let (j, side) = (self.j, self.row.len());
         let [above, own] = [j - 1, j].map(|j| &self.fit.couplings[j * side..(j + 1) * side]);
         let [before, here, after] = [j - 1, j, j + 1].map(|j| &self.step.row(j)[..side]);
-        let mut products = [0.0; LANES];
+        let mut products = [0.0; VALUES];
         for i in 1..side - 1 {
             let terms = [
                 (own[i][0], &here[i]),
@@ -1107,13 +1107,13 @@ impl pulp::NullaryFnOnce for Coupling<'_> {
                 (own[i - 1][3], &after[i - 1]),
                 (own[i][3], &after[i + 1]),
             ];
-            let mut sums = [0.0_f32; LANES];
+            let mut sums = [0.0_f32; VALUES];
             for (weight, values) in terms {
-                for l in 0..LANES {
+                for l in 0..VALUES {
                     sums[l] += weight * values[l];
                 }
             }
-            for l in 0..LANES {
+            for l in 0..VALUES {
                 products[l] += f64::from(here[i][l]) * f64::from(sums[l]);
             }
             self.row[i] = sums;

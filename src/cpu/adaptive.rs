@@ -163,7 +163,7 @@ struct Series {
 }
 
 /// Leaves whose intervals are computed before they are summed.
-const BATCH: usize = 8;
+const SUMMED_TOGETHER: usize = 8;
 
 /// Contributions of the tints of red and blue, by lanes, with bounds of their error.
 #[derive(Default)]
@@ -428,8 +428,8 @@ impl<'a> Adaptive<'a> {
         // Energy with s above 1/4 for some lane, and not beyond the horizon.
         let mut grazing = [0.0_f32; 3];
         // Intervals of some leaves at a time: none waits for the sums of another.
-        let mut batch: [Series; BATCH] = Default::default();
-        for leaves in scratch.leaves.chunks(BATCH) {
+        let mut batch: [Series; SUMMED_TOGETHER] = Default::default();
+        for leaves in scratch.leaves.chunks(SUMMED_TOGETHER) {
             for (leaf, series) in leaves.iter().zip(&mut batch) {
                 let [lx, ly, lz] = leaf.offset;
                 let [xx, yy, zz, yz, zx, xy] = leaf.covariance;

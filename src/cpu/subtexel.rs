@@ -123,7 +123,7 @@ pub(super) fn refine<R: Radial>(
 }
 
 /// Pieces whose errors are estimated together.
-const PIECES: usize = 16;
+const JUDGED_TOGETHER: usize = 16;
 
 /// Adds the texels of the source in the refined cells to the leaves, in pieces where their intervals exceed
 /// the tolerance. Light is constant over a texel's solid angle, and so are the pieces' moments exact.
@@ -150,13 +150,13 @@ pub(super) fn refine_members<R: Radial>(
         }
     }
     while !pieces.is_empty() {
-        let rest = pieces.len().saturating_sub(PIECES);
+        let rest = pieces.len().saturating_sub(JUDGED_TOGETHER);
         let count = pieces.len() - rest;
-        let mut batch = [pieces[rest]; PIECES];
+        let mut batch = [pieces[rest]; JUDGED_TOGETHER];
         batch[..count].copy_from_slice(&pieces[rest..]);
         pieces.truncate(rest);
-        let mut found = [(Patch::default(), DVec3::ZERO, 0.0); PIECES];
-        let [mut distances, mut reaches, mut traces, mut errors] = [[0.0_f32; PIECES]; 4];
+        let mut found = [(Patch::default(), DVec3::ZERO, 0.0); JUDGED_TOGETHER];
+        let [mut distances, mut reaches, mut traces, mut errors] = [[0.0_f32; JUDGED_TOGETHER]; 4];
         for (k, LitPiece { column, row, piece, .. }) in batch.iter().enumerate().take(count) {
             let (Texel { patch, solid_angle }, centroid) = if piece.depth == 0 {
                 let texel = texels.at(*column, *row);
@@ -169,7 +169,7 @@ pub(super) fn refine_members<R: Radial>(
             traces[k] = patch.diagonal.element_sum();
             found[k] = (patch, offset, solid_angle);
         }
-        for k in 0..PIECES {
+        for k in 0..JUDGED_TOGETHER {
             errors[k] = expected_error::<R, true>(kernel, distances[k], reaches[k], packet.radius, traces[k]);
         }
         for (k, lit) in batch.iter().enumerate().take(count) {
