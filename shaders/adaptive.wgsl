@@ -1,4 +1,4 @@
-// Integrates lobes over the cells by adaptive quadrature. src/cpu/adaptive.rs and src/cpu/subtexel.rs derive
+// Integrates lobes over the cells by adaptive quadrature. crates/core/src/cpu/adaptive.rs and crates/core/src/cpu/subtexel.rs derive
 // the method. Directions and distances are in units of the sphere's radius; energies are radiance times solid
 // angle. Answers are radiance, with the certified bound of its luminance in w, then bounds of the channels.
 //

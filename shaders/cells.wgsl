@@ -1,4 +1,4 @@
-// Builds the quadtree of moments: `Cells` of src/cpu/cells.rs, which derives them. Planes hold energies
+// Builds the quadtree of moments: `Cells` of crates/core/src/cpu/cells.rs, which derives them. Planes hold energies
 // (radiance times solid angle, float32) and solid angles; distances are chords on the unit sphere.
 #include "common/quad.wgsl"
 #include "common/table.wgsl"
@@ -49,7 +49,7 @@ struct Cell {
     blue_tint: Tint,
 }
 
-// `Tint` of src/geometry/tint.rs.
+// `Tint` of crates/core/src/geometry/tint.rs.
 struct Tint {
     dipole: vec3<f32>,
     variation: f32,
@@ -120,7 +120,7 @@ fn absorb(all: ptr<function, Union>, member: Cell) {
 // texels would enlarge the radius of their cells.
 const RESIDUE = 1.0f / 2097152.0f;
 
-// A channel's energy up to 2^-94 counts as zero: `FAINT` of src/cpu/cells.rs.
+// A channel's energy up to 2^-94 counts as zero: `FAINT` of crates/core/src/cpu/cells.rs.
 const FAINT = 5.0487097934144756e-29f;
 
 fn texel_cell(x: u32, y: u32) -> Cell {

@@ -1,5 +1,5 @@
 // Packs the planes of a table into two textures, low words and high words: two loads per entry, close
-// together in 2D. Entries are 64-bit fixed point, low word first, as in src/sat.rs.
+// together in 2D. Entries are 64-bit fixed point, low word first, as in crates/core/src/light/sat.rs.
 #include "common/table.wgsl"
 
 const EDGE = 16u;

@@ -9,7 +9,7 @@
 //
 // Texels are float32 energies (radiance times solid angle), as bit patterns. Entries are 64-bit integers, low
 // word first, in units of 2^-exponent of their channel. Sums are exact modulo 2^64. Exponents keep the whole
-// sum below 2^62 (src/sat.rs), so every box is exact.
+// sum below 2^62 (crates/core/src/light/sat.rs), so every box is exact.
 #include "common/fixed_point.wgsl"
 
 override RADIX: u32 = 2u;

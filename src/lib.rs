@@ -100,223 +100,100 @@ A scene that moves is drawn straight into the octahedral map, by [`LiveEnvironme
 `examples/direct.rs`. [`ShadowMap`] draws the shadows of a lamp the same way: `examples/shadows.rs`.
 "#
 )]
-// Parts that only some features use; the build with cli, view and plot has no dead code.
-#![cfg_attr(
-    not(all(feature = "cli", feature = "view", feature = "plot")),
-    allow(dead_code, reason = "for other features")
-)]
-#![cfg_attr(not(feature = "internals"), allow(unreachable_pub, reason = "`internals` reaches them"))]
-#![cfg_attr(
-    not(all(feature = "cli", feature = "view", feature = "plot", feature = "internals")),
-    allow(unused_imports, reason = "exported for other features")
-)]
-
-mod analysis;
-mod bake;
-mod chain;
-mod chain_lookup;
 #[cfg(feature = "cli")]
-mod cli;
-mod cpu;
-mod direct;
-mod direction;
-mod environment;
-mod error;
-mod export;
-mod filter;
-mod finite;
-mod format;
-mod frame;
-mod geometry;
-#[cfg(feature = "gpu")]
-mod gpu;
-mod image;
-mod io;
-mod laboratory;
-mod ladder;
-mod light_scale;
-mod lobe;
-#[cfg(feature = "mesh")]
-mod mesh;
-mod names;
-mod oem;
-mod percent;
-#[cfg(feature = "plot")]
-mod plot;
-mod pyramid;
-mod recipe;
-mod reflector;
-mod sat;
-mod sh;
-mod shader;
-mod smoothstep;
-mod sphere;
-mod synth;
-mod table_bytes;
-mod target;
-mod vector;
-#[cfg(feature = "view")]
-mod view;
+#[doc(hidden)]
+pub mod cli;
+pub mod recipes;
 
-pub use analysis::oracle::Oracle;
-pub use analysis::statistics::{HalfLoss, Statistics};
-pub use pyramid::BakedPyramid;
+pub use octagloss_core::analysis::oracle::Oracle;
+pub use octagloss_core::analysis::statistics::{HalfLoss, Statistics};
+pub use octagloss_core::pyramid::BakedPyramid;
 
-pub use bake::{
+pub use octagloss_core::bake::{
     Bake, BakeSettings, LevelStats, OnProgress, Processor, Progress, Skybox, bake, bake_all, unwatched,
 };
-pub use chain::{Chain, ChainKind, Level, LevelSpec};
-pub use environment::{Environment, LUMINANCE, Layout, MAX_DEGREES, Map, Rgb, luminance};
-pub use error::{Error, Result};
-pub use export::write::WriteOptions;
-pub use filter::{Answer, Bound, Filter};
+pub use octagloss_core::common::error::{Error, Result};
+pub use octagloss_core::cpu::reflector::{Lobes, Reflector, ReflectorSettings, Workspace};
+pub use octagloss_core::files::export::write::WriteOptions;
+pub use octagloss_core::light::chain::{Chain, ChainKind, Level, LevelSpec};
+pub use octagloss_core::light::environment::{
+    Environment, LUMINANCE, Layout, MAX_DEGREES, Map, Rgb, luminance,
+};
+pub use octagloss_core::light::oem::OemSize;
+pub use octagloss_core::light::sat::Scan;
+pub use octagloss_core::lobe::filter::{Answer, Bound, Filter};
+pub use octagloss_core::lobe::ladder::Ladder;
+pub use octagloss_core::lobe::{LOBES, Lobe};
 #[cfg(feature = "gpu")]
-pub use gpu::live::LiveEnvironment;
+pub use octagloss_gpu::live::LiveEnvironment;
 #[cfg(feature = "gpu")]
-pub use gpu::live_probes::LiveProbes;
+pub use octagloss_gpu::live_probes::LiveProbes;
 #[cfg(feature = "gpu")]
-pub use gpu::shadow::ShadowMap;
-pub use ladder::Ladder;
-pub use lobe::{LOBES, Lobe};
-pub use oem::OemSize;
-pub use reflector::{Lobes, Reflector, ReflectorSettings, Workspace};
-pub use sat::Scan;
+pub use octagloss_gpu::shadow::ShadowMap;
 #[cfg(feature = "gpu")]
-pub use wgpu;
+pub use octagloss_gpu::wgpu;
 
 /// Types of the fields of [`WriteOptions`], and atomic outputs.
 pub mod files {
-    pub use crate::export::files::Made;
-    pub use crate::export::write::write_files;
-    pub use crate::format::container::Container;
-    pub use crate::format::overflow::Overflow;
-    pub use crate::format::{OutputLayout, Pixel};
-    pub use crate::io::output::{Existing, check_file, check_folder, recover};
+    pub use octagloss_core::files::export::files::Made;
+    pub use octagloss_core::files::export::write::write_files;
+    pub use octagloss_core::files::format::container::Container;
+    pub use octagloss_core::files::format::overflow::Overflow;
+    pub use octagloss_core::files::format::{OutputLayout, Pixel};
+    pub use octagloss_core::files::io::output::{Existing, check_file, check_folder, recover};
 }
 
 /// Spherical harmonics of environments.
 pub mod harmonics {
-    pub use crate::sh::scale::{ShScale, scaled};
-    pub use crate::sh::window::{ShWindow, parsed as parsed_window};
-    pub use crate::sh::{MAX_ORDER, spherical_harmonics};
+    pub use octagloss_core::light::sh::scale::{ShScale, scaled};
+    pub use octagloss_core::light::sh::window::{ShWindow, parsed as parsed_window};
+    pub use octagloss_core::light::sh::{MAX_ORDER, spherical_harmonics};
 }
 
 /// Maps of the sphere: directions of points, and points of directions.
 pub mod maps {
-    pub use crate::sphere::cube::Face;
-    pub use crate::sphere::map::{Component, Place};
-    pub use crate::sphere::registry::{MAPS, NamedMap, named};
+    pub use octagloss_core::sphere::cube::Face;
+    pub use octagloss_core::sphere::map::{Component, Place};
+    pub use octagloss_core::sphere::registry::{MAPS, NamedMap, named};
 }
 
 /// Queries of many directions, and the words for them.
 pub mod queries {
-    pub use crate::bake::query::Query;
-    pub use crate::direction::unit;
-    pub use crate::filter::parsed as parsed_filter;
-    pub use crate::reflector::{check_answers, sharpest};
+    pub use octagloss_core::bake::query::Query;
+    pub use octagloss_core::common::direction::unit;
+    pub use octagloss_core::cpu::reflector::{check_answers, sharpest};
+    pub use octagloss_core::lobe::filter::parsed as parsed_filter;
 }
 
 /// Readers of environments and prefiltered chains.
 pub mod read {
-    pub use crate::io::provenance::{Provenance, TakenSun};
-    pub use crate::io::{
+    pub use octagloss_core::files::io::provenance::{Provenance, TakenSun};
+    pub use octagloss_core::files::io::{
         InputLayout, Loaded, Pad, ReadOptions, Repairs, read, read_chain, read_faces, read_from_memory,
     };
 }
 
-/// Every option of a bake as one value, and what it makes of a source: files, reports and pictures.
-pub mod recipes {
-    pub use crate::error::with_settings;
-    pub use crate::export::produce::{
-        Baked, Product, Products, SunFile, json_bytes, name, produce, products, report_path,
-    };
-    pub use crate::export::report::{
-        EnergyReport, FingerprintReport, LevelReport, OemReport, OutputFileReport, Report, ShReport,
-        TargetReport,
-    };
-    pub use crate::image::exposure::Exposure;
-    pub use crate::recipe::plan::BakePlan;
-    pub use crate::recipe::source::{InputFileReport, Source, SunReport};
-    pub use crate::recipe::{InputOptions, Recipe, TableOptions, from_json};
-}
-
 /// The reflectance of surfaces: the table of the split sum, and that of reflections along a tangent.
 pub mod reflectance {
-    pub use crate::bake::dfg::{DfgBlue, DfgForm, DfgTable, dfg_table};
-    pub use crate::io::pyramid_write::anisotropic_table;
+    pub use octagloss_core::bake::dfg::{DfgBlue, DfgForm, DfgTable, dfg_table};
+    pub use octagloss_core::files::io::pyramid_write::anisotropic_table;
 }
 
 /// Suns of environments, which can be taken out of them.
 pub mod suns {
-    pub use crate::analysis::extraction::{Extraction, Kept, Lamp, Suns, Why, extract};
-    pub use crate::analysis::sun::{Brightest, Sun};
+    pub use octagloss_core::analysis::extraction::{Extraction, Kept, Lamp, Suns, Why, extract};
+    pub use octagloss_core::analysis::sun::{Brightest, Sun};
 }
 
 /// The engines that bakes are made for.
 pub mod targets {
-    pub use crate::format::{LevelName, Shown};
-    pub use crate::target::{Content, Diffuse, FileSpec, Flip, Naming, TARGETS, Target, TargetPlan};
+    pub use octagloss_core::files::format::{LevelName, Shown};
+    pub use octagloss_core::files::target::{
+        Content, Diffuse, FileSpec, Flip, Naming, TARGETS, Target, TargetPlan,
+    };
 }
 
 /// Runs the program on the arguments of the process; `licenses` are those of the crates in it.
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub use cli::main as run_program;
-
-/// Further items for the tests, fuzz targets and maintainers' tools. They may change in any version.
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod internals {
-    macro_rules! modules {
-        ($($(#[$feature:meta])? $name:ident),* $(,)?) => {
-            $(
-                $(#[$feature])?
-                #[allow(missing_docs, reason = "hidden")]
-                pub mod $name { pub use crate::$name::*; }
-            )*
-        };
-    }
-
-    modules![
-        analysis,
-        bake,
-        chain,
-        chain_lookup,
-        cpu,
-        direct,
-        environment,
-        error,
-        export,
-        filter,
-        format,
-        frame,
-        geometry,
-        image,
-        io,
-        laboratory,
-        ladder,
-        lobe,
-        oem,
-        pyramid,
-        recipe,
-        reflector,
-        sat,
-        sh,
-        shader,
-        sphere,
-        synth,
-        target,
-        #[cfg(feature = "cli")]
-        cli,
-        #[cfg(feature = "gpu")]
-        gpu,
-        #[cfg(feature = "mesh")]
-        mesh,
-        #[cfg(feature = "plot")]
-        plot,
-        #[cfg(feature = "view")]
-        view,
-    ];
-
-    pub use super::*;
-}

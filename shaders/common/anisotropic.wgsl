@@ -1,5 +1,5 @@
-// Reflections of the true BRDF along a tangent: `Pyramid::reflect` of src/pyramid/reflect.rs, and the row of
-// reads of src/pyramid/anisotropic.rs. Fifteen trilinear reads, one bilinear.
+// Reflections of the true BRDF along a tangent: `Pyramid::reflect` of crates/core/src/pyramid/reflect.rs, and the row of
+// reads of crates/core/src/pyramid/anisotropic.rs. Fifteen trilinear reads, one bilinear.
 #include "common/reflect.wgsl"
 
 const ROW_NODES = vec4<f32>(16.0, 10.0, 8.0, 7.0);
@@ -68,7 +68,7 @@ fn row_node(layer: u32, place: RowPlace) -> vec4<f32> {
 }
 
 // What scale and bias of f0 exceed those of a round lobe by, at the azimuth of `tangent` and in the mean:
-// `more_at` of src/pyramid/anisotropic.rs.
+// `more_at` of crates/core/src/pyramid/anisotropic.rs.
 fn row_more(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> vec4<f32> {
     let place = row_places(alpha, cosine, tangent) * (ROW_ALBEDO_NODES - 1.0);
     let lower = min(floor(place.w), ROW_ALBEDO_NODES.w - 2.0);
@@ -87,7 +87,7 @@ fn row_block(block: f32, place: vec3<f32>) -> vec4<f32> {
 
 // Scale and bias of f0, which exceed those of a round lobe by `more`. `along` is the square of the tangent's
 // part in the plane of incidence, a half for the mean over azimuths: `round_roughness` of
-// src/pyramid/anisotropic.rs.
+// crates/core/src/pyramid/anisotropic.rs.
 fn row_albedo(alpha: vec2<f32>, cosine: f32, along: f32, more: vec2<f32>) -> vec2<f32> {
     let squares = alpha * alpha;
     let mean = sqrt(0.5 * (squares.x + squares.y));

@@ -1,5 +1,5 @@
 // The Charlie lobe (sheen), (2 s)^p (1 - 2 s) with p at least 1/2, with intervals for cells of energy.
-// Derived in src/lobe/profiles.rs. Reads `Kernel` and `Interval` of kernel.wgsl.
+// Derived in crates/core/src/lobe/profiles.rs. Reads `Kernel` and `Interval` of kernel.wgsl.
 
 // Whether the pipeline serves Charlie instead of the other lobes: neither carries the code of the other.
 override SHEEN: bool = false;

@@ -1,4 +1,4 @@
-// Triangles that are drawn straight into octahedral maps: src/direct/mod.rs. Positions
+// Triangles that are drawn straight into octahedral maps: crates/gpu/src/triangles/mod.rs. Positions
 // are in units of the scene; values are what triangles interpolate, such as radiance.
 #include "common/octants.wgsl"
 

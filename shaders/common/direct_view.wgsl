@@ -1,5 +1,5 @@
 // Draws into one octant of an octahedral map in either layout, or into one face of a cube: `View` of
-// src/gpu/direct/view.rs.
+// crates/gpu/src/direct/view.rs.
 // The including shader declares octagloss_view: OctaglossView (uniform).
 //
 // Within an octant |x| + |y| + |z| is linear, so that clip coordinates are a matrix times the position, and

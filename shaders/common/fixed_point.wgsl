@@ -1,5 +1,5 @@
 // Converts non-negative float32 values to 64-bit fixed point through their bit patterns:
-// `FixedPoint::quantise` in src/sat.rs. Without float arithmetic, neither a driver's flushing of subnormals
+// `FixedPoint::quantise` in crates/core/src/light/sat.rs. Without float arithmetic, neither a driver's flushing of subnormals
 // nor rounding can make CPU and GPU differ.
 #include "common/u64.wgsl"
 

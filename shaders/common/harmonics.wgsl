@@ -1,4 +1,4 @@
-// Real spherical harmonics to order 4: `basis` of src/sh/coefficients.rs.
+// Real spherical harmonics to order 4: `basis` of crates/core/src/light/sh/coefficients.rs.
 
 // Evaluates the basis at the unit vector `d`.
 fn harmonic_basis(d: vec3<f32>) -> array<f32, 25> {

@@ -1,8 +1,8 @@
-// Per-environment data of a pyramid: `OctaglossLight` of src/gpu/pyramid.rs.
+// Per-environment data of a pyramid: `OctaglossLight` of crates/gpu/src/stages/pyramid.rs.
 
 const SUNS = 8u;
 
-// A sun: `Sun` of src/pyramid/suns.rs. Unused ones have no energy.
+// A sun: `Sun` of crates/core/src/pyramid/suns.rs. Unused ones have no energy.
 struct OctaglossSun {
     // Mean direction of each channel, and the mean squared distance of its light from there.
     red: vec4<f32>,

@@ -1,4 +1,4 @@
-// The octahedral map in its quadratic layout: src/sphere/octahedral.rs.
+// The octahedral map in its quadratic layout: crates/core/src/sphere/octahedral.rs.
 
 fn octahedron_from_oct(uv: vec2<f32>) -> vec3<f32> {
     let y = 1.0 - abs(uv.x) - abs(uv.y);

@@ -1,5 +1,5 @@
-// Look-ups in mip-mapped octahedral maps with a safety border: src/sphere/oem_lookup.rs and
-// src/image/oem_mips.rs. Engelhardt and Dachsbacher 2008, section 4.2.
+// Look-ups in mip-mapped octahedral maps with a safety border: crates/core/src/sphere/oem_lookup.rs and
+// crates/core/src/files/image/oem_mips.rs. Engelhardt and Dachsbacher 2008, section 4.2.
 //
 // Maps are texture arrays: one layer in the quadratic layout, one per hemisphere in the rectangular layout.
 // A fragment shader has the directions of its neighbours as direction + dpdx(direction) and direction +

@@ -1,4 +1,4 @@
-// Glossy reflections of any roughness and irradiance out of a pyramid: `Pyramid` of src/pyramid/mod.rs. At
+// Glossy reflections of any roughness and irradiance out of a pyramid: `Pyramid` of crates/core/src/pyramid/mod.rs. At
 // most five bilinear reads. Maps and table are read by functions: those of pyramid_maps.wgsl or
 // pyramid_file.wgsl.
 #include "common/harmonics.wgsl"
@@ -77,7 +77,7 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     }
     sum += harmonics_around(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
-    // GGX around the suns: `glossy` of src/pyramid/suns.rs.
+    // GGX around the suns: `glossy` of crates/core/src/pyramid/suns.rs.
     let alpha = roughness * roughness;
     for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];

@@ -1,4 +1,4 @@
-// Reads of a pyramid in its files: src/io/pyramid_write.rs has their layout.
+// Reads of a pyramid in its files: crates/core/src/files/io/pyramid_write.rs has their layout.
 #include "common/anisotropic.wgsl"
 
 // Squares of the array. The finest mip of the others has the mirror and the sharp level, the coarsest of the
@@ -51,13 +51,13 @@ fn read_reflections(layer: u32, at: vec2<f32>) -> vec4<f32> {
     return textureSampleLevel(octagloss_tables, octagloss_linear, (at * NODES + corner) / TABLES, 0.0);
 }
 
-// A texel of the table of src/pyramid/albedo.rs.
+// A texel of the table of crates/core/src/pyramid/albedo.rs.
 fn read_albedo(texel: u32) -> vec4<f32> {
     let width = u32(TABLES.x);
     return textureLoad(octagloss_tables, vec2<u32>(texel % width, 31u + texel / width), 0);
 }
 
-// The table of src/pyramid/anisotropic.rs, between texels.
+// The table of crates/core/src/pyramid/anisotropic.rs, between texels.
 fn read_rows(at: vec3<f32>) -> vec4<f32> {
     return textureSampleLevel(octagloss_rows, octagloss_linear, at, 0.0);
 }

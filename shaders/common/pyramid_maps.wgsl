@@ -1,7 +1,7 @@
 // Reads of pyramids in textures that several environments share, and their look-ups.
 #include "common/pyramid.wgsl"
 
-// The table of src/pyramid/fit.rs, and the maps' size.
+// The table of crates/core/src/pyramid/fit.rs, and the maps' size.
 struct OctaglossPyramid {
     // Texels along an edge of the finest maps, and of their border.
     inner: f32,

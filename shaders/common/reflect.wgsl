@@ -1,4 +1,4 @@
-// Isotropic reflections of the true BRDF out of a pyramid: `Pyramid::isotropic` of src/pyramid/reflect.rs.
+// Isotropic reflections of the true BRDF out of a pyramid: `Pyramid::isotropic` of crates/core/src/pyramid/reflect.rs.
 // Nine trilinear reads, one bilinear.
 #include "common/pyramid.wgsl"
 
@@ -8,12 +8,12 @@ const LAYERS = 18u;
 const NODES = vec2<f32>(46.0, 26.0);
 const LEAST_COSINE = 0.01f;
 
-// The table of src/pyramid/albedo.rs, and the dip that it leaves out.
+// The table of crates/core/src/pyramid/albedo.rs, and the dip that it leaves out.
 const ALBEDO_NODES = vec2<f32>(91.0, 75.0);
 const DIP = vec4<f32>(0.222, 0.634, 0.098, 0.3126);
 const LEAST_ALPHA = 1e-6f;
 
-// A layer of the table of src/pyramid/reads.rs at `roughness` and n.v of `cosine`.
+// A layer of the table of crates/core/src/pyramid/reads.rs at `roughness` and n.v of `cosine`.
 fn reflection_node(layer: u32, roughness: f32, cosine: f32) -> vec4<f32> {
     // 1 / log2(11). The fourth root of 1 less the sine, without cancellation.
     let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
@@ -23,7 +23,7 @@ fn reflection_node(layer: u32, roughness: f32, cosine: f32) -> vec4<f32> {
 }
 
 // What an isotropic surface reflects of a white world, scale and bias of f0; `cosine` is n.v: `albedo_at` of
-// src/pyramid/albedo.rs.
+// crates/core/src/pyramid/albedo.rs.
 fn round_albedo(cosine: f32, roughness: f32) -> vec2<f32> {
     let seen = clamp(cosine, 1e-4, 1.0);
     // 1 / log2(31).
@@ -62,7 +62,7 @@ fn between_levels(probe: u32, direction: vec3<f32>, level: f32) -> vec3<f32> {
 }
 
 // GGX with Smith's height-correlated masking, and (1 - v.h)^5, of a light of `spread`: `Brdf::around` of
-// src/pyramid/brdf.rs. In axes of the surface with its normal z.
+// crates/core/src/pyramid/brdf.rs. In axes of the surface with its normal z.
 fn brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32) -> vec2<f32> {
     if light.z <= 0.0 {
         return vec2<f32>();

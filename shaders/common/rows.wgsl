@@ -1,5 +1,5 @@
 // Arranges workgroups in rows, for dispatches that exceed one dimension: `in_rows` of
-// src/gpu/device/stage.rs.
+// crates/gpu/src/device/stage.rs.
 
 const ROW = 32768u;
 

@@ -1,4 +1,4 @@
-// Boxes over the exact table of an OEM: `Sat` of src/sat.rs, read from two textures of low and high words.
+// Boxes over the exact table of an OEM: `Sat` of crates/core/src/light/sat.rs, read from two textures of low and high words.
 // The including file declares, in any group,
 //   octagloss_table: OctaglossTable (uniform), octagloss_low, octagloss_high: texture_2d<u32>.
 #include "common/octahedral.wgsl"

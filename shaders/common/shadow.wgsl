@@ -1,4 +1,4 @@
-// Looks shadows up in an octahedral map of depth around a lamp: src/gpu/shadow.rs. The including shader
+// Looks shadows up in an octahedral map of depth around a lamp: crates/gpu/src/shadow.rs. The including shader
 // declares octagloss_shadow: OctaglossShadow (uniform) and octagloss_shadow_depth: texture_depth_2d.
 //
 // A texel holds near / w of the nearest surface, w = |x| + |y| + |z| from the lamp; 0 where there is none.

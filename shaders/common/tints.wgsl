@@ -1,4 +1,4 @@
-// What tints (src/geometry/tint.rs) of red and blue add to the channels of a leaf; src/cpu/adaptive.rs
+// What tints (crates/core/src/geometry/tint.rs) of red and blue add to the channels of a leaf; crates/core/src/cpu/adaptive.rs
 // derives it. Reads `field`, `Leaf` and `Sums` of adaptive.wgsl.
 
 // A tint with a smaller share of its channel's energy is rounding error.

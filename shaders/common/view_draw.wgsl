@@ -95,7 +95,7 @@ fn mesh_picture(surface: Surface) -> @location(0) vec4<f32> {
 }
 
 // Colour of a relative luminance error: black through blue and red to pale yellow, with lightness linear in
-// the logarithm from 1e-4 to 1. `RELATIVE_ERROR` of src/image/drawing/scale.rs, linear.
+// the logarithm from 1e-4 to 1. `RELATIVE_ERROR` of crates/drawing/src/scale.rs, linear.
 fn error_colour(error: f32) -> vec3<f32> {
     if error <= 0.0 {
         return vec3<f32>();

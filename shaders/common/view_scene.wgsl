@@ -1,4 +1,4 @@
-// Uniforms and textures of every viewer pipeline: src/view/frame.rs. Radiance is linear; roughness is
+// Uniforms and textures of every viewer pipeline: crates/view/src/picture/frame.rs. Radiance is linear; roughness is
 // perceptual. No branch depends on the uniform alone: Mesa's lavapipe specialises code for the values in such
 // branches and would recompile it whenever the camera moves.
 
@@ -51,7 +51,7 @@ struct ViewFrame {
     ball: array<Ball, BALLS>,
 }
 
-// `Diffuse` of src/view/frame.rs, in the source's space.
+// `Diffuse` of crates/view/src/picture/frame.rs, in the source's space.
 struct Diffuse {
     // Harmonics of irradiance over pi.
     harmonics: array<vec4<f32>, 25>,
@@ -59,7 +59,7 @@ struct Diffuse {
     lamp: vec4<f32>,
 }
 
-// `MaterialUniform` of src/view/model.rs.
+// `MaterialUniform` of crates/view/src/picture/model.rs.
 struct Material {
     // Colour and opacity.
     base: vec4<f32>,

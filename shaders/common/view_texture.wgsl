@@ -1,4 +1,4 @@
-// Textures of moving scenes: src/view/scene/texture.rs. Images of all sizes lie in one buffer. They are
+// Textures of moving scenes: crates/view/src/scene/texture.rs. Images of all sizes lie in one buffer. They are
 // filtered by hand, so that texels are at the same positions with every driver.
 // The including file declares scene_texels: array<u32> (storage), four bytes in sRGB each.
 

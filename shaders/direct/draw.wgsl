@@ -1,5 +1,5 @@
 // Draws triangles into an octahedral map, one octant at a time, or into a face of a cube:
-// src/gpu/direct/mod.rs. Positions are in units of the scene.
+// crates/gpu/src/direct/mod.rs. Positions are in units of the scene.
 #include "common/direct_view.wgsl"
 
 @group(0) @binding(0) var<uniform> octagloss_view: OctaglossView;

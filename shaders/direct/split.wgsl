@@ -19,7 +19,7 @@ struct Split {
     triangles: u32,
     // Chunks of GROUP_SIZE triangles.
     chunks: u32,
-    // `Cut` of src/gpu/direct/list.rs.
+    // `Cut` of crates/gpu/src/direct/list.rs.
     cut: u32,
 }
 

@@ -1,4 +1,4 @@
-// Draws triangles into a panel of the tennis-ball map by unwrapping their corners: src/gpu/direct/unwrap.rs.
+// Draws triangles into a panel of the tennis-ball map by unwrapping their corners: crates/gpu/src/direct/unwrap.rs.
 // Angles are in radians.
 #include "common/direct.wgsl"
 

@@ -1,5 +1,5 @@
 // Finds the brightest blocks of an OEM, what the rest is clamped to, and the scale of the maps: `Suns` of
-// src/pyramid/suns.rs. Planes hold energies (radiance times solid angle, float32) and solid angles in
+// crates/core/src/pyramid/suns.rs. Planes hold energies (radiance times solid angle, float32) and solid angles in
 // steradians.
 #include "common/direction.wgsl"
 #include "common/octahedral.wgsl"
@@ -83,7 +83,7 @@ fn suns(@builtin(local_invocation_index) lane: u32) {
         }
     }
     let clamp = bitcast<f32>(last.x);
-    // `exponent` of src/pyramid/levels.rs.
+    // `exponent` of crates/core/src/pyramid/levels.rs.
     let exponent = select(0, max(i32(greatest >> 23u) - 126, -100) - 15, greatest > 0u);
     let scale = bitcast<f32>(u32(127 - exponent) << 23u);
     let unscale = bitcast<f32>(u32(127 + exponent) << 23u);

@@ -1,5 +1,5 @@
 // Viewer pipeline for single boxes, and its pictures of the tables. Entries are 64-bit fixed point, as in
-// src/sat.rs.
+// crates/core/src/light/sat.rs.
 @group(1) @binding(0) var<uniform> octagloss_table: OctaglossTable;
 @group(1) @binding(1) var octagloss_low: texture_2d<u32>;
 @group(1) @binding(2) var octagloss_high: texture_2d<u32>;

@@ -1,4 +1,4 @@
-// Tone-maps the linear picture for the display: `Present` of src/view/present.rs. The picture holds
+// Tone-maps the linear picture for the display: `Present` of crates/view/src/picture/present.rs. The picture holds
 // exposed radiance.
 
 struct Present {

@@ -1,5 +1,5 @@
 // Pictures of moving scenes: matte parts, and glossy parts that reflect the maps of probes:
-// src/view/scene/picture.rs. As in common/view_scene.wgsl, no branch depends on the uniform alone.
+// crates/view/src/scene/picture.rs. As in common/view_scene.wgsl, no branch depends on the uniform alone.
 // Lengths are in units of the scene; radiance is linear.
 #include "common/view_parts.wgsl"
 

@@ -1,5 +1,5 @@
 // Places the corners of a moving scene around a probe, with their radiance, for direct draws into the probe's
-// map: src/view/scene/probe.rs. Positions are in units of the scene; radiance is linear.
+// map: crates/view/src/scene/probe.rs. Positions are in units of the scene; radiance is linear.
 #include "common/direct.wgsl"
 #include "common/rows.wgsl"
 #include "common/view_parts.wgsl"

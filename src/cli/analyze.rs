@@ -1,129 +1,22 @@
-//! `octagloss analyze`: measures maps of the sphere.
+//! `octagloss analyze`, whose measurements are in the workbench: prints the command that runs them.
 
-use super::analyze_args::AnalyzeArgs;
-use super::analyze_lobes;
-#[cfg(feature = "plot")]
-use super::figures;
-#[cfg(not(feature = "plot"))]
-use super::figures_absent as figures;
-use super::outcome::{Outcome, csv_text, print, usage};
-use crate::analysis::map_table::{Row, rows};
-use serde_json::{Value, json};
+use super::outcome::{Outcome, usage};
+use super::shell::listed;
+use clap::Args as ClapArgs;
+use std::ffi::OsString;
+
+/// Arguments of the command to run.
+#[derive(Debug, ClapArgs)]
+pub(super) struct AnalyzeArgs {
+    /// Arguments of the measurement
+    #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
+    arguments: Vec<OsString>,
+}
 
 pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
-    if !(args.table || args.csv || args.json || args.lobes || args.figures.plot) {
-        return usage("analyze has nothing to do; add --table, --lobes, --csv, --json or --plot");
-    }
-    args.check()?;
-    if args.figures.plot {
-        return figures::run(&args.figures);
-    }
-    if args.lobes {
-        return analyze_lobes::run(args);
-    }
-    let rows = rows();
-    if args.json {
-        let rows: Vec<Value> = rows.iter().map(json_row).collect();
-        return print(&format!("{}\n", json!({ "maps": rows })));
-    }
-    if args.csv {
-        return print(&csv_table(&rows)?);
-    }
-    print(&text_table(&rows))
-}
-
-/// `value` with `digits` after the point, or inf.
-fn fixed(value: f64, digits: usize) -> String {
-    if value.is_finite() { format!("{value:.digits$}") } else { "inf".to_owned() }
-}
-
-fn components(row: &Row) -> String {
-    if row.metrics.components == u32::MAX { "inf".to_owned() } else { row.metrics.components.to_string() }
-}
-
-fn text_table(rows: &[Row]) -> String {
-    let mut text = format!(
-        "{:39}Y     anisotropy  components       M        texels   used\n\
-         {:28}paper   ours   paper   ours paper  ours    ours  least   most      %\n",
-        "", ""
-    );
-    let mut notes = Vec::new();
-    for row in rows {
-        let metrics = &row.metrics;
-        let paper = row.printed.map_or([""; 3], |p| [p.sampling, p.anisotropy, p.components]);
-        let name = row.name.unwrap_or(row.title);
-        let name = match row.note {
-            Some(note) => {
-                notes.push(note);
-                format!("{name} [{}]", notes.len())
-            }
-            None => name.to_owned(),
-        };
-        let [least, greatest] = metrics.relative_solid_angle;
-        text += &format!(
-            "{name:<27}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}\n",
-            paper[0],
-            fixed(metrics.sampling, 2),
-            paper[1],
-            fixed(metrics.anisotropy, 2),
-            paper[2],
-            components(row),
-            fixed(metrics.lattice, 2),
-            fixed(least, 3),
-            fixed(greatest, 3),
-            fixed(metrics.used * 100.0, 1),
-        );
-    }
-    for (number, note) in (1..).zip(notes) {
-        text += &format!("\n[{number}] {note}\n");
-    }
-    text
-}
-
-fn csv_table(rows: &[Row]) -> Outcome<String> {
-    let record = |row: &Row| {
-        let metrics = &row.metrics;
-        let paper = row.printed.map_or([""; 3], |p| [p.sampling, p.anisotropy, p.components]);
-        let [least, greatest] = metrics.relative_solid_angle;
-        vec![
-            row.name.unwrap_or_default().to_owned(),
-            row.title.to_owned(),
-            row.source.to_owned(),
-            paper[0].to_owned(),
-            metrics.sampling.to_string(),
-            paper[1].to_owned(),
-            metrics.anisotropy.to_string(),
-            paper[2].to_owned(),
-            components(row),
-            metrics.lattice.to_string(),
-            least.to_string(),
-            greatest.to_string(),
-            metrics.used.to_string(),
-            row.note.unwrap_or_default().to_owned(),
-        ]
-    };
-    let header = "name,title,source,sampling_printed,sampling,anisotropy_printed,anisotropy,\
-                  components_printed,components,lattice,texel_least,texel_greatest,used,note";
-    csv_text(header, rows.iter().map(record))
-}
-
-/// Converts a row to an object; infinite values become null.
-fn json_row(row: &Row) -> Value {
-    let metrics = &row.metrics;
-    let infinite = metrics.components == u32::MAX;
-    json!({
-        "name": row.name,
-        "title": row.title,
-        "source": row.source,
-        "printed": row.printed.map(|p| json!({
-            "sampling": p.sampling, "anisotropy": p.anisotropy, "components": p.components,
-        })),
-        "sampling": metrics.sampling,
-        "anisotropy": metrics.anisotropy,
-        "components": (!infinite).then_some(metrics.components),
-        "lattice": metrics.lattice,
-        "relative_solid_angle": metrics.relative_solid_angle,
-        "used": metrics.used,
-        "note": row.note,
-    })
+    usage(format!(
+        "analyze is in the workbench; in a checkout of the sources run: cargo run --release \
+         -p octagloss-workbench -- analyze{}",
+        listed(&args.arguments)
+    ))
 }

@@ -2,11 +2,11 @@
 
 use super::shared_args::{EngineArgs, MAX_THREADS};
 use super::values::{Texels, filter, percentage, roughness, texels, threshold, within};
-use crate::bake::dfg::DfgForm;
-use crate::filter::Filter;
-use crate::lobe::Lobe;
-use crate::recipe::{InputOptions, Recipe, TableOptions};
 use clap::{Args as ClapArgs, Parser, Subcommand};
+use octagloss_core::bake::dfg::DfgForm;
+use octagloss_core::files::recipe::{InputOptions, Recipe, TableOptions};
+use octagloss_core::lobe::Lobe;
+use octagloss_core::lobe::filter::Filter;
 use std::path::PathBuf;
 
 macro_rules! version {
@@ -52,8 +52,9 @@ pub(super) enum Command {
     Synth(SynthArgs),
     /// Write the split-sum DFG (BRDF integration) lookup table
     Dfg(DfgArgs),
-    /// Measure maps of the sphere
-    Analyze(super::analyze_args::AnalyzeArgs),
+    /// Measure maps of the sphere, by the workbench
+    #[command(hide = true)]
+    Analyze(super::analyze::AnalyzeArgs),
     /// Convert an environment to another map of the sphere
     Convert(super::convert::ConvertArgs),
     /// Render glossy objects in a window or to a picture

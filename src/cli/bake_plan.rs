@@ -4,10 +4,10 @@ use super::args::BakeArgs;
 use super::console::with_options;
 use super::outcome::{Outcome, usage};
 use super::output::{FOREIGN, check_folder_name, extension, names_folder};
-use crate::format::container::Container;
-use crate::recipe::Recipe;
-use crate::recipe::plan::BakePlan;
-use crate::target::TargetPlan;
+use octagloss_core::files::format::container::Container;
+use octagloss_core::files::recipe::Recipe;
+use octagloss_core::files::recipe::plan::BakePlan;
+use octagloss_core::files::target::TargetPlan;
 use std::path::Path;
 
 /// One plan per target, or one plan without a target. `several` inputs need an output folder.

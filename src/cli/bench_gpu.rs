@@ -5,20 +5,22 @@ use super::console::Console;
 use super::engine::Engine;
 use super::outcome::{Outcome, print_pretty};
 use super::timing::{TimedLight, Timing, timing};
-use crate::bake::BakeSettings;
-use crate::bake::memory;
-use crate::filter::Filter;
-use crate::geometry::tent::Reconstruction;
-use crate::gpu::device::timer::Clock;
-use crate::gpu::pyramid::{self, PyramidMaps};
-use crate::gpu::reparameterise::{self, upload};
-use crate::gpu::{Context, OemPlanes, SatPlanes, Stage, block_on};
-use crate::gpu::{box_filter, build_pyramid, cells, copy, fixed_point, sat_f32, sat_hensley, sat_scan};
-use crate::ladder::Ladder;
-use crate::oem::OemSize;
-use crate::sphere::equirect::direction_from_equirect;
 use crate::{Environment, Layout};
 use glam::DVec3;
+use octagloss_core::bake::BakeSettings;
+use octagloss_core::bake::memory;
+use octagloss_core::geometry::tent::Reconstruction;
+use octagloss_core::light::oem::OemSize;
+use octagloss_core::lobe::filter::Filter;
+use octagloss_core::lobe::ladder::Ladder;
+use octagloss_core::sphere::equirect::direction_from_equirect;
+use octagloss_gpu::device::timer::Clock;
+use octagloss_gpu::stages::pyramid::{self, PyramidMaps};
+use octagloss_gpu::stages::reparameterise::{self, upload};
+use octagloss_gpu::stages::{
+    box_filter, build_pyramid, cells, copy, fixed_point, sat_f32, sat_hensley, sat_scan,
+};
+use octagloss_gpu::{Context, OemPlanes, SatPlanes, Stage, block_on};
 use serde_json::json;
 use std::collections::BTreeMap;
 
@@ -145,7 +147,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     print_pretty(&json!({
         "version": env!("CARGO_PKG_VERSION"),
         "adapter": context.describe(),
-        "software": !crate::gpu::device::context::is_hardware(&context.device().adapter_info()),
+        "software": !octagloss_gpu::device::context::is_hardware(&context.device().adapter_info()),
         // Path of the input; `null` for the synthetic sky.
         "input": light.name(),
         "size": size,
@@ -183,6 +185,6 @@ fn frame() -> Vec<(DVec3, f64)> {
 /// The light on a cube with faces of `size`.
 fn cube(light: &TimedLight, size: u32) -> crate::Result<Environment> {
     let environment = light.environment(4 * size)?;
-    let texels = crate::geometry::footprints::footprints_from_environment(&environment, size)?;
+    let texels = octagloss_core::geometry::footprints::footprints_from_environment(&environment, size)?;
     Environment::new(Layout::Cube { size }, texels)
 }

@@ -10,13 +10,13 @@ use super::measures::Measures;
 use super::outcome::{Outcome, check_not_input, check_png, on_threads, print, print_json, usage};
 use super::{compare_many, compare_pair};
 use crate::Layout;
-use crate::analysis::compare::{LevelErrors, grid_of};
-use crate::chain::{Chain, Level};
-use crate::image::drawing::scene::Scene;
-use crate::image::error_sheet;
-use crate::io::InputLayout;
-use crate::io::ldr::write::write_png;
-use crate::io::output::{self, Existing};
+use octagloss_core::analysis::compare::{LevelErrors, grid_of};
+use octagloss_core::files::image::error_sheet;
+use octagloss_core::files::io::InputLayout;
+use octagloss_core::files::io::ldr::write::write_png;
+use octagloss_core::files::io::output::{self, Existing};
+use octagloss_core::light::chain::{Chain, Level};
+use octagloss_drawing::scene::Scene;
 
 pub(super) fn run(args: CompareArgs) -> Outcome {
     let console = Console::new(args.quiet);

@@ -10,14 +10,14 @@ use super::look_ups::{self, Delivered, Overlay, channel};
 use super::measures::{Measures, is_from};
 use super::outcome::{Outcome, usage};
 use crate::Environment;
-use crate::analysis::compare::{
+use anyhow::anyhow;
+use octagloss_core::analysis::compare::{
     LevelErrors, Sampling, errors_against_bake, errors_against_source, is_measurable,
 };
-use crate::chain::{ChainKind, Level};
-use crate::io::regular::open_regular;
-use crate::io::{self, LoadedChain};
-use crate::lobe::Lobe;
-use anyhow::anyhow;
+use octagloss_core::files::io::regular::open_regular;
+use octagloss_core::files::io::{self, LoadedChain};
+use octagloss_core::light::chain::{ChainKind, Level};
+use octagloss_core::lobe::Lobe;
 use serde::Serialize;
 use std::path::Path;
 

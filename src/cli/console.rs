@@ -1,8 +1,8 @@
 //! Messages and progress on standard error.
 
-use crate::bake::Progress;
-use crate::error::with_settings;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use octagloss_core::bake::Progress;
+use octagloss_core::common::error::with_settings;
 use std::collections::BTreeSet;
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::Mutex;
@@ -20,24 +20,24 @@ const ESTIMATE_AFTER: Duration = Duration::from_secs(4);
 const WORTH_SAYING: f64 = 15.0;
 
 /// Notes, warnings and the progress bar; `--quiet` leaves errors only.
-pub(super) struct Console {
+pub struct Console {
     quiet: bool,
     warned: Mutex<BTreeSet<String>>,
 }
 
 impl Console {
-    pub(super) fn new(quiet: bool) -> Self {
+    pub fn new(quiet: bool) -> Self {
         Self { quiet, warned: Mutex::new(BTreeSet::new()) }
     }
 
-    pub(super) fn note(&self, text: &str) {
+    pub fn note(&self, text: &str) {
         if !self.quiet {
             line("", text);
         }
     }
 
     /// Prints each warning once.
-    pub(super) fn warn(&self, text: &str) {
+    pub fn warn(&self, text: &str) {
         let fresh = self.warned.lock().expect("no holder of the lock panics").insert(text.to_owned());
         if fresh && !self.quiet {
             line("warning: ", text);
@@ -45,7 +45,7 @@ impl Console {
     }
 
     /// Progress of one task: an estimate for long work, and on a terminal a bar that appears after a delay.
-    pub(super) fn bar(&self, name: &str) -> Bar {
+    pub fn bar(&self, name: &str) -> Bar {
         self.bar_like(name, None, "{prefix} {wide_bar} {percent:>3} %, {eta} left")
     }
 
@@ -80,7 +80,7 @@ pub(super) struct Files {
 }
 
 /// A progress bar on standard error; removed when dropped.
-pub(super) struct Bar {
+pub struct Bar {
     bar: ProgressBar,
     /// `None` if nothing is printed.
     start: Option<Instant>,
@@ -97,7 +97,7 @@ struct Said {
 
 impl Bar {
     /// `done` of `total`; from any thread, in any order.
-    pub(super) fn at(&self, done: u64, total: u64) {
+    pub fn at(&self, done: u64, total: u64) {
         let Some(start) = self.start else { return };
         if let Some(files) = self.files {
             return self.at_file(files, done, total);
@@ -175,7 +175,7 @@ fn estimate(elapsed: Duration, done: u64, total: u64) -> Option<String> {
 }
 
 /// Prints an error on one line.
-pub(super) fn error(text: &str) {
+pub fn error(text: &str) {
     line("error: ", text);
 }
 /// Remedies in the library's errors, and those of this program.
@@ -189,13 +189,13 @@ const REMEDIES: [(&str, &str); 3] = [
 ];
 
 /// Writes the library's settings in `text` as this program's options.
-pub(super) fn with_options(text: &str) -> String {
+pub fn with_options(text: &str) -> String {
     let text = with_settings(text, &|setting| format!("--{}", setting.replace('_', "-")));
     REMEDIES.iter().fold(text, |text, (remedy, own)| text.replace(remedy, own))
 }
 
 /// Prints a line that `--quiet` does not silence.
-pub(super) fn tell(text: &str) {
+pub fn tell(text: &str) {
     line("", text);
 }
 
@@ -207,7 +207,7 @@ fn line(kind: &str, text: &str) {
 }
 
 /// Escapes control characters in `text`.
-pub(super) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() })
         .collect()
@@ -225,7 +225,7 @@ fn printable(text: &str) -> String {
 }
 
 /// Formats `1234567` bytes as `1.2 MB`.
-pub(super) fn bytes(count: u64) -> String {
+pub fn bytes(count: u64) -> String {
     let count = count as f64;
     match count {
         c if c < 1e3 => format!("{c} B"),
@@ -236,7 +236,7 @@ pub(super) fn bytes(count: u64) -> String {
 }
 
 /// Formats a duration in words, for estimates.
-pub(super) fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => "less than a second".to_owned(),
         s if s < 120.0 => format!("{s:.0} seconds"),

@@ -4,20 +4,20 @@ use super::console::{self, Console};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, renamed, usage, write_output};
 use super::shared_args::MAX_THREADS;
 use super::values::{scale, turn};
-use crate::bake::memory;
-use crate::environment::rotation_y;
-use crate::format::Pixel;
-use crate::geometry::bordered::bordered_picture;
-use crate::geometry::conversion::Source;
-use crate::geometry::resample::Continuation;
-use crate::io::environment_write::{losses, picture_bytes, picture_container};
-use crate::io::map_header::map_pairs;
-use crate::io::output::Existing;
-use crate::io::{self, LoadedMap, MapLight, Pad, ReadOptions};
-use crate::sphere::grid::Grid;
-use crate::sphere::registry::{MAPS, NamedMap, named};
 use clap::Args as ClapArgs;
 use clap::builder::PossibleValuesParser;
+use octagloss_core::bake::memory;
+use octagloss_core::files::format::Pixel;
+use octagloss_core::files::io::environment_write::{losses, picture_bytes, picture_container};
+use octagloss_core::files::io::map_header::map_pairs;
+use octagloss_core::files::io::output::Existing;
+use octagloss_core::files::io::{self, LoadedMap, MapLight, Pad, ReadOptions};
+use octagloss_core::geometry::bordered::bordered_picture;
+use octagloss_core::geometry::conversion::Source;
+use octagloss_core::geometry::resample::Continuation;
+use octagloss_core::light::environment::rotation_y;
+use octagloss_core::sphere::grid::Grid;
+use octagloss_core::sphere::registry::{MAPS, NamedMap, named};
 use std::path::{Path, PathBuf};
 
 /// Maximum texels along the shorter side.
@@ -133,12 +133,12 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         }
         memory::check_conversion(&source, map, size, args.border)?;
         let picture = {
-            let (target, light) = (Grid::new(map.map, size)?, source.light());
+            let (target, light) = (Grid::new(map.map(), size)?, source.light());
             let texels = source.converted(map, size)?;
             bordered_picture(&target, &texels, args.border, &Continuation::new(&light, &target))
         };
         drop(source);
-        let [width, height] = Grid::new(map.map, size)?.picture_sides(args.border);
+        let [width, height] = Grid::new(map.map(), size)?.picture_sides(args.border);
         let remedy = if pixel == Pixel::Rgbe { ".exr keeps them" } else { "`pixel` f32 keeps them" };
         for warning in losses(&picture, pixel, remedy) {
             console.warn(&format!("{}: {warning}", path.display()));
@@ -167,7 +167,7 @@ fn turned(light: MapLight, degrees: f64) -> crate::Result<Source> {
 
 /// The size at which `map` has about as many texels as `source`, even if it has several components.
 fn equal_size(source: &Grid, map: &NamedMap) -> u32 {
-    let cells = Grid::new(map.map, 1).map_or(1, |grid| grid.texel_count());
+    let cells = Grid::new(map.map(), 1).map_or(1, |grid| grid.texel_count());
     let side = (source.texel_count() as f64 / cells as f64).sqrt().ceil() as u32;
     side.next_multiple_of(2).clamp(1, MAX_SIZE as u32)
 }

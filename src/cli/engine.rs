@@ -9,14 +9,14 @@ use super::values::EngineArg;
 use crate::Environment;
 #[cfg(feature = "gpu")]
 use crate::Error;
-use crate::bake::memory;
-use crate::bake::query::Query;
-use crate::bake::{BakeSettings, OnProgress, bake_all};
-use crate::export::produce::Baked;
-use crate::filter::Answer;
-use crate::reflector::{Reflector, ReflectorSettings};
 #[cfg(feature = "gpu")]
 use crate::wgpu;
+use octagloss_core::bake::memory;
+use octagloss_core::bake::query::Query;
+use octagloss_core::bake::{BakeSettings, OnProgress, bake_all};
+use octagloss_core::cpu::reflector::{Reflector, ReflectorSettings};
+use octagloss_core::files::export::produce::Baked;
+use octagloss_core::lobe::filter::Answer;
 use std::cell::OnceCell;
 
 /// The chosen engine.
@@ -24,7 +24,7 @@ pub(super) enum Engine {
     Cpu,
     #[cfg(feature = "gpu")]
     Gpu {
-        engine: Box<crate::gpu::engine::Engine>,
+        engine: Box<octagloss_gpu::engine::Engine>,
         /// Whether to fall back to the CPU.
         may_fall_back: bool,
     },
@@ -56,7 +56,7 @@ fn adapter_called<'a>(adapters: &'a [wgpu::Adapter], name: &str) -> crate::Resul
 /// The adapter called `name`, or the best one.
 #[cfg(feature = "gpu")]
 pub(super) fn any_adapter(name: Option<&str>) -> Outcome<wgpu::Adapter> {
-    let adapters = crate::gpu::block_on(None, crate::gpu::adapters())?;
+    let adapters = octagloss_gpu::block_on(None, octagloss_gpu::adapters())?;
     let adapter = match name {
         Some(name) => adapter_called(&adapters, name)?,
         None => adapters.first().ok_or_else(|| {
@@ -88,8 +88,8 @@ impl EngineArgs {
     /// The requested engine. `auto` selects a hardware GPU if there is one, and prints the choice.
     #[cfg(feature = "gpu")]
     pub(super) fn choose(&self, console: &Console) -> Outcome<Engine> {
-        use crate::gpu::device::context::{adapters, describe, is_hardware, may_have_hardware};
-        use crate::gpu::{Context, block_on, engine};
+        use octagloss_gpu::device::context::{adapters, describe, is_hardware, may_have_hardware};
+        use octagloss_gpu::{Context, block_on, engine};
 
         if self.engine == EngineArg::Cpu {
             return Ok(Engine::Cpu);
@@ -158,7 +158,7 @@ impl Engine {
             Self::Gpu { engine, may_fall_back } => {
                 let context = engine.context();
                 let baked = engine.bake_all(environment, settings, progress);
-                match crate::gpu::block_on(Some(context), baked)? {
+                match octagloss_gpu::block_on(Some(context), baked)? {
                     Ok(bakes) => {
                         let adapter = Some(context.describe());
                         Ok(Baked { bakes, engine: "gpu", adapter, fallback: None })
@@ -191,10 +191,10 @@ impl Engine {
             Self::Gpu { engine, may_fall_back } => {
                 let on_gpu = async {
                     engine.check_fits(environment, settings, query.filter)?;
-                    let reflector = crate::gpu::engine::GpuReflector::new(engine, environment, settings)?;
+                    let reflector = octagloss_gpu::engine::GpuReflector::new(engine, environment, settings)?;
                     query.answers(&reflector).await
                 };
-                match crate::gpu::block_on(Some(engine.context()), on_gpu)? {
+                match octagloss_gpu::block_on(Some(engine.context()), on_gpu)? {
                     Ok(answers) => Ok(answers),
                     Err(error) => {
                         let Some(why) = fallback(&error, *may_fall_back) else { return Err(error) };
@@ -210,8 +210,8 @@ impl Engine {
 /// One line per adapter, with its name for `--adapter`.
 #[cfg(feature = "gpu")]
 pub(super) fn list_adapters() -> Outcome<Vec<String>> {
-    use crate::gpu::device::context::describe;
-    use crate::gpu::{adapters, block_on};
+    use octagloss_gpu::device::context::describe;
+    use octagloss_gpu::{adapters, block_on};
     Ok(block_on(None, adapters())?.iter().map(|adapter| describe(&adapter.get_info())).collect())
 }
 

@@ -4,10 +4,10 @@
 //! bake's output folder.
 
 use crate::Error;
-use crate::io::file_name::verbatim_length;
-use crate::io::side_report::REPORT;
-use crate::io::{has_readable_name, is_bake_folder, levels_path, readable_extensions};
 use glob::{MatchOptions, Pattern};
+use octagloss_core::files::io::file_name::verbatim_length;
+use octagloss_core::files::io::side_report::REPORT;
+use octagloss_core::files::io::{has_readable_name, is_bake_folder, levels_path, readable_extensions};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;

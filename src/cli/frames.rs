@@ -1,9 +1,9 @@
 //! Frames of `octagloss query --frames`: a normal, a view and a tangent each, which may be missing.
 
 use super::rows::Kind;
-use crate::frame::Frame;
 use anyhow::anyhow;
 use glam::DVec3;
+use octagloss_core::common::frame::Frame;
 
 pub(super) const FRAMES: Kind<Frame> = Kind {
     columns: &["nx", "ny", "nz", "vx", "vy", "vz", "tx", "ty", "tz"],

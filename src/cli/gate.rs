@@ -5,10 +5,10 @@ use super::console;
 use super::look_ups::Delivered;
 use super::measures::is_from;
 use super::outcome::Outcome;
-use crate::analysis::channels::{Greatest, Relative};
-use crate::analysis::compare::LevelErrors;
-use crate::finite::finite;
 use anyhow::anyhow;
+use octagloss_core::analysis::channels::{Greatest, Relative};
+use octagloss_core::analysis::compare::LevelErrors;
+use octagloss_core::common::finite::finite;
 use serde::Serialize;
 
 /// The judged errors of a bake.

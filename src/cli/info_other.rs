@@ -2,12 +2,12 @@
 //! pictures without light, and files of data.
 
 use super::console;
-use crate::environment::Rgb;
-use crate::format::container::ENV_MAGIC;
-use crate::io::regular::read_regular;
-use crate::io::{
+use octagloss_core::files::format::container::ENV_MAGIC;
+use octagloss_core::files::io::regular::read_regular;
+use octagloss_core::files::io::{
     DEFAULT_MEMORY_LIMIT, Format, LoadedMap, MapLight, ReadOptions, levels_path, npy, read_map, read_plain,
 };
+use octagloss_core::light::environment::Rgb;
 use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;

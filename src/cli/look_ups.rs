@@ -4,15 +4,17 @@ use super::compare_sources::PreparedSource;
 use super::console::Console;
 use super::measures::{Measures, is_from};
 use super::outcome::{Outcome, usage};
-use crate::analysis::channels::{Greatest, Relative};
-use crate::analysis::compare::is_measurable;
-use crate::analysis::delivered::{DIRECTIONS, DeliveredError, default_roughnesses, delivered_errors};
-use crate::chain::{Chain, Level};
-use crate::io::output::Existing;
-use crate::ladder::Ladder;
-use crate::lobe::Lobe;
 use anyhow::anyhow;
 use glam::DVec3;
+use octagloss_core::analysis::channels::{Greatest, Relative};
+use octagloss_core::analysis::compare::is_measurable;
+use octagloss_core::analysis::delivered::{
+    DIRECTIONS, DeliveredError, default_roughnesses, delivered_errors,
+};
+use octagloss_core::files::io::output::Existing;
+use octagloss_core::light::chain::{Chain, Level};
+use octagloss_core::lobe::Lobe;
+use octagloss_core::lobe::ladder::Ladder;
 use serde::Serialize;
 use std::cell::Cell;
 use std::path::Path;
@@ -143,8 +145,8 @@ impl Delivered {
 /// Checks that the chart `path` can be drawn and written.
 #[cfg(feature = "plot")]
 pub(super) fn check_chart(path: &Path, existing: Existing) -> Outcome {
-    use crate::io::output::{check_file, recover};
-    use crate::plot::figure::Form;
+    use octagloss_core::files::io::output::{check_file, recover};
+    use octagloss_plot::figure::Form;
 
     if let Err(error) = Form::from_path(path) {
         return usage(format!("--chart {error}"));
@@ -174,7 +176,7 @@ pub(super) fn draw_chart(
     against: &Path,
 ) -> Outcome {
     use super::input::file_name;
-    use crate::plot::chart::{Axis, Chart, Marks, Scale, Series};
+    use octagloss_plot::chart::{Axis, Chart, Marks, Scale, Series};
 
     // File names, or paths where two are alike.
     let short = |name: &str| file_name(Path::new(name));

@@ -3,9 +3,9 @@
 use super::console::Console;
 use super::outcome::{Outcome, print_bytes};
 use crate::Error;
-use crate::io::output::{self, Existing, Output};
 use clap::{Args as ClapArgs, Command};
 use clap_mangen::Man;
+use octagloss_core::files::io::output::{self, Existing, Output};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,8 @@ pub(super) fn run(args: &ManArgs, mut program: Command) -> Outcome {
     // Set the subcommands' full names.
     program.build();
     let Some(folder) = &args.output else { return print_bytes(&page(&program)?) };
-    let commands = std::iter::once(&program).chain(program.get_subcommands());
+    let shown = program.get_subcommands().filter(|command| !command.is_hide_set());
+    let commands = std::iter::once(&program).chain(shown);
     let pages = commands
         .map(|command| {
             let name = command.get_display_name().unwrap_or(command.get_name());

@@ -4,8 +4,6 @@
 //! error.
 
 mod analyze;
-mod analyze_args;
-mod analyze_lobes;
 mod args;
 mod bake;
 mod bake_plan;
@@ -21,17 +19,12 @@ mod compare_parts;
 mod compare_sources;
 mod comparison;
 mod completions;
-mod console;
+pub mod console;
 mod convert;
 mod dfg;
 pub mod directions;
 mod engine;
 mod expand;
-#[cfg(feature = "plot")]
-mod figures;
-#[cfg(not(feature = "plot"))]
-mod figures_absent;
-mod figures_args;
 mod fingerprint;
 mod frames;
 mod gate;
@@ -42,8 +35,8 @@ mod licenses;
 mod look_ups;
 mod man;
 mod measures;
-mod outcome;
-mod output;
+pub mod outcome;
+pub mod output;
 mod query;
 mod reader;
 pub mod rows;
@@ -53,7 +46,7 @@ mod signals;
 mod summary;
 mod synth;
 mod timing;
-mod values;
+pub mod values;
 mod verify;
 #[cfg(feature = "view")]
 mod view;
@@ -66,7 +59,7 @@ mod view_scene;
 
 use args::{Args, Command};
 use clap::error::ErrorKind;
-use clap::{Arg, CommandFactory as _, FromArgMatches as _};
+use clap::{Arg, CommandFactory as _, Parser};
 use outcome::{Failure, Outcome, print, usage};
 use std::any::TypeId;
 use std::ffi::OsString;
@@ -76,10 +69,15 @@ use std::process::ExitCode;
 /// Runs the program with the process's arguments; `licenses` are those of other crates, if the program has
 /// them.
 pub fn main(licenses: Option<&str>) -> ExitCode {
+    execute(|args: Args| run(args.command, licenses))
+}
+
+/// Parses the process's arguments and runs them; prints what fails.
+pub fn execute<A: Parser>(run: impl FnOnce(A) -> Outcome) -> ExitCode {
     signals::watch();
-    let outcome = match parsed() {
-        Ok(args) => run(args.command, licenses),
-        Err(error) => refuse(&error),
+    let outcome = match parsed::<A>() {
+        Ok(args) => run(args),
+        Err(error) => refuse(&error, &A::command()),
     };
     match outcome {
         Ok(()) | Err(Failure::Closed) => ExitCode::SUCCESS,
@@ -96,9 +94,9 @@ pub fn main(licenses: Option<&str>) -> ExitCode {
 }
 
 /// Parses the process's arguments.
-fn parsed() -> Result<Args, clap::Error> {
-    let mut matches = with_negative_numbers(Args::command()).try_get_matches()?;
-    Args::from_arg_matches_mut(&mut matches)
+fn parsed<A: Parser>() -> Result<A, clap::Error> {
+    let mut matches = with_negative_numbers(A::command()).try_get_matches()?;
+    A::from_arg_matches_mut(&mut matches)
 }
 
 /// Takes negative numbers for values of options, so that the refusal of one names its option. Names of files
@@ -138,13 +136,15 @@ fn run(command: Command, licenses: Option<&str>) -> Outcome {
 }
 
 /// Prints help and version to standard output; joins clap's errors to one line.
-fn refuse(error: &clap::Error) -> Outcome {
+fn refuse(error: &clap::Error, command: &clap::Command) -> Outcome {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => print(&error.render().to_string()),
-        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => usage(
-            "missing subcommand; choose one of bake, query, info, compare, bench, synth, dfg, analyze, \
-             convert, view, reader, completions, man, licenses; see octagloss --help",
-        ),
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            let shown = command.get_subcommands().filter(|subcommand| !subcommand.is_hide_set());
+            let names: Vec<_> = shown.map(clap::Command::get_name).collect();
+            let (names, program) = (names.join(", "), command.get_name());
+            usage(format!("missing subcommand; choose one of {names}; see {program} --help"))
+        }
         // clap names neither the option nor the value.
         ErrorKind::InvalidUtf8 => usage(not_utf8(std::env::args_os())),
         _ => {

@@ -1,15 +1,15 @@
 //! Outcomes and output of subcommands.
 
-use crate::io::output as output_file;
-use crate::io::output::Existing;
 use anyhow::anyhow;
+use octagloss_core::files::io::output as output_file;
+use octagloss_core::files::io::output::Existing;
 use serde::Serialize;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Reasons for a subcommand to stop early.
 #[derive(Debug)]
-pub(super) enum Failure {
+pub enum Failure {
     /// Invalid options; exit status 2.
     Usage(String),
     /// A failure of valid options; exit status 1.
@@ -20,7 +20,7 @@ pub(super) enum Failure {
     Closed,
 }
 
-pub(super) type Outcome<T = ()> = Result<T, Failure>;
+pub type Outcome<T = ()> = Result<T, Failure>;
 
 impl From<anyhow::Error> for Failure {
     fn from(error: anyhow::Error) -> Self {
@@ -35,23 +35,23 @@ impl From<crate::Error> for Failure {
 }
 
 /// Returns a usage error.
-pub(super) fn usage<T>(message: impl Into<String>) -> Outcome<T> {
+pub fn usage<T>(message: impl Into<String>) -> Outcome<T> {
     Err(Failure::Usage(message.into()))
 }
 
 /// `error` of reading, with this subcommand's own words for some of the reader's settings.
-pub(super) fn renamed(error: &crate::Error, names: &[(&str, &str)]) -> Failure {
+pub fn renamed(error: &crate::Error, names: &[(&str, &str)]) -> Failure {
     let replace = |text: String, (setting, own): &(&str, &str)| text.replace(setting, own);
     Failure::Failed(anyhow!(names.iter().fold(error.to_string(), replace)))
 }
 
 /// Writes text to standard output.
-pub(super) fn print(text: &str) -> Outcome {
+pub fn print(text: &str) -> Outcome {
     print_bytes(text.as_bytes())
 }
 
 /// Writes data to standard output. A closed pipe is not an error.
-pub(super) fn print_bytes(bytes: &[u8]) -> Outcome {
+pub fn print_bytes(bytes: &[u8]) -> Outcome {
     match write_stdout(bytes) {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Err(Failure::Closed),
@@ -60,17 +60,17 @@ pub(super) fn print_bytes(bytes: &[u8]) -> Outcome {
 }
 
 /// Prints `value` as JSON on one line.
-pub(super) fn print_json(value: &impl Serialize) -> Outcome {
+pub fn print_json(value: &impl Serialize) -> Outcome {
     print(&(serde_json::to_string(value).map_err(anyhow::Error::from)? + "\n"))
 }
 
 /// Prints `value` as indented JSON.
-pub(super) fn print_pretty(value: &impl Serialize) -> Outcome {
+pub fn print_pretty(value: &impl Serialize) -> Outcome {
     print(&(serde_json::to_string_pretty(value).map_err(anyhow::Error::from)? + "\n"))
 }
 
 /// A table as CSV, headed by the names of its columns.
-pub(super) fn csv_text(header: &str, rows: impl IntoIterator<Item = Vec<String>>) -> Outcome<String> {
+pub fn csv_text(header: &str, rows: impl IntoIterator<Item = Vec<String>>) -> Outcome<String> {
     let mut csv = csv::Writer::from_writer(Vec::new());
     let records = std::iter::once(header.split(',').map(str::to_owned).collect()).chain(rows);
     for record in records {
@@ -110,7 +110,7 @@ const fn stdout_was_closed() -> bool {
 }
 
 /// Whether the output `path` is standard output; fails if that is a terminal or closed.
-pub(super) fn is_stdout(path: &Path) -> Outcome<bool> {
+pub fn is_stdout(path: &Path) -> Outcome<bool> {
     // Compare the literal text: `./-` is a file.
     let is_stdout = path.as_os_str() == "-";
     if is_stdout && std::io::stdout().is_terminal() {
@@ -125,7 +125,7 @@ pub(super) fn is_stdout(path: &Path) -> Outcome<bool> {
 }
 
 /// Writes `bytes` to the file `path`, or to standard output for `-`.
-pub(super) fn write_output(path: &Path, existing: Existing, bytes: &[u8]) -> Outcome {
+pub fn write_output(path: &Path, existing: Existing, bytes: &[u8]) -> Outcome {
     if is_stdout(path)? {
         return print_bytes(bytes);
     }
@@ -133,7 +133,7 @@ pub(super) fn write_output(path: &Path, existing: Existing, bytes: &[u8]) -> Out
 }
 
 /// Checks that the path of `option` names a PNG file.
-pub(super) fn check_png(option: &str, path: &Path) -> Outcome {
+pub fn check_png(option: &str, path: &Path) -> Outcome {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         return Ok(());
     }
@@ -141,7 +141,7 @@ pub(super) fn check_png(option: &str, path: &Path) -> Outcome {
 }
 
 /// Checks that [`write_output`] can write to `path`, and cleans up after killed runs in its folder.
-pub(super) fn check_output(path: &Path, existing: Existing) -> Outcome {
+pub fn check_output(path: &Path, existing: Existing) -> Outcome {
     if is_stdout(path)? {
         return Ok(());
     }
@@ -150,10 +150,7 @@ pub(super) fn check_output(path: &Path, existing: Existing) -> Outcome {
 }
 
 /// Runs `work` in a pool of `threads` threads, by default one per core.
-pub(super) fn on_threads<T: Send>(
-    threads: Option<u32>,
-    work: impl FnOnce() -> Outcome<T> + Send,
-) -> Outcome<T> {
+pub fn on_threads<T: Send>(threads: Option<u32>, work: impl FnOnce() -> Outcome<T> + Send) -> Outcome<T> {
     match threads {
         None => work(),
         Some(count) => rayon::ThreadPoolBuilder::new()
@@ -165,7 +162,7 @@ pub(super) fn on_threads<T: Send>(
 }
 
 /// Rejects the output `path` if it is one of `inputs`, with links resolved.
-pub(super) fn check_not_input<'a>(path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Outcome {
+pub fn check_not_input<'a>(path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Outcome {
     let Ok(real) = path.canonicalize() else { return Ok(()) };
     if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input.starts_with(&real))) {
         return usage(format!("{} is an input; name another output", path.display()));

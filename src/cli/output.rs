@@ -4,18 +4,18 @@ use super::console::{Console, escaped};
 use super::fingerprint::{self, fingerprint};
 use super::input::InputFiles;
 use super::outcome::{Outcome, print_bytes, usage};
-use crate::export::files::Made;
-use crate::export::produce::{Products, SunFile, beside, json_bytes, report_path, within};
-use crate::export::report::{OutputFileReport, Report};
-use crate::export::write::outputs;
-use crate::format::container::Container;
-use crate::format::{LevelName, Pixel, Shown};
-use crate::io::output::{self, Existing, Output};
-use crate::recipe::plan::BakePlan;
-use crate::target::{Content, Naming};
 use crate::{Error, Layout, Result};
 use anyhow::anyhow;
 use blake3::Hash;
+use octagloss_core::files::export::files::Made;
+use octagloss_core::files::export::produce::{Products, SunFile, beside, json_bytes, report_path, within};
+use octagloss_core::files::export::report::{OutputFileReport, Report};
+use octagloss_core::files::export::write::outputs;
+use octagloss_core::files::format::container::Container;
+use octagloss_core::files::format::{LevelName, Pixel, Shown};
+use octagloss_core::files::io::output::{self, Existing, Output};
+use octagloss_core::files::recipe::plan::BakePlan;
+use octagloss_core::files::target::{Content, Naming};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::fs;
@@ -342,7 +342,7 @@ pub(super) fn names_folder(path: &Path) -> bool {
 }
 
 /// Rejects a file extension for the folder `path`, such as `bake.hdr`, and names the remedy.
-pub(super) fn check_folder_name(path: &Path, remedy: &str) -> Outcome {
+pub fn check_folder_name(path: &Path, remedy: &str) -> Outcome {
     let names_file = Container::of_path(path).is_some() && !names_folder(path);
     if names_file || extension(path).is_some_and(|name| FOREIGN.contains(&name.as_str())) {
         let folder = path.with_extension("");

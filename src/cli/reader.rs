@@ -3,10 +3,10 @@
 
 use super::console::Console;
 use super::outcome::{Outcome, check_output, print, usage, write_output};
-use crate::io::output::Existing;
-use crate::io::pyramid_write::{anisotropic_table, check_size};
-use crate::target::reader;
 use clap::{Args as ClapArgs, ValueEnum};
+use octagloss_core::files::io::output::Existing;
+use octagloss_core::files::io::pyramid_write::{anisotropic_table, check_size};
+use octagloss_shaders::reader;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, ClapArgs)]

@@ -1,10 +1,10 @@
 //! Reads rows of numbers from a file or standard input, within limits: as CSV with a header, or as a NumPy
 //! array (.npy).
 
-use crate::error::quoted;
-use crate::io::npy::{self, Precision};
-use crate::io::regular::open_regular;
 use anyhow::{Context as _, anyhow, bail};
+use octagloss_core::common::error::quoted;
+use octagloss_core::files::io::npy::{self, Precision};
+use octagloss_core::files::io::regular::open_regular;
 use std::io::{Cursor, Read};
 use std::path::Path;
 

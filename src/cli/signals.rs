@@ -5,7 +5,7 @@
 /// Signals ignored by the parent process, as with `nohup`, stay ignored. SIGXFSZ becomes a write error.
 #[cfg(unix)]
 pub(super) fn watch() {
-    use crate::io::output::remove_temporaries;
+    use octagloss_core::files::io::output::remove_temporaries;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::{flag, iterator::Signals, low_level};
     use std::sync::{Arc, atomic::AtomicBool};
@@ -39,7 +39,7 @@ pub(super) fn watch() {
     const INTERRUPTED: i32 = 0xc000_013a_u32.cast_signed();
     // Without the handler the system ends the process, and the next run cleans up.
     let handler = ctrlc::set_handler(|| {
-        crate::io::output::remove_temporaries();
+        octagloss_core::files::io::output::remove_temporaries();
         std::process::exit(INTERRUPTED);
     });
     drop(handler);

@@ -3,9 +3,9 @@
 use super::args::SynthArgs;
 use super::console::{self, Console};
 use super::outcome::{Outcome, check_output, print, usage, write_output};
-use crate::io::environment_write::environment_bytes;
-use crate::io::output::Existing;
-use crate::synth::{RECIPES, synth};
+use octagloss_core::files::io::environment_write::environment_bytes;
+use octagloss_core::files::io::output::Existing;
+use octagloss_core::light::synth::{RECIPES, synth};
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: SynthArgs) -> Outcome {

@@ -1,9 +1,9 @@
 //! Option values: choices, their meanings, and parsers.
 
-use crate::environment::MAX_DEGREES;
-pub(super) use crate::filter::parsed as filter;
-use crate::recipe::text::number;
 use clap::ValueEnum;
+use octagloss_core::files::recipe::text::number;
+use octagloss_core::light::environment::MAX_DEGREES;
+pub(super) use octagloss_core::lobe::filter::parsed as filter;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum EngineArg {
@@ -17,13 +17,13 @@ pub(super) enum EngineArg {
 
 /// Number of texels to compare per level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Texels {
+pub enum Texels {
     Some(usize),
     All,
 }
 
 /// Parses a number in a range.
-pub(super) fn within([least, most]: [f64; 2]) -> impl Fn(&str) -> Result<f64, String> + Clone {
+pub fn within([least, most]: [f64; 2]) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| {
         Some(number(text)?)
             .filter(|value| (least..=most).contains(value))
@@ -32,25 +32,25 @@ pub(super) fn within([least, most]: [f64; 2]) -> impl Fn(&str) -> Result<f64, St
 }
 
 /// Parses degrees about the vertical axis.
-pub(super) fn turn(text: &str) -> Result<f64, String> {
+pub fn turn(text: &str) -> Result<f64, String> {
     within([-MAX_DEGREES, MAX_DEGREES])(text)
 }
 
-pub(super) fn finite(text: &str) -> Result<f64, String> {
+pub fn finite(text: &str) -> Result<f64, String> {
     Some(number(text)?).filter(|value| value.is_finite()).ok_or_else(|| "must be finite".to_owned())
 }
 
 /// Parses a factor for the radiance.
-pub(super) fn scale(text: &str) -> Result<f64, String> {
+pub fn scale(text: &str) -> Result<f64, String> {
     Some(finite(text)?).filter(|value| *value > 0.0).ok_or_else(|| "must be above 0".to_owned())
 }
 
-pub(super) fn roughness(text: &str) -> Result<f64, String> {
+pub fn roughness(text: &str) -> Result<f64, String> {
     within([0.0, 1.0])(text)
 }
 
 /// Parses a share or a percentage: 0.05 or 5%.
-pub(super) fn threshold(text: &str) -> Result<f64, String> {
+pub fn threshold(text: &str) -> Result<f64, String> {
     let share = match text.strip_suffix('%') {
         Some(percentage) => finite(percentage.trim_end())? / 100.0,
         None => finite(text)?,
@@ -59,14 +59,14 @@ pub(super) fn threshold(text: &str) -> Result<f64, String> {
 }
 
 /// Parses a percentage, or a share below 1: a bare 5 would be 500 %.
-pub(super) fn percentage(text: &str) -> Result<f64, String> {
+pub fn percentage(text: &str) -> Result<f64, String> {
     match threshold(text) {
         Ok(share) if share >= 1.0 && !text.ends_with('%') => Err(format!("write {text}%, or a share")),
         parsed => parsed,
     }
 }
 
-pub(super) fn texels(text: &str) -> Result<Texels, String> {
+pub fn texels(text: &str) -> Result<Texels, String> {
     match text {
         "all" => Ok(Texels::All),
         _ => match text.parse() {

@@ -5,16 +5,16 @@ use super::engine;
 use super::outcome::{Outcome, check_not_input, check_output, check_png};
 use super::values::{roughness, turn, within};
 use crate::Rgb;
-use crate::filter::FITTED;
-use crate::gpu::direct::Method;
-use crate::gpu::{Context, block_on};
-use crate::image::exposure::Exposure;
-use crate::io::output::Existing;
-use crate::recipe::InputOptions;
-use crate::sat::Scan;
-use crate::view::scene::{MAX_BUDGET, MAX_PROBES, Proxy};
-use crate::view::{Camera, FRONT, Finish, Ground, Look, Object, Paint, Show, Technique, Tone};
 use clap::Args as ClapArgs;
+use octagloss_core::files::image::exposure::Exposure;
+use octagloss_core::files::io::output::Existing;
+use octagloss_core::files::recipe::InputOptions;
+use octagloss_core::light::sat::Scan;
+use octagloss_core::lobe::filter::FITTED;
+use octagloss_gpu::direct::Method;
+use octagloss_gpu::{Context, block_on};
+use octagloss_view::scene::{MAX_BUDGET, MAX_PROBES, Proxy};
+use octagloss_view::{Camera, FRONT, Finish, Ground, Look, Object, Paint, Show, Technique, Tone};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, ClapArgs)]

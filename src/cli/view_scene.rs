@@ -3,15 +3,15 @@
 use super::console::Console;
 use super::outcome::{Outcome, usage, write_output};
 use super::view_args::ViewArgs;
-use crate::gpu::block_on;
-use crate::gpu::device::context::may_have_hardware;
-use crate::image::exposure::Exposure;
-use crate::io::ldr::write::png_bytes;
-use crate::view::scene::{
+use octagloss_core::files::image::exposure::Exposure;
+use octagloss_core::files::io::ldr::write::png_bytes;
+use octagloss_gpu::block_on;
+use octagloss_gpu::device::context::may_have_hardware;
+use octagloss_view::scene::{
     MAX_PROBES, Scene, SceneLook, SceneRenderer, SceneSettings, SceneStart, check_scene_filter, run_scene,
     screenshot_of_scene,
 };
-use crate::view::{Camera, Mesh, Screenshot};
+use octagloss_view::{Camera, Mesh, Screenshot};
 use std::time::Instant;
 
 /// Seconds of all updates from which a hint says how to shorten them.

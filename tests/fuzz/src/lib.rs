@@ -1,6 +1,6 @@
 //! Shared code of the fuzz targets.
 
-use octagloss::internals::io::{self, InputLayout, ReadOptions};
+use octagloss_core::files::io::{self, InputLayout, ReadOptions};
 use std::path::Path;
 
 /// Memory limit of a reader for one input, in bytes.
@@ -36,7 +36,7 @@ pub fn assert_plain(message: &str) {
 
 /// Parses `bytes` as the mesh file `name` and checks the guarantees of the result.
 pub fn read_mesh(name: &str, bytes: &[u8]) {
-    match octagloss::internals::mesh::Mesh::read_from_memory(Path::new(name), bytes) {
+    match octagloss_mesh::Mesh::read_from_memory(Path::new(name), bytes) {
         Ok(mesh) => {
             let corners = mesh.vertices.len();
             let is_inside = |index: &u32| (*index as usize) < corners;

@@ -1,7 +1,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use octagloss::internals::io::read_chain_from_memory;
+use octagloss_core::files::io::read_chain_from_memory;
 use octagloss_fuzz::{MEMORY_LIMIT, assert_plain};
 use std::path::Path;
 

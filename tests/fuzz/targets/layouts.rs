@@ -3,7 +3,7 @@
 //! The last byte chooses the layout; the rest is a file of any format.
 
 use libfuzzer_sys::fuzz_target;
-use octagloss::internals::io::InputLayout;
+use octagloss_core::files::io::InputLayout;
 use octagloss_fuzz::read_with_layout;
 
 const LAYOUTS: [InputLayout; 6] = [

@@ -3,8 +3,8 @@
 //! The input is the report of a folder with two levels of faces.
 
 use libfuzzer_sys::fuzz_target;
-use octagloss::internals::io::hdr::write::hdr_bytes;
-use octagloss::internals::io::read_chain;
+use octagloss_core::files::io::hdr::write::hdr_bytes;
+use octagloss_core::files::io::read_chain;
 use octagloss_fuzz::assert_plain;
 use std::sync::LazyLock;
 

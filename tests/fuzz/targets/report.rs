@@ -3,7 +3,7 @@
 //! A recipe that can be read survives a round trip through JSON.
 
 use libfuzzer_sys::fuzz_target;
-use octagloss::internals::recipe::Recipe;
+use octagloss_core::files::recipe::Recipe;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(recipe) = serde_json::from_slice::<Recipe>(bytes) {

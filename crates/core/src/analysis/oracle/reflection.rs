@@ -1,0 +1,154 @@
+//! The true reflection by exhaustive integration: GGX with Smith's height-correlated masking, any view.
+
+use super::Oracle;
+use super::integrate::Cut;
+use super::kernel::{Kernel, Side};
+use crate::common::frame::Frame;
+use crate::geometry::exact::patch::{Accuracy, Patch, Sample, finest_rule};
+use crate::geometry::exact::{cube_texel, for_each_octahedral_piece, panorama_texel};
+use crate::light::environment::Layout;
+use crate::lobe::Lobe;
+use glam::{DMat3, DVec3};
+use std::f64::consts::{PI, SQRT_2};
+
+/// Relative accuracy over a piece.
+const ACCURACY: f64 = 1e-6;
+
+/// Levels of splitting where the horizon cannot be cut exactly, at most.
+const EDGE_LEVELS: u32 = 6;
+
+/// A reflection in a texel's own space.
+struct Reflection {
+    tangent: DVec3,
+    bitangent: DVec3,
+    normal: DVec3,
+    view: DVec3,
+    alpha: [f64; 2],
+    /// The upper hemisphere.
+    above: Kernel,
+}
+
+impl Reflection {
+    fn masking(&self, w: DVec3) -> f64 {
+        let (x, y) = (self.alpha[0] * w.dot(self.tangent), self.alpha[1] * w.dot(self.bitangent));
+        (x * x + y * y + w.dot(self.normal).powi(2)).sqrt()
+    }
+
+    /// D V (n.l) without and with (1 - v.h)^5, towards the unit vector `light`.
+    fn at(&self, light: DVec3) -> [f64; 2] {
+        let half = (light + self.view).normalize();
+        let [x, y] = [half.dot(self.tangent) / self.alpha[0], half.dot(self.bitangent) / self.alpha[1]];
+        let bend = x * x + y * y + half.dot(self.normal).powi(2);
+        let distribution = 1.0 / (PI * self.alpha[0] * self.alpha[1] * bend * bend);
+        let (nl, nv) = (light.dot(self.normal).max(0.0), self.view.dot(self.normal));
+        let visible = 0.5 / (nl * self.masking(self.view) + nv * self.masking(light)).max(f64::MIN_POSITIVE);
+        let value = distribution * visible * nl;
+        [value, value * (1.0 - self.view.dot(half)).powi(5)]
+    }
+
+    /// The length over which the reflection changes within a cap of chord `radius`.
+    ///
+    /// A light that moves by d moves the half vector by up to d / (2 v.h), and that one's slope counts in
+    /// units of alpha.
+    fn reach(&self, centre: DVec3, radius: f64) -> f64 {
+        let half = (centre + self.view).normalize_or(self.normal);
+        let towards = (self.view.dot(half) - radius / 2.0).max(0.5 * self.view.dot(self.normal));
+        let sine = half.cross(self.normal).length();
+        let slope = (sine - radius / (2.0 * towards)).max(0.0);
+        (2.0 * towards * slope.hypot(self.alpha[0].min(self.alpha[1]))).min(1.0)
+    }
+
+    /// The integral over `patch`; pieces that the horizon crosses are split `edge_levels` times until it is
+    /// cut.
+    fn over<P: Cut>(&self, patch: &P, accuracy: &Accuracy, edge_levels: u32) -> [f64; 2] {
+        let (centre, radius) = patch.cap();
+        let mut sums = [0.0; 2];
+        let mut add = |own: [f64; 2]| sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        match self.above.side(centre, radius) {
+            Side::Outside => {}
+            Side::Inside => add(self.inside(patch, accuracy, 0)),
+            Side::Across => {
+                if !patch.cut(&self.above, &mut |piece| add(self.inside(&piece, accuracy, 0))) {
+                    if edge_levels == 0 {
+                        add(self.inside(patch, accuracy, 0));
+                    } else {
+                        patch.split().iter().for_each(|p| add(self.over(p, accuracy, edge_levels - 1)));
+                    }
+                }
+            }
+        }
+        sums
+    }
+
+    /// The integral over block `block` of `layout`, in whose space this is.
+    fn over_block(&self, layout: Layout, block: usize, accuracy: &Accuracy) -> [f64; 2] {
+        match layout {
+            Layout::Panorama { width, height } => {
+                self.over(&panorama_texel(width, height, block), accuracy, EDGE_LEVELS)
+            }
+            Layout::Cube { size } => self.over(&cube_texel(size, block), accuracy, EDGE_LEVELS),
+            Layout::Octahedral { size } => {
+                let mut sums = [0.0; 2];
+                for_each_octahedral_piece(size, block, |piece| {
+                    let own = self.over(&piece, accuracy, EDGE_LEVELS);
+                    sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+                });
+                sums
+            }
+        }
+    }
+
+    fn inside<P: Patch>(&self, patch: &P, accuracy: &Accuracy, level: u32) -> [f64; 2] {
+        let (centre, radius) = patch.cap();
+        let side = (SQRT_2 * radius / self.reach(centre, radius)).max(patch.bend());
+        let mut sums = [0.0; 2];
+        let mut add = |own: [f64; 2]| sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        match accuracy.rule(side).or_else(|| (level == 24).then(finest_rule)) {
+            Some(rule) => patch.sample(rule, &mut |s: Sample| {
+                add(self.at(s.point / s.length_squared.sqrt()).map(|value| value * s.weight));
+            }),
+            None => patch.split().iter().for_each(|p| add(self.inside(p, accuracy, level + 1))),
+        }
+        sums
+    }
+}
+
+/// Radiance reflected to the viewer of `frame` (in the world), at `roughness` in (0, 1] and `anisotropy`
+/// in [0, 1]: without Fresnel's term, and times (1 - v.h)^5. With f0 and f90 it is f0 times the first
+/// plus (f90 - f0) times the second. A frame without a tangent reflects isotropically.
+pub fn reflection(oracle: &Oracle<'_>, frame: &Frame, roughness: f64, anisotropy: f64) -> [[f64; 3]; 2] {
+    let axes: DMat3 = oracle.environment.source_from_world() * frame.axes;
+    let view = axes * frame.view;
+    let alpha = roughness * roughness;
+    let more = if frame.has_tangent { (1.0 - alpha) * anisotropy * anisotropy } else { 0.0 };
+    let alpha = [alpha + more, alpha];
+    let accuracy = Accuracy::new(ACCURACY);
+    let layout = oracle.environment.layout();
+    let cosine = Kernel::new(Lobe::Cosine, 1.0, axes.z_axis);
+    let turned: Vec<Reflection> = oracle
+        .texels
+        .frames()
+        .iter()
+        .map(|turn| Reflection {
+            tangent: *turn * axes.x_axis,
+            bitangent: *turn * axes.y_axis,
+            normal: *turn * axes.z_axis,
+            view: *turn * view,
+            alpha,
+            above: cosine.around(*turn * axes.z_axis),
+        })
+        .collect();
+    let mut sums = [[0.0; 3]; 2];
+    oracle.texels.for_each(|index, block, frame| {
+        let radiance = oracle.environment.texels()[index];
+        let (texel, reflection) = (&oracle.texels.blocks()[block], &turned[frame]);
+        if radiance == [0.0; 3] || reflection.normal.dot(texel.centre) < -texel.radius {
+            return;
+        }
+        let own = reflection.over_block(layout, block, &accuracy);
+        for (sum, own) in sums.iter_mut().zip(own) {
+            sum.iter_mut().zip(radiance).for_each(|(sum, channel)| *sum += own * f64::from(channel));
+        }
+    });
+    sums
+}

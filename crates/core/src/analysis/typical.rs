@@ -1,0 +1,153 @@
+//! A quick measurement of what renderers read from a chain: the typical error of its trilinear look-ups.
+//!
+//! [`super::delivered`] measures tens of thousands of directions per roughness; this takes a few dozen,
+//! chosen where the error is: half of them evenly over the sphere, half in proportion to the light, so that
+//! small suns are hit. Each counts by the solid angle that it stands for.
+
+use super::compare::{direction_within, is_measurable};
+use super::delivered::default_roughnesses;
+use crate::geometry::quadrant::Quadrant;
+use crate::light::chain::{Chain, Level};
+use crate::light::chain_lookup::ChainLookup;
+use crate::light::environment::{Layout, Rgb, exact_luminance};
+use crate::lobe::Lobe;
+use crate::lobe::ladder::Ladder;
+use glam::DVec3;
+
+/// Directions per roughness. With these, the typical error of default bakes of eight photographed panoramas
+/// and of `hdr/` is within a factor of 1.5 of that over 20,000 directions.
+const DIRECTIONS: usize = 64;
+
+/// Channels with less than this share of the mean luminance are nearly black: their errors are relative to
+/// the luminance.
+const BLACK: f64 = 0.01;
+
+/// Directions at one roughness at which look-ups are compared with lobes.
+#[derive(Clone, Debug)]
+pub(crate) struct Probe {
+    pub(crate) roughness: f64,
+    /// The level of detail that the ladder assigns to it.
+    lod: f64,
+    pub(crate) directions: Vec<DVec3>,
+    /// Solid angle that each direction stands for, up to a factor.
+    weights: Vec<f64>,
+    /// What errors of each channel are relative to.
+    means: [f64; 3],
+}
+
+/// Returns the probes of `chain`, lobes of `lobe` by `ladder` over a source in `layout`: at the roughnesses
+/// of [`default_roughnesses`] that the source resolves; those of the levels themselves if there are no
+/// others.
+pub(crate) fn probes(chain: &Chain, ladder: Ladder, lobe: Lobe, source: Layout) -> Vec<Probe> {
+    let mut roughnesses = default_roughnesses(chain);
+    if roughnesses.is_empty() {
+        roughnesses = chain.levels.iter().map(|level| level.roughness).collect();
+        // Irradiance has no roughness.
+        roughnesses.retain(|roughness| *roughness > 0.0 || !lobe.has_mirror());
+    }
+    roughnesses.retain(|roughness| is_measurable(&Level::cube(1, *roughness, Vec::new()), lobe, source));
+    let (size, levels) = (chain.levels[0].size(), chain.levels.len() as u32);
+    let mut lights: Vec<Option<Lights>> = chain.levels.iter().map(|_| None).collect();
+    let probe = |roughness: f64| {
+        let lod = ladder.lod(roughness, levels, size);
+        let at = lod.round() as usize;
+        let (level, lights) = (&chain.levels[at], &mut lights[at]);
+        let lights = lights.get_or_insert_with(|| Lights::new(level));
+        let (directions, weights) = lights.directions(level.layout);
+        Probe { roughness, lod, directions, weights, means: lights.means }
+    };
+    roughnesses.into_iter().map(probe).collect()
+}
+
+impl Probe {
+    /// Root mean square error of look-ups against `lobes`, the radiance along the directions, relative to the
+    /// mean: of the worst channel.
+    pub(crate) fn error(&self, lookup: &ChainLookup<'_>, lobes: impl Iterator<Item = Rgb>) -> f64 {
+        let mut squares = [0.0; 3];
+        for ((direction, weight), lobe) in self.directions.iter().zip(&self.weights).zip(lobes) {
+            let read = lookup.read(*direction, self.lod);
+            for c in 0..3 {
+                squares[c] += weight * (read[c] - f64::from(lobe[c])).powi(2);
+            }
+        }
+        let whole: f64 = self.weights.iter().sum();
+        let relative = |c: usize| match (squares[c] > 0.0, self.means[c] > 0.0) {
+            (false, _) => 0.0,
+            (true, true) => (squares[c] / whole).sqrt() / self.means[c],
+            (true, false) => 1.0,
+        };
+        (0..3).map(relative).fold(0.0, f64::max)
+    }
+}
+
+/// Median of `errors`; `None` if there are none.
+pub(crate) fn median(mut errors: Vec<f64>) -> Option<f64> {
+    let middle = errors.len() / 2;
+    (!errors.is_empty()).then(|| *errors.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// The distribution of a level's light, to draw directions from.
+struct Lights {
+    /// Solid angle of each texel, and its share of the directions, summed up to it.
+    texels: Vec<(f64, f64)>,
+    means: [f64; 3],
+}
+
+impl Lights {
+    fn new(level: &Level) -> Self {
+        let (width, height) = level.layout.sides();
+        let area = width as usize * height as usize;
+        // The same on every face.
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let solid_angles: Vec<f64> = match level.layout {
+            Layout::Cube { size } => {
+                let quadrant = Quadrant::new(size, |x, y| level.layout.texel_solid_angle(x, y));
+                places.map(|(x, y)| quadrant.at(x, y)).collect()
+            }
+            layout => places.map(|(x, y)| layout.texel_solid_angle(x, y)).collect(),
+        };
+        let solid_angle = |at: usize| solid_angles[at % area];
+        let (mut sums, mut whole) = ([0.0; 3], 0.0);
+        for (at, texel) in level.texels.iter().enumerate() {
+            let weight = solid_angle(at);
+            whole += weight;
+            sums = std::array::from_fn(|c| sums[c] + weight * f64::from(texel[c]));
+        }
+        let luminance = exact_luminance(sums);
+        let means = sums.map(|sum| if sum < BLACK * luminance { luminance } else { sum } / whole);
+        // Of the channel that is brightest, over its mean.
+        let light = |texel: &Rgb| {
+            (0..3).map(|c| f64::from(texel[c]) / means[c].max(f64::MIN_POSITIVE)).fold(0.0, f64::max)
+        };
+        let all: f64 =
+            level.texels.iter().enumerate().map(|(at, texel)| solid_angle(at) * light(texel)).sum();
+        let mut sum = 0.0;
+        let texels = level.texels.iter().enumerate().map(|(at, texel)| {
+            let weight = solid_angle(at);
+            sum += weight / whole + if all > 0.0 { weight * light(texel) / all } else { 0.0 };
+            (weight, sum)
+        });
+        Self { texels: texels.collect(), means }
+    }
+
+    /// Directions at equal steps of the distribution, and their weights.
+    fn directions(&self, layout: Layout) -> (Vec<DVec3>, Vec<f64>) {
+        let (width, height) = layout.sides();
+        let area = width as usize * height as usize;
+        let total = self.texels.last().map_or(0.0, |(_, sum)| *sum);
+        let of = |k: usize| {
+            let place = (k as f64 + 0.5) / DIRECTIONS as f64 * total;
+            let at = self.texels.partition_point(|(_, sum)| *sum < place).min(self.texels.len() - 1);
+            let (weight, sum) = self.texels[at];
+            let share = sum - at.checked_sub(1).map_or(0.0, |before| self.texels[before].1);
+            let inside = (at % area) as u32;
+            // A plane sequence of low discrepancy (Roberts 2018): any place within the texel.
+            let fraction = |step: f64| (0.5 + step * k as f64).fract();
+            let x = f64::from(inside % width) + fraction(0.754_877_666_246_693);
+            let y = f64::from(inside / width) + fraction(0.569_840_290_998_053);
+            let (direction, _) = direction_within(layout, (at / area) as u32, x, y);
+            (direction, weight / share)
+        };
+        (0..DIRECTIONS).map(of).unzip()
+    }
+}

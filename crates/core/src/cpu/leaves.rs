@@ -1,0 +1,173 @@
+//! Packets of directions, and the leaves of a cut that they share.
+
+use crate::common::vector::Extremes as _;
+use crate::cpu::cells::Quad;
+use crate::cpu::cells::{Cells, QUAD_FIELDS};
+use crate::geometry::source_texels::Piece;
+use crate::geometry::tent::Patch;
+use crate::geometry::tint::Tint;
+use crate::geometry::tint::VARIATION;
+use crate::light::environment::{LUMINANCE, Rgb};
+use glam::{DVec3, Vec3};
+
+/// Directions evaluated together.
+pub const LANES: usize = 16;
+
+/// Up to [`LANES`] adjacent directions, in the space of the cells.
+#[derive(Clone, Copy, Debug)]
+pub struct Packet {
+    pub(super) axis: DVec3,
+    pub(super) radius: f32,
+    /// The greatest reach of a footprint around its direction, and the greatest trace of its covariance; 0
+    /// for directions alone.
+    pub(super) reach: f32,
+    pub(super) trace: f32,
+    /// Directions minus the axis: differences keep the precision that sharp lobes need.
+    pub(super) x: [f32; LANES],
+    pub(super) y: [f32; LANES],
+    pub(super) z: [f32; LANES],
+}
+
+impl Packet {
+    /// A packet of 1 to [`LANES`] unit `directions`; padding lanes repeat the first.
+    ///
+    /// # Panics
+    /// If there are no directions or more than [`LANES`].
+    pub fn new(directions: &[DVec3]) -> Self {
+        assert!(!directions.is_empty() && directions.len() <= LANES, "1 to {LANES} directions");
+        let axis = if directions.len() == 1 {
+            directions[0]
+        } else {
+            directions.iter().sum::<DVec3>().try_normalize().unwrap_or(directions[0])
+        };
+        let radius = directions.iter().map(|d| d.distance(axis)).fold(0.0, f64::max);
+        let offset = |k: usize| directions[if k < directions.len() { k } else { 0 }] - axis;
+        Self {
+            axis,
+            radius: (radius * (1.0 + 1e-6)) as f32,
+            reach: 0.0,
+            trace: 0.0,
+            x: std::array::from_fn(|k| offset(k).x as f32),
+            y: std::array::from_fn(|k| offset(k).y as f32),
+            z: std::array::from_fn(|k| offset(k).z as f32),
+        }
+    }
+}
+
+/// The energy whose error counts: the luminance, or a channel times its weight if that is more
+/// ([`super::cells::Cells::channel_weights`]).
+#[inline(always)]
+pub(super) fn weighted([red, green, blue]: Rgb, weights: [f32; 3]) -> f32 {
+    let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
+    luminance.at_least(weights[0] * red).at_least(weights[1] * green).at_least(weights[2] * blue)
+}
+
+/// One leaf of a cut, relative to the packet's axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf {
+    pub(super) offset: [f32; 3],
+    /// xx, yy, zz, yz, zx, xy.
+    pub(super) covariance: [f32; 6],
+    pub(super) radius: f32,
+    pub(super) energy: Rgb,
+    /// The cell, four times its quad plus its place, whose tints count; [`UNTINTED`] for light of one colour.
+    pub(super) cell: u32,
+}
+
+/// [`Leaf::cell`] of light of one colour.
+pub(super) const UNTINTED: u32 = u32::MAX;
+
+/// A tint with a smaller share of its channel's energy is rounding error.
+pub(crate) const NEGLIGIBLE_TINT: f32 = 1.0 / (1 << 20) as f32;
+
+impl Leaf {
+    /// Cell `k` of `quad`, which is number `index`.
+    #[inline(always)]
+    pub(super) fn new(quad: &Quad, index: u32, k: usize, axis: DVec3) -> Self {
+        let tinted = (quad.red_tint[VARIATION][k] > NEGLIGIBLE_TINT * quad.red[k])
+            | (quad.blue_tint[VARIATION][k] > NEGLIGIBLE_TINT * quad.blue[k]);
+        Self {
+            offset: [
+                (f64::from(quad.x[k]) - axis.x) as f32,
+                (f64::from(quad.y[k]) - axis.y) as f32,
+                (f64::from(quad.z[k]) - axis.z) as f32,
+            ],
+            covariance: std::array::from_fn(|c| quad.covariance[c][k]),
+            radius: quad.radius[k],
+            energy: [quad.red[k], quad.green[k], quad.blue[k]],
+            cell: if tinted { 4 * index + k as u32 } else { UNTINTED },
+        }
+    }
+
+    /// Energy with the moments `patch`, whose centroid is at `offset` from the packet's axis.
+    pub(super) fn of_patch(patch: &Patch, offset: DVec3, energy: Rgb) -> Self {
+        let Patch { diagonal, mixed, radius, .. } = *patch;
+        Self {
+            offset: offset.as_vec3().to_array(),
+            covariance: [diagonal.x, diagonal.y, diagonal.z, mixed.x, mixed.y, mixed.z],
+            radius,
+            energy,
+            cell: UNTINTED,
+        }
+    }
+}
+
+/// Buffers of an evaluation, kept between packets.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    pub(super) leaves: Vec<Leaf>,
+    /// Certified widths, times the energy of each channel, of pieces without an exact centroid.
+    pub(super) slack: [f64; 3],
+    pub(super) stack: Vec<Visit>,
+    /// What a cut for footprints leaves to their directions.
+    pub(super) frontier: Vec<Visit>,
+    /// Finest cells to be divided into texels of the source, and the pieces of these that are left.
+    pub(super) refined: Vec<(u32, u32)>,
+    pub(super) pieces: Vec<LitPiece>,
+}
+
+/// A quad to visit: that of the cell in column `i` of row `j` of the level above.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Visit {
+    pub(super) level: u8,
+    /// A bit for each of its cells that counts.
+    pub(super) cells: u8,
+    pub(super) i: u32,
+    pub(super) j: u32,
+}
+
+/// A piece of a texel of the source.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LitPiece {
+    pub(super) column: u32,
+    pub(super) row: u32,
+    pub(super) piece: Piece,
+    /// Radiance above the least.
+    pub(super) above: Vec3,
+    /// What of it counts.
+    pub(super) weight: f32,
+}
+
+/// [`Visit::cells`] of all four.
+pub(super) const ALL: u8 = 0b1111;
+
+impl Scratch {
+    /// The leaves of the last evaluation, of `packet` over `cells`, as fields of `shaders/common/quad.wgsl`,
+    /// to replay the cut.
+    pub fn leaf_fields(&self, cells: &Cells, packet: &Packet) -> Vec<[f32; QUAD_FIELDS]> {
+        let fields = |leaf: &Leaf| {
+            let mut fields = [0.0; QUAD_FIELDS];
+            let centroid = (packet.axis + Vec3::from(leaf.offset).as_dvec3()).as_vec3();
+            let luminance = Vec3::from(leaf.energy).dot(Vec3::from(LUMINANCE));
+            fields[..3].copy_from_slice(&centroid.to_array());
+            fields[3..9].copy_from_slice(&leaf.covariance);
+            fields[9..11].copy_from_slice(&[leaf.radius, luminance]);
+            fields[11..14].copy_from_slice(&leaf.energy);
+            if let Some(tints) = cells.tints(leaf.cell) {
+                fields[14..].copy_from_slice(tints.map(Tint::to_fields).as_flattened());
+            }
+            fields
+        };
+        self.leaves.iter().map(fields).collect()
+    }
+}

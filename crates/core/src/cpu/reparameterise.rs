@@ -1,0 +1,40 @@
+//! Resamples the environment to the OEM by area: every source texel's energy is kept, and a constant stays
+//! constant.
+
+use crate::common::error::Result;
+use crate::geometry::overlap::{Space, Target, mean_radiances, surely_fits};
+use crate::geometry::solid_angles::solid_angles;
+use crate::light::environment::{Environment, Layout, Rgb};
+use crate::light::oem::{Oem, OemSize};
+use rayon::prelude::*;
+
+/// Whether [`oem_from_environment`] cannot fail for sources of `layout`.
+pub(crate) fn is_infallible(layout: Layout, size: OemSize) -> bool {
+    layout == (Layout::Octahedral { size: size.inner }) || surely_fits(layout, Target::Octahedral(size.inner))
+}
+
+/// The OEM of `environment` in the source's own space; queries are rotated instead.
+///
+/// # Errors
+/// [`crate::common::error::Error::Limit`] if the overlaps do not fit in memory.
+pub fn oem_from_environment(environment: &Environment, size: OemSize) -> Result<Oem> {
+    let n = size.inner;
+    let weights = solid_angles(n);
+    let means;
+    let texels = if environment.layout() == (Layout::Octahedral { size: n }) {
+        environment.texels()
+    } else {
+        means = mean_radiances(environment, Target::Octahedral(n), Space::Source)?;
+        &means
+    };
+    let weigh = |(k, radiance): (usize, &Rgb)| {
+        let (x, y) = (k % n as usize, k / n as usize);
+        energy(*radiance, weights.at(x as u32, y as u32))
+    };
+    let square = texels.par_iter().enumerate().map(weigh).collect();
+    Ok(Oem::from_square(size, square))
+}
+
+fn energy([r, g, b]: Rgb, solid_angle: f32) -> [f32; 4] {
+    [r * solid_angle, g * solid_angle, b * solid_angle, solid_angle]
+}

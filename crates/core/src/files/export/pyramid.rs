@@ -1,0 +1,50 @@
+//! What a pyramid has besides its maps: suns, harmonics and scale.
+
+use crate::files::io::pyramid_write::{KEY, VERSION};
+use crate::pyramid::BakedPyramid;
+use crate::pyramid::light::OctaglossSun;
+use serde_json::{Value, json};
+
+/// `metadata` with the light.
+pub(super) fn metadata(baked: &BakedPyramid, metadata: &[(String, String)]) -> Vec<(String, String)> {
+    let own =
+        [("octaglossContent".to_owned(), "pyramid".to_owned()), (KEY.to_owned(), light(baked).to_string())];
+    [&own[..], metadata].concat()
+}
+
+/// The light as a file.
+pub(super) fn light_json(baked: &BakedPyramid) -> String {
+    serde_json::to_string_pretty(&light(baked)).expect("keys are strings") + "\n"
+}
+
+fn light(baked: &BakedPyramid) -> Value {
+    let (octaves, light) = (baked.octaves(), &baked.light);
+    let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
+    let columns = light.world_from_source.map(rgb);
+    let harmonics = light.harmonics.map(|harmonic| rgb(harmonic).map(|c| c * light.unscale));
+    let lit = light.suns.iter().filter(|sun| sun.energy != [0.0; 3]);
+    let suns: Vec<Value> = lit.map(sun).collect();
+    let uniform: &[f32] = bytemuck::cast_slice(std::slice::from_ref(light));
+    json!({
+        "version": VERSION,
+        "size": octaves.inner(),
+        "border": octaves.size(0).border,
+        "levels": octaves.count(),
+        "scale": light.unscale,
+        "world_from_source": columns,
+        "harmonics": harmonics,
+        "suns": suns,
+        "uniform": uniform,
+    })
+}
+
+/// A sun, by channel.
+fn sun(sun: &OctaglossSun) -> Value {
+    let channels = [sun.red, sun.green, sun.blue];
+    let (directions, spreads) = (channels.map(|[x, y, z, _]| [x, y, z]), channels.map(|[.., spread]| spread));
+    json!({
+        "directions": directions,
+        "spreads": spreads,
+        "energies": sun.energy,
+    })
+}

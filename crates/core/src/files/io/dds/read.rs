@@ -1,0 +1,88 @@
+//! DDS files with the DX10 header: RGBA16F, RGBA32F, RGB9E5, R11G11B10F and BC6H cubes and 2D images.
+
+use super::write::marked_flip;
+use crate::common::error::Result;
+use crate::files::format::Pixel;
+use crate::files::io::LoadedChain;
+use crate::files::io::provenance::FLIP_KEY;
+use crate::files::io::source::{Source, TEXEL_BYTES};
+use crate::files::io::texture::{READABLE, Texture, image_bytes};
+use ddsfile::{Dds, DxgiFormat, MiscFlag};
+
+/// Decodes every level of a cube. The file does not store their `roughness`.
+pub(in crate::files::io) fn decode_chain(source: &Source<'_>, roughness: &[f64]) -> Result<LoadedChain> {
+    let texture = open(source)?;
+    if texture.is_cube && roughness.len() != texture.levels {
+        return Err(source.error(format!(
+            "it has {} levels, its report lists {}; bake it again",
+            texture.levels,
+            roughness.len()
+        )));
+    }
+    texture.chain(roughness.iter().copied())
+}
+
+/// Parses the header and checks that all texels are there.
+pub(in crate::files::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
+    // The crate copies the file's bytes.
+    source.check_memory(1, 1, source.bytes.len() as u64)?;
+    let dds = Dds::read(source.bytes).map_err(|error| source.decoder_error("DDS", &error))?;
+    let Some(extended) = &dds.header10 else {
+        return Err(source.error("a DDS file without the DX10 header; save it with a DXGI format"));
+    };
+    let is_signed = extended.dxgi_format == DxgiFormat::BC6H_SF16;
+    let stored = if is_signed { DxgiFormat::BC6H_UF16 } else { extended.dxgi_format };
+    let Some(pixel) = Pixel::ALL.into_iter().find(|pixel| pixel.dxgi() == Some(stored)) else {
+        return Err(source.error(format!("its pixels are {stored:?}; {READABLE}")));
+    };
+    let (width, height) = (dds.header.width, dds.header.height);
+    let levels = dds.header.mip_map_count.unwrap_or(1).max(1);
+    let is_cube = extended.misc_flag.contains(MiscFlag::TEXTURECUBE);
+    if extended.array_size > 1 || dds.header.depth.is_some_and(|depth| depth > 1) {
+        return Err(
+            source.error(format!("{} textures in one; a single one can be read", extended.array_size))
+        );
+    }
+    if is_cube && width != height {
+        return Err(source.error(format!("cube faces of {width}x{height} are not square")));
+    }
+    let faces: u32 = if is_cube { 6 } else { 1 };
+    // A texel takes at most 16 bytes, a texel of a partial block at most four.
+    source.check_memory(width, height, u64::from(faces) * (TEXEL_BYTES + 16))?;
+    if levels > width.max(height).ilog2() + 1 {
+        return Err(source.error(format!("{levels} levels are more than {width}x{height} can have")));
+    }
+    // Each face stores its levels, the largest first.
+    let end = move |level: u32| -> usize {
+        (0..level).map(|k| image_bytes(pixel, (width >> k).max(1), (height >> k).max(1))).sum()
+    };
+    let (levels, face_bytes) = (levels as usize, end(levels));
+    let needed = u64::from(faces) * face_bytes as u64;
+    if needed > dds.data.len() as u64 {
+        return Err(source.error(format!(
+            "truncated: {faces} faces of {levels} levels take {needed} bytes, it has {}; copy it again",
+            dds.data.len()
+        )));
+    }
+    let flip = marked_flip(source.bytes);
+    let images = move |level: usize, visit: &mut dyn FnMut(&[u8])| {
+        let (from, to) = (end(level as u32), end(level as u32 + 1));
+        dds.data.chunks_exact(face_bytes).take(faces as usize).for_each(|face| visit(&face[from..to]));
+        Ok(())
+    };
+    Ok(Texture {
+        source: *source,
+        container: "DDS",
+        pixel,
+        is_signed,
+        width,
+        height,
+        layers: 1,
+        is_cube,
+        is_bottom_up: false,
+        levels,
+        // The flip is in the writer's mark.
+        text: Box::new(move |key| flip.filter(|_| key == FLIP_KEY).map(|flip| flip.name().to_owned())),
+        images: Box::new(images),
+    })
+}

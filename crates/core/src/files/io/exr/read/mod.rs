@@ -1,0 +1,281 @@
+//! Reads OpenEXR files with every compression that the `exr` crate supports. Only the blocks of one layer's
+//! largest level are decoded, directly into texels.
+
+mod blocks;
+mod select;
+mod window;
+
+use crate::common::error::Result;
+use crate::files::io::LoadedChain;
+use crate::files::io::color::{self, Primaries};
+use crate::files::io::map_header::{BORDER_KEY, MapHeader};
+use crate::files::io::picture::{LevelHeader, Picture};
+use crate::files::io::provenance::Provenance;
+use crate::files::io::source::{Source, TEXEL_BYTES};
+use crate::light::chain::{Chain, Level};
+use crate::light::environment::Rgb;
+use crate::sphere::cube::Face;
+use ::exr::meta::attribute::{AttributeValue, Chromaticities, Compression, SampleType};
+use ::exr::meta::header::Header;
+use ::exr::meta::{BlockDescription, MetaData};
+use select::{Channels, Selection};
+use std::io::Cursor;
+use window::{Window, exr_error};
+
+/// Decodes the display window of an OpenEXR file.
+pub(in crate::files::io) fn decode(source: &Source<'_>) -> Result<Picture> {
+    // Bytes 4 to 8 are the version and its flags.
+    let is_deep = source.bytes.get(5).is_some_and(|flags| flags & 0x08 != 0);
+    if is_deep {
+        return Err(source.error("deep data; flatten it to one sample a pixel"));
+    }
+    if let Some((width, height)) = data_window(source.bytes).filter(|(width, height)| width * height == 0) {
+        return Err(source.error(format!("{width}x{height} has no pixels")));
+    }
+    let reader =
+        ::exr::block::read(Cursor::new(source.bytes), false).map_err(|error| exr_error(source, &error))?;
+    let metadata: MetaData = reader.meta_data().clone();
+    if part_named(&metadata, &part_name(0, Face::PosX)).is_some() {
+        let (size, texels) = cube_of_parts(source, &metadata, 0)?;
+        return Ok(Picture {
+            width: size,
+            height: 6 * size,
+            texels,
+            is_cube: true,
+            map: None,
+            format: parts_format(&metadata),
+            warnings: Vec::new(),
+            provenance: provenance(source, &metadata.headers[0])?,
+        });
+    }
+    let selection = select::select(source, &metadata.headers)?;
+    let header = &metadata.headers[selection.header];
+    let window = Window::display(source, header)?;
+    source.check_memory(window.width, window.height, TEXEL_BYTES)?;
+    blocks::check_blocks(source, header, &window)?;
+
+    let count = window.width as usize * window.height as usize;
+    let mut texels = Vec::new();
+    texels
+        .try_reserve_exact(count)
+        .map_err(|_| source.error("not enough memory for its texels; scale it down first"))?;
+    texels.resize(count, Rgb::default());
+    blocks::decode_into(source, reader, &metadata, &selection, &window, &mut texels)?;
+
+    let mut warnings = Vec::new();
+    // The other parts of a bake's octahedral map are its rougher levels.
+    let is_first_level = header_text(header, BORDER_KEY).is_some();
+    warnings.extend(selection.warning().filter(|_| !is_first_level));
+    warnings.extend(window.warning());
+    convert_color(header, selection.channels, &mut texels, &mut warnings);
+    Ok(Picture {
+        width: window.width,
+        height: window.height,
+        texels,
+        is_cube: false,
+        map: MapHeader::of_texts(source, &|key| header_text(header, key))?,
+        format: describe(header, &selection),
+        warnings,
+        provenance: provenance(source, header)?,
+    })
+}
+
+/// Decodes a cube chain with a part for each face of each level, as written by `bake --out-layout parts`.
+pub(in crate::files::io) fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
+    let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
+        .map_err(|error| exr_error(source, &error))?;
+    let mut levels = Vec::new();
+    for level in 0u32..32 {
+        let Some(first) = part_named(&metadata, &part_name(level, Face::PosX)) else { break };
+        let (size, texels) = cube_of_parts(source, &metadata, level)?;
+        let Some(roughness) = header_roughness(&metadata.headers[first]).filter(|r| (0.0..=1.0).contains(r))
+        else {
+            return Err(source.error(format!("its level {level} has no roughness; bake it again")));
+        };
+        crate::files::io::picture::check_finite(source.path, level, size, &texels)?;
+        levels.push(Level::cube(size, roughness, texels));
+    }
+    if levels.is_empty() {
+        return Err(source.error("no part m0_px; a chain in OpenEXR has a part for each face of each level"));
+    }
+    let halves = |(level, expected): (u32, &Level)| expected.size() == (levels[0].size() >> level).max(1);
+    if !(0u32..).zip(&levels).all(halves) {
+        return Err(source.error("the sizes of its levels do not halve; bake it again"));
+    }
+    Ok(LoadedChain {
+        path: source.path.to_owned(),
+        chain: Chain { levels },
+        provenance: provenance(source, &metadata.headers[0])?,
+        format: parts_format(&metadata),
+        warnings: Vec::new(),
+    })
+}
+
+/// Such as `OpenEXR, half, 54 parts`.
+fn parts_format(metadata: &MetaData) -> String {
+    let sample =
+        metadata.headers[0].channels.list.first().map_or("", |channel| sample_name(channel.sample_type));
+    format!("OpenEXR, {sample}, {} parts", metadata.headers.len())
+}
+
+/// Origin recorded in the attributes of `header`.
+fn provenance(source: &Source<'_>, header: &Header) -> Result<Provenance> {
+    Provenance::of_texts(&|key| header_text(header, key)).map_err(|message| source.error(message))
+}
+
+/// Part name of a face of a level.
+fn part_name(level: u32, face: Face) -> String {
+    format!("m{level}_{}", face.short_name())
+}
+
+fn part_named(metadata: &MetaData, name: &str) -> Option<usize> {
+    metadata
+        .headers
+        .iter()
+        .position(|header| header.own_attributes.layer_name.as_ref().is_some_and(|own| *own == *name))
+}
+
+/// Size and texels of a level whose faces are parts.
+fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result<(u32, Vec<Rgb>)> {
+    let mut texels = Vec::new();
+    let mut size = 0;
+    for face in Face::ALL {
+        let name = part_name(level, face);
+        let selected =
+            part_named(metadata, &name).and_then(|index| select::of_part(index, &metadata.headers[index]));
+        let Some(selection) = selected else {
+            return Err(source.error(format!("its part {name} is missing or not RGB; bake it again")));
+        };
+        let header = &metadata.headers[selection.header];
+        let window = Window::data(source, header)?;
+        if window.width != window.height || (face != Face::PosX && window.width != size) {
+            return Err(source.error(format!(
+                "its part {name} is {}x{}; faces are square and all of a size",
+                window.width, window.height
+            )));
+        }
+        size = window.width;
+        source.check_memory(size, 6 * size, TEXEL_BYTES)?;
+        blocks::check_blocks(source, header, &window)?;
+        let reader = ::exr::block::read(Cursor::new(source.bytes), false)
+            .map_err(|error| exr_error(source, &error))?;
+        let mut own = vec![Rgb::default(); size as usize * size as usize];
+        blocks::decode_into(source, reader, metadata, &selection, &window, &mut own)?;
+        texels.append(&mut own);
+    }
+    Ok((size, texels))
+}
+
+/// The text of attribute `name`.
+fn header_text(header: &Header, name: &str) -> Option<String> {
+    attributes(header, name).find_map(|value| match value {
+        AttributeValue::Text(text) => Some(text.to_string()),
+        _ => None,
+    })
+}
+
+/// The attribute `roughness`.
+fn header_roughness(header: &Header) -> Option<f64> {
+    attributes(header, "roughness").find_map(|value| match value {
+        AttributeValue::F32(roughness) => Some(f64::from(*roughness)),
+        _ => None,
+    })
+}
+
+fn attributes<'a>(header: &'a Header, name: &'a str) -> impl Iterator<Item = &'a AttributeValue> {
+    let all = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
+    all.filter(move |(key, _)| **key == *name).map(|(_, value)| value)
+}
+
+/// Columns, rows and roughness of an image of a bake's level; `None` if its header has no roughness.
+pub(in crate::files::io) fn level_header(source: &Source<'_>) -> Result<Option<LevelHeader>> {
+    let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false)
+        .map_err(|error| exr_error(source, &error))?;
+    Ok(metadata.headers.first().and_then(|header| {
+        let (width, height) = (header.layer_size.x(), header.layer_size.y());
+        let roughness = header_roughness(header);
+        Some(LevelHeader {
+            width: u32::try_from(width).ok()?,
+            height: u32::try_from(height).ok()?,
+            roughness,
+        })
+    }))
+}
+
+/// Columns and rows of the first data window in the header; the crate has no clear error for an empty one.
+fn data_window(bytes: &[u8]) -> Option<(i64, i64)> {
+    const NAME: &[u8] = b"dataWindow\0box2i\0\x10\0\0\0";
+    // Search only the header; pixels may look like an attribute.
+    let head = &bytes[..bytes.len().min(4096)];
+    let at = head.windows(NAME.len()).position(|window| window == NAME)? + NAME.len();
+    let corner = |k: usize| {
+        let value = bytes.get(at + 4 * k..at + 4 * k + 4)?;
+        Some(i64::from(i32::from_le_bytes(value.try_into().ok()?)))
+    };
+    let side = |least: i64, greatest: i64| (greatest - least + 1).max(0);
+    Some((side(corner(0)?, corner(2)?), side(corner(1)?, corner(3)?)))
+}
+
+/// Converts luminance-chroma to RGB, and the file's primaries to Rec. 709.
+fn convert_color(header: &Header, channels: Channels, texels: &mut [Rgb], warnings: &mut Vec<String>) {
+    let primaries = header.shared_attributes.chromaticities.map_or(color::REC709, primaries_from);
+    if let Channels::LuminanceChroma(_) = channels {
+        // Texels hold Y, (R - Y)/Y, (B - Y)/Y.
+        let [wr, wg, wb] = primaries
+            .luminance_weights()
+            .or_else(|| color::REC709.luminance_weights())
+            .expect("Rec. 709 has weights")
+            .map(|weight| weight as f32);
+        for texel in texels.iter_mut() {
+            let [y, ry, by] = *texel;
+            let (r, b) = ((ry + 1.0) * y, (by + 1.0) * y);
+            *texel = [r, (y - wr * r - wb * b) / wg, b];
+        }
+    }
+    if !matches!(channels, Channels::Luminance(_)) {
+        warnings.extend(primaries.converted("chromaticities", texels));
+    }
+}
+
+fn primaries_from(attribute: Chromaticities) -> Primaries {
+    let pair = |xy: ::exr::math::Vec2<f32>| [f64::from(xy.x()), f64::from(xy.y())];
+    Primaries {
+        red: pair(attribute.red),
+        green: pair(attribute.green),
+        blue: pair(attribute.blue),
+        white: pair(attribute.white),
+    }
+}
+
+const fn sample_name(sample: SampleType) -> &'static str {
+    match sample {
+        SampleType::F16 => "half",
+        SampleType::F32 => "float",
+        SampleType::U32 => "uint",
+    }
+}
+
+/// Such as `OpenEXR, half, DWAB, tiled`.
+fn describe(header: &Header, selection: &Selection) -> String {
+    let sample = sample_name(header.channels.list[selection.channels.indices()[0]].sample_type);
+    let compression = match header.compression {
+        Compression::Uncompressed => "uncompressed",
+        Compression::RLE => "RLE",
+        Compression::ZIP1 => "ZIPS",
+        Compression::ZIP16 => "ZIP",
+        Compression::PIZ => "PIZ",
+        Compression::PXR24 => "PXR24",
+        Compression::B44 => "B44",
+        Compression::B44A => "B44A",
+        Compression::DWAA(_) => "DWAA",
+        Compression::DWAB(_) => "DWAB",
+        Compression::HTJ2K32 | Compression::HTJ2K256 => "HTJ2K",
+    };
+    let tiled = if matches!(header.blocks, BlockDescription::Tiles(_)) { ", tiled" } else { "" };
+    let luminance = match selection.channels {
+        Channels::Rgb(_) => "",
+        Channels::Luminance(_) => ", luminance",
+        Channels::LuminanceChroma(_) => ", luminance-chroma",
+    };
+    format!("OpenEXR, {sample}, {compression}{tiled}{luminance}")
+}

@@ -1,0 +1,123 @@
+//! Reads pyramids in KTX2 files as cubes of what their look-ups answer, so that every command that knows
+//! chains knows them: six roughnesses, [`SIZE`] texels along an edge at the first.
+
+use super::LoadedChain;
+use super::picture::check_finite;
+use super::provenance::Provenance;
+use super::pyramid_write::{KEY, SQUARES, VERSION};
+use super::texture::Texture;
+use crate::common::error::Result;
+use crate::light::chain::{Chain, Level};
+use crate::light::environment::{Layout, Rgb};
+use crate::pyramid::levels::Map;
+use crate::pyramid::light::OctaglossLight;
+use crate::pyramid::{BakedPyramid, COARSEST, Octaves};
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::Deserialize;
+
+/// Texels along an edge of the first cube.
+const SIZE: u32 = 256;
+
+/// Cubes.
+const LEVELS: u32 = 6;
+
+/// What a file says of its light.
+#[derive(Deserialize)]
+struct Light {
+    version: u32,
+    size: u32,
+    uniform: Vec<f32>,
+}
+
+/// Whether `texture` is a pyramid.
+pub(super) fn is_pyramid(texture: &Texture<'_>) -> bool {
+    texture.layers > 1
+}
+
+/// The radiance of a pyramid's look-ups.
+pub(super) fn decode_chain(texture: &Texture<'_>) -> Result<LoadedChain> {
+    let pyramid = decode(texture)?;
+    let level = |number: u32| {
+        let roughness = f64::from(number + 1) / f64::from(LEVELS);
+        let lobes = pyramid.lobes(roughness as f32);
+        let level = cube(SIZE >> number, roughness, |direction| lobes.radiance(direction));
+        check_finite(texture.source.path, number, level.size(), &level.texels)?;
+        Ok(level)
+    };
+    Ok(LoadedChain {
+        chain: Chain { levels: (0..LEVELS).map(level).collect::<Result<_>>()? },
+        // Mips between these cubes are not what the file's look-ups read.
+        provenance: Provenance { ladder: None, ..texture.provenance()? },
+        format: texture.format(),
+        path: texture.source.path.to_owned(),
+        warnings: vec![format!(
+            "it is a pyramid: cubes of {SIZE} to {} texels stand for its look-ups at {LEVELS} roughnesses",
+            SIZE >> (LEVELS - 1)
+        )],
+    })
+}
+
+/// The irradiance over pi of a pyramid's look-ups.
+pub(super) fn decode_irradiance(texture: &Texture<'_>) -> Result<Level> {
+    let pyramid = decode(texture)?;
+    let level = cube(COARSEST, 1.0, |direction| pyramid.irradiance(direction));
+    check_finite(texture.source.path, 0, level.size(), &level.texels)?;
+    Ok(level)
+}
+
+/// A cube whose texels are `radiance` around their directions.
+fn cube(size: u32, roughness: f64, radiance: impl Fn(DVec3) -> Rgb + Sync) -> Level {
+    let (layout, area) = (Layout::Cube { size }, size * size);
+    let texel = |k: u32| {
+        let (face, at) = (k / area, k % area);
+        radiance(layout.direction_from_texel(face, at % size, at / size))
+    };
+    Level::cube(size, roughness, (0..6 * area).into_par_iter().map(texel).collect())
+}
+
+/// The pyramid of a file.
+fn decode(texture: &Texture<'_>) -> Result<BakedPyramid> {
+    let wrong = |what: String| texture.source.error(format!("{what}; bake it again with --target pyramid"));
+    let text = (texture.text)(KEY).unwrap_or_default();
+    let light: Light = serde_json::from_str(&text).map_err(|error| wrong(format!("{KEY}: {error}")))?;
+    if light.version != VERSION {
+        return Err(wrong(format!("a pyramid of version {}, not {VERSION}", light.version)));
+    }
+    let octaves = Octaves::over(light.size).map_err(|_| wrong(format!("{KEY} has size {}", light.size)))?;
+    let shape = (texture.width, texture.height, texture.layers, texture.levels as u32);
+    let side = octaves.size(0).bordered();
+    if shape != (side, side, SQUARES as u32, octaves.count()) {
+        let (width, height, layers, levels) = shape;
+        return Err(wrong(format!(
+            "{layers} images of {width}x{height} with {levels} levels are no pyramid of size {}",
+            light.size
+        )));
+    }
+    let uniform: [f32; size_of::<OctaglossLight>() / 4] = light
+        .uniform
+        .try_into()
+        .map_err(|uniform: Vec<f32>| wrong(format!("{KEY} has {} numbers", uniform.len())))?;
+    let (mut levels, mut others) = (Vec::new(), Vec::new());
+    for level in 0..octaves.count() {
+        let size = octaves.size(level);
+        let texels = texture.level(level as usize)?;
+        check_finite(texture.source.path, level, size.bordered(), &texels)?;
+        let square = |k: usize| {
+            let area = texels.len() / SQUARES;
+            Map::of_bordered(size.inner, size.border, &texels[k * area..(k + 1) * area])
+        };
+        levels.push(square(0));
+        if level == 0 {
+            others.extend([square(1), square(2)]);
+        } else if level + 1 == octaves.count() {
+            others.push(square(1));
+        }
+    }
+    let Ok([mirror, sharp, cosine]) = <[Map; 3]>::try_from(others) else {
+        return Err(wrong(format!("a pyramid of size {}", light.size)));
+    };
+    let maps = [mirror, sharp].into_iter().chain(levels).collect();
+    BakedPyramid::of_parts(octaves, maps, cosine, bytemuck::cast(uniform))
+        .map_err(|message| wrong(format!("{KEY}: {message}")))
+}

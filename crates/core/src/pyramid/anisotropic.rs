@@ -1,0 +1,481 @@
+//! The reads of an anisotropic reflection, over roughness, n.v, the tangent's azimuth and anisotropy.
+//!
+//! A lobe's light is spread by twice S h, where h are slopes of the half vector along the plane of incidence
+//! and across it, and S = diag(1, n.v). With A the matrix of GGX's squared alphas in these axes, M = S A S
+//! is the lobe's shape in light: its greater eigenvalue the squared length, its lesser one the squared
+//! width. Reads stand in a row along the length, by a law. Without anisotropy length is alpha, width alpha
+//! n.v, and the row lies in the plane of incidence.
+
+use super::Octaves;
+use super::brdf::Brdf;
+use super::fit::smooth;
+use super::reads::{
+    AROUND, HARMONICS, HARMONICS_FROM, Point, RIDGE, Read, half_vectors, level_of, weights, wide_functions,
+};
+use crate::common::frame::LEAST_COSINE;
+use crate::lobe::{legendre, reflectance};
+use crate::sphere::quadrature::gauss_legendre;
+use glam::{DVec2, DVec3};
+use half::f16;
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::{LazyLock, OnceLock};
+
+/// Reads at places of their own.
+pub const READS: usize = 15;
+
+/// The read in the middle of the row.
+pub const MIDDLE: usize = 7;
+
+/// Texels of a node with the weights of reads, by their distance from the middle: the middle's and the
+/// cosine's, then those on either side.
+pub const PAIRS: usize = 8;
+
+/// Texels of a node. After those of reads come the weights of harmonics, two in a texel, those symmetric
+/// about the plane of incidence first.
+pub const LAYERS: usize = 21;
+
+/// Harmonics that change sign in the plane of incidence: pairs of a direction of [`ASIDE`] and an order of at
+/// least its place, from 1.
+pub const SKEW: usize = 10;
+
+/// Directions whose zonal harmonics, less those around their mirror images, change sign in the plane of
+/// incidence: angles from the normal, and from the plane. Those of order l around the first l are as far from
+/// dependent as four directions allow.
+pub const ASIDE: [[f64; 2]; 4] = [[2.344, 0.869], [1.353, 0.407], [0.413, 1.272], [2.164, 1.401]];
+
+const _: () = {
+    assert!(2 * MIDDLE + 1 == READS && PAIRS == MIDDLE + 1, "pairs of reads");
+    assert!(LAYERS == PAIRS + (HARMONICS + SKEW).div_ceil(2), "pairs of harmonics");
+};
+
+/// A node of the table. First numbers are for f0, second for f90; weights are shares of the albedo.
+pub type Node = [[f32; 4]; LAYERS];
+
+/// Nodes over roughness, evenly in log(1 + 5 r); over n.v, evenly in its root; over the azimuth of the
+/// tangent from the plane of incidence, evenly in the power 2/3 of its distance from a right angle; and over
+/// anisotropy, evenly in the logarithm of alpha along the tangent, from alpha across it to 1.
+pub const NODES: [usize; 4] = [16, 10, 8, 7];
+
+/// Nodes of the albedo over the same, twice as dense over anisotropy, where it is bent most: what it exceeds
+/// that of a round lobe by, at the azimuth and in the mean.
+pub const ALBEDO_NODES: [usize; 4] = [16, 10, 8, 13];
+
+/// Anisotropies whose nodes of the albedo stand side by side in the texture.
+pub const BLOCKS: usize = 21;
+
+/// How much denser nodes are at roughness 0 than at 1, less 1.
+const CROWDING: f64 = 5.0;
+
+/// Alpha across the tangent from which on log(alpha) counts.
+const SHARP: f64 = 1e-3;
+
+/// Sine of the view's angle from which on the row is as tilted as the law says, and the cosine of the row's
+/// angle to the plane of incidence from which on its sides differ as the table says.
+const TILTED: f64 = 0.5;
+const SKEWED: f64 = 0.2;
+
+/// Functions of the fit: reads, cosine, harmonics.
+const FUNCTIONS: usize = READS + 1 + HARMONICS + SKEW;
+
+/// Rings and spokes of half vectors.
+const FIT_GRID: [u32; 2] = [36, 28];
+
+/// Rings of the quadrature of the albedo, of twice as many spokes.
+const ALBEDO_STEPS: u32 = 32;
+
+/// Azimuths of the mean albedo, midpoints of a quarter turn.
+const AZIMUTHS: u32 = 8;
+
+/// Places of reads are this far apart for the law.
+const STEP: f64 = 8.0 / 14.0;
+
+/// Width of a lobe over its length, from which on it grows no narrower for the law.
+pub(super) const NARROWEST: f64 = 0.05;
+
+/// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
+/// least width over the length, of how widths grow with the slope, and of how they alternate; as sums of
+/// these numbers times 1, x, x^2, y, x y, y^2, e, e x, x^3, y^3, x^2 y and x y^2, x = ln (width over length),
+/// y = ln(1 + 6 length), e the square of the cosine of the row's angle to the plane of incidence. Shift
+/// counts that cosine times. Both fade out where the view is along the normal, and that plane means nothing.
+const LAW: [[f64; 12]; 6] = [
+    [-0.822, -0.434, 0.191, 0.225, -0.113, -0.022, -0.153, -0.163, -0.008, 0.111, -0.063, -0.064],
+    [-0.509, -0.287, 0.427, -0.088, 0.234, -0.052, -0.085, 0.361, 0.054, 0.157, 0.012, 0.191],
+    [-0.565, -0.221, -0.153, -0.803, -0.329, 0.168, -0.066, -0.018, -0.016, 0.148, -0.022, 0.161],
+    [0.284, 1.090, -0.036, -0.148, -0.071, -0.010, -0.058, -0.113, -0.009, -0.116, -0.045, -0.229],
+    [-0.150, 0.374, 0.152, 0.064, -0.469, -0.105, 0.057, -0.678, 0.099, -0.303, 0.036, -0.038],
+    [0.399, 0.142, -0.070, -0.052, -0.032, -0.014, -0.090, -0.173, 0.032, -0.020, 0.144, 0.075],
+];
+
+/// A row of reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Slopes of the half vector along the plane of incidence and across it, of a read of slope 1.
+    pub axis: DVec2,
+    /// Slope along the axis, and width in light, of each read.
+    pub reads: [[f64; 2]; READS],
+    /// Width of the lobe over its length, and its length.
+    pub shape: [f64; 2],
+    /// How much of the difference between weights either side of the middle counts: none of it in a row
+    /// across the plane of incidence, whose sides are mirror images.
+    pub skew: f64,
+}
+
+impl Row {
+    /// The row of a lobe with `alpha` along `tangent` and across it. The tangent is a unit vector along the
+    /// plane of incidence and across it, `cosine` is n.v.
+    pub fn new(alpha: DVec2, tangent: DVec2, cosine: f64) -> Self {
+        let squares = alpha * alpha;
+        let more = squares.x - squares.y;
+        let (along, across) = (squares.y + more * tangent.x.powi(2), squares.y + more * tangent.y.powi(2));
+        let mixed = more * tangent.x * tangent.y * cosine;
+        let across = across * cosine * cosine;
+        let (mean, apart) = (f64::midpoint(along, across), 0.5 * (along - across));
+        let root = apart.hypot(mixed);
+        let length = (mean + root).sqrt();
+        let ratio = alpha.x * alpha.y * cosine / (mean + root).max(f64::MIN_POSITIVE);
+        let axis = if apart >= 0.0 {
+            DVec2::new(apart + root, mixed)
+        } else {
+            DVec2::new(mixed.abs(), if mixed >= 0.0 { root - apart } else { apart - root })
+        };
+        let axis = axis.normalize_or(DVec2::X);
+        let (x, y) = (ratio.max(NARROWEST).ln(), (1.0 + 6.0 * length).ln());
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        let tilt = axis.x * smooth(sine / TILTED);
+        let e = axis.x * tilt;
+        let terms = [1.0, x, x * x, y, x * y, y * y, e, e * x, x.powi(3), y.powi(3), x * x * y, x * y * y];
+        let mut numbers = LAW.map(|own| own.iter().zip(terms).map(|(number, term)| number * term).sum());
+        numbers[0] *= tilt;
+        let reads = row(numbers).map(|[slope, width]| [slope, width * length]);
+        Self {
+            axis: DVec2::new(axis.x, axis.y / cosine) * (2.0 * root).sqrt(),
+            reads,
+            shape: [ratio, length],
+            skew: smooth(axis.x / SKEWED),
+        }
+    }
+}
+
+/// Slope and width of each read by the numbers of the law.
+fn row([shift, spacing, bend, width, growth, alternation]: [f64; 6]) -> [[f64; 2]; READS] {
+    let [spacing, bend, width, growth] = [spacing, bend, width, growth].map(f64::exp);
+    std::array::from_fn(|read| {
+        let place = (read as f64 - MIDDLE as f64) * STEP + shift;
+        let slope = width * spacing * (bend * place).sinh() / bend;
+        let wider = if read % 2 == MIDDLE % 2 { alternation } else { -alternation }.exp();
+        [slope, wider * width * (1.0 + (growth * slope).powi(2)).sqrt()]
+    })
+}
+
+/// Alpha along the tangent and across it at places between the first node and the last.
+fn alphas_of(roughness: f64, anisotropy: f64) -> DVec2 {
+    let r = (((1.0 + CROWDING).ln() * roughness).exp() - 1.0) / CROWDING;
+    DVec2::new((r * r).max(SHARP).powf(1.0 - anisotropy), r * r)
+}
+
+/// n.v of a place.
+fn cosine_of(place: f64) -> f64 {
+    place.powi(2).max(LEAST_COSINE)
+}
+
+/// Azimuth of a place.
+fn azimuth_of(place: f64) -> f64 {
+    FRAC_PI_2 * (1.0 - (1.0 - place).powf(1.5))
+}
+
+/// Alphas, n.v and azimuth of node `index` of `nodes`.
+fn lobe_of([across, up, around, deep]: [usize; 4], index: usize) -> (DVec2, f64, f64) {
+    let share = |node: usize, nodes: usize| node as f64 / (nodes - 1) as f64;
+    let (x, y) = (index % across, index / across % up);
+    let (z, w) = (index / across / up % around, index / across / up / around);
+    let alpha = alphas_of(share(x, across), share(w, deep));
+    (alpha, cosine_of(share(y, up)), azimuth_of(share(z, around)))
+}
+
+/// All nodes over the levels of `octaves`, first axes first.
+pub fn table(octaves: Octaves) -> Vec<Node> {
+    (0..NODES.iter().product()).into_par_iter().map(|index| *node(octaves, index)).collect()
+}
+
+/// Width, height and depth of the table as a texture.
+pub const TEXTURE: [u32; 3] = [
+    (NODES[0] * LAYERS) as u32,
+    (NODES[1] * NODES[3] + ALBEDO_NODES[1] * ALBEDO_NODES[3].div_ceil(BLOCKS)) as u32,
+    NODES[2] as u32,
+];
+
+const _: () = assert!(
+    BLOCKS * ALBEDO_NODES[0] <= NODES[0] * LAYERS && ALBEDO_NODES[2] == NODES[2],
+    "blocks of the albedo beside each other"
+);
+
+/// The table as shaders read it: nodes over roughness side by side, for each texel of a node; below one
+/// another those over n.v, for each anisotropy; azimuths along the third axis. Below them the albedo: of
+/// [`BLOCKS`] anisotropies a row, each a block of nodes over roughness and n.v.
+pub fn texels(octaves: Octaves) -> Vec<[f32; 4]> {
+    let [across, up, around, deep] = NODES;
+    let nodes = table(octaves);
+    let node = |x, y, z, w| &nodes[x + across * (y + up * (z + around * w))];
+    let [wide, high, _, blocks] = ALBEDO_NODES;
+    let albedo: Vec<[f32; 4]> =
+        (0..ALBEDO_NODES.iter().product()).into_par_iter().map(more_of_node).collect();
+    let mut texels = Vec::with_capacity(TEXTURE.iter().product::<u32>() as usize);
+    for z in 0..around {
+        for (w, y) in (0..deep).flat_map(|w| (0..up).map(move |y| (w, y))) {
+            texels.extend((0..LAYERS).flat_map(|layer| (0..across).map(move |x| node(x, y, z, w)[layer])));
+        }
+        for (first, y) in (0..blocks).step_by(BLOCKS).flat_map(|first| (0..high).map(move |y| (first, y))) {
+            let row = texels.len() + across * LAYERS;
+            for w in first..(first + BLOCKS).min(blocks) {
+                let from = wide * (y + high * (z + around * w));
+                texels.extend_from_slice(&albedo[from..from + wide]);
+            }
+            texels.resize(row, [0.0; 4]);
+        }
+    }
+    texels
+}
+
+/// One node, fitted at the first call.
+fn node(octaves: Octaves, index: usize) -> &'static Node {
+    static FITTED: [OnceLock<Vec<OnceLock<Node>>>; Octaves::MOST as usize] =
+        [const { OnceLock::new() }; Octaves::MOST as usize];
+    let [across, up, around, deep] = NODES;
+    let nodes = FITTED[octaves.count() as usize - 1]
+        .get_or_init(|| (0..across * up * around * deep).map(|_| OnceLock::new()).collect());
+    nodes[index].get_or_init(|| {
+        let (alpha, cosine, azimuth) = lobe_of(NODES, index);
+        fitted(octaves, alpha, cosine, azimuth)
+    })
+}
+
+/// What a node of [`ALBEDO_NODES`] reflects of a white world less [`round_albedo`], at its azimuth and in the
+/// mean over azimuths, as halves hold it; found at the first call.
+fn more_of_node(index: usize) -> [f32; 4] {
+    const COUNT: usize = ALBEDO_NODES[0] * ALBEDO_NODES[1] * ALBEDO_NODES[2] * ALBEDO_NODES[3];
+    const MEANS: usize = COUNT / ALBEDO_NODES[2];
+    static KNOWN: [OnceLock<[f32; 4]>; COUNT] = [const { OnceLock::new() }; COUNT];
+    static MEAN: [OnceLock<[f32; 2]>; MEANS] = [const { OnceLock::new() }; MEANS];
+    *KNOWN[index].get_or_init(|| {
+        let (alpha, cosine, azimuth) = lobe_of(ALBEDO_NODES, index);
+        let [across, up, around, _] = ALBEDO_NODES;
+        let place = index % (across * up) + across * up * (index / (across * up * around));
+        let [c, d] = *MEAN[place].get_or_init(|| mean_of_azimuths(alpha, cosine));
+        let (y, x) = azimuth.sin_cos();
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        let own = albedo(DVec3::new(sine * x, -sine * y, cosine), alpha);
+        let round = round_albedo(alpha, cosine, x * x);
+        let [a, b] = [0, 1].map(|side| f16::from_f64(own[side] - round[side]).to_f32());
+        [a, b, c, d]
+    })
+}
+
+/// What a lobe reflects of a white world in the mean over azimuths, less [`round_albedo`].
+fn mean_of_azimuths(alpha: DVec2, cosine: f64) -> [f32; 2] {
+    let mut mean = [0.0; 2];
+    for k in 0..AZIMUTHS {
+        let (y, x) = (FRAC_PI_2 * (f64::from(k) + 0.5) / f64::from(AZIMUTHS)).sin_cos();
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        let own = albedo(DVec3::new(sine * x, sine * y, cosine), alpha);
+        mean.iter_mut().zip(own).for_each(|(mean, own)| *mean += own / f64::from(AZIMUTHS));
+    }
+    let round = round_albedo(alpha, cosine, 0.5);
+    [0, 1].map(|k| f16::from_f64(mean[k] - round[k]).to_f32())
+}
+
+/// Roughness of the isotropic lobe whose albedo an anisotropic one's is near: that of the mean alpha seen
+/// along the normal, that of alpha along the view at grazing angles. `along` is the square of the tangent's
+/// part in the plane of incidence, a half for the mean over azimuths.
+pub fn round_roughness(alpha: DVec2, cosine: f64, along: f64) -> f64 {
+    let squares = alpha * alpha;
+    let mean = (0.5 * (squares.x + squares.y)).sqrt();
+    let seen = (squares.y + along * (squares.x - squares.y)).sqrt();
+    (seen + cosine * (mean - seen)).sqrt()
+}
+
+/// What the isotropic lobe of [`round_roughness`] reflects of a white world.
+fn round_albedo(alpha: DVec2, cosine: f64, along: f64) -> [f64; 2] {
+    reflectance::ggx_albedo(cosine, round_roughness(alpha, cosine, along))
+}
+
+/// The node for `alpha` along the tangent and across it, n.v of `cosine`, and the tangent's `azimuth` from
+/// the plane of incidence, between those of [`table`], which are fitted as they are needed.
+pub fn node_at(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
+    let mut sum = [[0.0; 4]; LAYERS];
+    for (index, weight) in corners(NODES, alpha, cosine, azimuth) {
+        for (texel, own) in sum.iter_mut().zip(node(octaves, index)) {
+            texel.iter_mut().zip(own).for_each(|(value, own)| *value += weight * own);
+        }
+    }
+    sum
+}
+
+/// What scale and bias of f0 exceed those of the round lobe of [`round_roughness`] by, likewise: at the
+/// azimuth, and in the mean over azimuths.
+#[must_use]
+pub fn more_at(alpha: DVec2, cosine: f64, azimuth: f64) -> [[f32; 2]; 2] {
+    let mut sum = [0.0; 4];
+    for (index, weight) in corners(ALBEDO_NODES, alpha, cosine, azimuth) {
+        sum.iter_mut().zip(more_of_node(index)).for_each(|(value, own)| *value += weight * own);
+    }
+    let [a, b, c, d] = sum;
+    [[a, b], [c, d]]
+}
+
+/// The nodes around a lobe and their weights, those of none left out.
+fn corners(
+    counts: [usize; 4],
+    alpha: DVec2,
+    cosine: f64,
+    azimuth: f64,
+) -> impl Iterator<Item = (usize, f32)> {
+    let sharp = alpha.y.max(SHARP);
+    let places = [
+        (1.0 + CROWDING * alpha.y.sqrt()).ln() / (1.0 + CROWDING).ln(),
+        cosine.sqrt(),
+        1.0 - (1.0 - azimuth / FRAC_PI_2).max(0.0).powf(2.0 / 3.0),
+        (alpha.x.max(sharp) / sharp).ln() / -(sharp.min(1.0 - 1e-6).ln()),
+    ];
+    let mut corners = [(0, 1.0_f32); 16];
+    let mut stride = 1;
+    for (axis, nodes) in counts.into_iter().enumerate() {
+        let place = places[axis].clamp(0.0, 1.0) * (nodes - 1) as f64;
+        let whole = (place as usize).min(nodes - 2);
+        let share = (place - whole as f64) as f32;
+        for (k, (index, weight)) in corners.iter_mut().enumerate() {
+            let upper = k >> axis & 1;
+            *index += (whole + upper) * stride;
+            *weight *= if upper == 1 { share } else { 1.0 - share };
+        }
+        stride *= nodes;
+    }
+    corners.into_iter().filter(|(_, weight)| *weight != 0.0)
+}
+
+/// Samples of visible normals: points of the unit disc and their shares. Denser at the rim, where normals are
+/// at right angles to the view.
+static DISC: LazyLock<Vec<(DVec2, f64)>> = LazyLock::new(|| {
+    let spokes = 2 * ALBEDO_STEPS;
+    let rings = gauss_legendre(ALBEDO_STEPS).into_iter().flat_map(|(x, weight)| {
+        let radius = (1.0 - x * x).sqrt();
+        (0..spokes).map(move |k| {
+            let spoke = DVec2::from_angle(TAU * (f64::from(k) + 0.5) / f64::from(spokes));
+            (radius * spoke, 2.0 * weight * x / f64::from(spokes))
+        })
+    });
+    rings.collect()
+});
+
+/// What the lobe reflects of a white world, scale and bias of f0, by the normals that the viewer sees.
+///
+/// `view` is in axes of the tangent. The visible normals of an ellipsoid are those of a disc, half of it
+/// squeezed (Heitz 2018).
+pub fn albedo(view: DVec3, alpha: DVec2) -> [f64; 2] {
+    let stretched = (view * alpha.extend(1.0)).normalize();
+    let level = DVec2::new(stretched.x, stretched.y);
+    let first = DVec2::new(-level.y, level.x).normalize_or(DVec2::X).extend(0.0);
+    let second = stretched.cross(first);
+    let squeeze = f64::midpoint(1.0, stretched.z);
+    let masking = |w: DVec3| (alpha.extend(1.0) * w).length();
+    let seen = masking(view);
+    let mut sums = [0.0; 2];
+    for (point, share) in DISC.iter() {
+        let y = (1.0 - squeeze) * (1.0 - point.x * point.x).max(0.0).sqrt() + squeeze * point.y;
+        let height = (1.0 - point.x * point.x - y * y).max(0.0).sqrt();
+        let normal = first * point.x + second * y + stretched * height;
+        let half = (normal * alpha.extend(1.0)).normalize_or(DVec3::Z);
+        let towards = view.dot(half);
+        let light = half * (2.0 * towards) - view;
+        if light.z > 0.0 {
+            let share = share * (seen + view.z) * light.z / (seen * light.z + view.z * masking(light));
+            let fresnel = (1.0 - towards).max(0.0).powi(5);
+            sums[0] += share * (1.0 - fresnel);
+            sums[1] += share * fresnel;
+        }
+    }
+    sums
+}
+
+/// The node that fits the reflection with `alpha` along the tangent and across it, at n.v of `cosine`, its
+/// tangent at `azimuth` from the plane of incidence.
+pub fn fitted(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
+    let (y, x) = azimuth.sin_cos();
+    let tangent = DVec2::new(x, y);
+    let view = DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
+    // The view in axes of the tangent, and the way back from there to those of the plane of incidence.
+    let seen = DVec3::new(view.x * x, -view.x * y, view.z);
+    let back = |d: DVec3| (tangent * d.x + tangent.perp() * d.y).extend(d.z);
+    // Sharper lobes than the mirror's are served by the mirror.
+    let least = (0.5 * octaves.mirror_width()).powi(4);
+    let served = DVec2::from_array(alpha.to_array().map(|alpha| (alpha.powi(4) + least).powf(0.25)));
+    let brdf = Brdf::of_alphas(seen, served);
+    let row = Row::new(alpha, tangent, cosine);
+    let reads = row.reads.map(|[slope, width]| {
+        let half = (DVec3::Z + (slope * row.axis).extend(0.0)).normalize();
+        Read::new(octaves, half * (2.0 * view.dot(half)) - view, f64::from(level_of(octaves, width) as f32))
+    });
+    let around = AROUND.map(|angle| DVec3::new(angle.sin(), 0.0, angle.cos()));
+    let aside = ASIDE.map(aside);
+    let [from, to] = HARMONICS_FROM;
+    let use_harmonics = smooth((alpha.x.sqrt() - from) / (to - from));
+    let used = if use_harmonics > 0.0 { FUNCTIONS } else { READS };
+    // Half vectors are dense as the lobe is, stretched along the tangent at the same area.
+    let stretch = (served.x / served.y).sqrt();
+    let stretch = DVec3::new(stretch, 1.0 / stretch, 1.0);
+    let points: Vec<Point> = half_vectors((served.x * served.y).sqrt(), FIT_GRID, TAU)
+        .filter_map(|(half, area)| {
+            let half = half * stretch;
+            let length = half.length();
+            Point::new(half / length, area / length.powi(3), seen, &brdf)
+        })
+        .map(|point| Point { light: back(point.light), ..point })
+        .collect();
+    let functions = |light: DVec3| {
+        let mut values = [0.0; FUNCTIONS];
+        for (value, read) in values.iter_mut().zip(&reads) {
+            *value = read.at(light);
+        }
+        let (wide, skew) = values[READS..].split_at_mut(1 + HARMONICS);
+        wide_functions(wide, &around, light);
+        let mirrored = light * DVec3::new(1.0, -1.0, 1.0);
+        let zonal = aside.iter().enumerate().flat_map(|(k, direction)| {
+            let [own, other] = [light, mirrored].map(|light| legendre(direction.dot(light)));
+            (1 + k..5)
+                .map(move |order| f64::from(2 * order as u32 + 1) / (4.0 * PI) * (own[order] - other[order]))
+        });
+        skew.iter_mut().zip(zonal).for_each(|(value, zonal)| *value = zonal);
+        values
+    };
+    // Lobes narrower than the mirror's texels are served by equal reads of it.
+    let [ratio, length] = row.shape;
+    let narrow = octaves.mirror_width() / (2.0 * ratio.max(NARROWEST) * length.max(1e-6));
+    let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
+    ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
+    let albedo = albedo(seen, alpha);
+    let weights = weights(&points, READS, used, &ridge, albedo, functions);
+    let mut node = [[0.0; 4]; LAYERS];
+    for (k, pair) in weights.into_iter().enumerate() {
+        let [texel, at] = place_of(k);
+        // Where nothing is reflected, shares mean nothing.
+        let share = |side: usize| pair[side] / (albedo[side] as f32).max(1e-6);
+        node[texel][at..at + 2].copy_from_slice(&[share(0), share(1)]);
+    }
+    node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))
+}
+
+/// The texel of function `k`, and the place of its two weights there.
+fn place_of(k: usize) -> [usize; 2] {
+    match k {
+        _ if k < MIDDLE => [MIDDLE - k, 2],
+        _ if k < READS => [k - MIDDLE, 0],
+        READS => [0, 2],
+        _ => [PAIRS + (k - READS - 1) / 2, 2 * ((k - READS - 1) % 2)],
+    }
+}
+
+/// The direction at angles from the normal and from the plane of incidence.
+pub fn aside([from_normal, from_plane]: [f64; 2]) -> DVec3 {
+    let ((sine, cosine), (y, x)) = (from_normal.sin_cos(), from_plane.sin_cos());
+    DVec3::new(sine * x, sine * y, cosine)
+}

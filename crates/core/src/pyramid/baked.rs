@@ -1,0 +1,128 @@
+//! A pyramid with what its files need besides.
+
+use super::levels::Map;
+use super::light::OctaglossLight;
+use super::suns::{Sun, SunChannel, Suns};
+use super::{Octaves, Pyramid, PyramidLobes};
+use crate::common::error::{Result, wrong};
+use crate::cpu::reparameterise::oem_from_environment;
+use crate::light::environment::{Environment, Rgb};
+use crate::light::light_scale::LightScale;
+use crate::light::oem::OemSize;
+use glam::{DMat3, DVec3, Vec3A};
+
+/// Float32 holds powers of two up to this exponent, and their inverses.
+const MAX_EXPONENT: i32 = 126;
+
+/// The pyramid of one environment, in its own space and units.
+#[derive(Clone, Debug)]
+pub struct BakedPyramid {
+    pub(crate) pyramid: Pyramid,
+    pub(crate) light: OctaglossLight,
+}
+
+impl BakedPyramid {
+    /// The pyramid of `environment` over a map of `size` texels along an edge.
+    ///
+    /// # Errors
+    /// [`crate::common::error::Error::Parameter`] for a `size` that is not a power of two from 32 to 2048, and for light
+    /// that is too dim or too bright for shaders in float32; [`crate::common::error::Error::Limit`] if the overlaps of
+    /// texels exceed the memory.
+    pub(crate) fn new(environment: &Environment, size: u32) -> Result<Self> {
+        Octaves::over(size)?;
+        let scale = LightScale::new(environment);
+        let size = OemSize { inner: size, border: 0 };
+        let pyramid = Pyramid::of_oem(&oem_from_environment(&scale.scaled(environment), size)?)?;
+        let exponent = pyramid.exponent - scale.exponent();
+        let light =
+            OctaglossLight::new(&pyramid, -scale.exponent(), environment.source_from_world().transpose());
+        let is_finite = light.suns.iter().flat_map(|sun| sun.energy).all(f32::is_finite);
+        if exponent.abs() > MAX_EXPONENT || !is_finite {
+            return wrong(format!(
+                "light of about 2^{} is beyond what shaders multiply in float32; choose a `scale` that \
+                 brings it near 1",
+                exponent + super::levels::BRIGHTEST
+            ));
+        }
+        Ok(Self { pyramid, light })
+    }
+
+    /// That of a file, whose light is checked.
+    ///
+    /// # Errors
+    /// What is wrong with the light.
+    pub(crate) fn of_parts(
+        octaves: Octaves,
+        maps: Vec<Map>,
+        cosine: Map,
+        light: OctaglossLight,
+    ) -> std::result::Result<Self, String> {
+        let numbers: &[f32] = bytemuck::cast_slice(std::slice::from_ref(&light));
+        if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
+            return Err(format!("{number} among its numbers"));
+        }
+        let axes = light.world_from_source.map(|[x, y, z, _]| Vec3A::new(x, y, z));
+        let products = (0..9).map(|k| axes[k / 3].dot(axes[k % 3]) - f32::from(u8::from(k / 3 == k % 3)));
+        if products.into_iter().any(|off| off.abs() > 1e-3) {
+            return Err("its rotation is none".to_owned());
+        }
+        let exponent = light.unscale.log2();
+        if light.unscale <= 0.0 || exponent.fract() != 0.0 || exponent.abs() > MAX_EXPONENT as f32 {
+            return Err(format!("a scale of {}, no power of two", light.unscale));
+        }
+        let suns = light.suns.map(|sun| {
+            let mut energies = sun.energy.into_iter();
+            let channels = [sun.red, sun.green, sun.blue].map(|[x, y, z, spread]| SunChannel {
+                direction: Vec3A::new(x, y, z),
+                spread,
+                energy: energies.next().unwrap_or_default(),
+            });
+            Sun { channels }
+        });
+        let is_sound = |channel: &SunChannel| {
+            let is_unit = (channel.direction.length_squared() - 1.0).abs() < 1e-3;
+            channel.energy == 0.0 || (channel.energy > 0.0 && channel.spread >= 0.0 && is_unit)
+        };
+        if !suns.iter().flat_map(|sun| &sun.channels).all(is_sound) {
+            return Err("a sun without a direction or of negative light".to_owned());
+        }
+        let suns = Suns { suns, clamp: light.clamp * light.unscale, greatest: f32::MAX };
+        let harmonics = light.harmonics.map(|[r, g, b, _]| Vec3A::new(r, g, b));
+        let pyramid = Pyramid { octaves, maps, cosine, harmonics, suns, exponent: exponent as i32 };
+        Ok(Self { pyramid, light })
+    }
+
+    /// GGX lobes of `roughness` in [0, 1] in the world.
+    pub(crate) fn lobes(&self, roughness: f32) -> WorldLobes<'_> {
+        WorldLobes { lobes: self.pyramid.lobes(roughness), source_from_world: self.source_from_world() }
+    }
+
+    /// Irradiance on a surface with `normal` (in the world, any length but zero) over pi.
+    pub(crate) fn irradiance(&self, normal: DVec3) -> Rgb {
+        self.pyramid.irradiance(self.source_from_world() * normal)
+    }
+
+    fn source_from_world(&self) -> DMat3 {
+        let column = |[x, y, z, _]: [f32; 4]| DVec3::new(x.into(), y.into(), z.into());
+        let [x, y, z] = self.light.world_from_source.map(column);
+        DMat3::from_cols(x, y, z).transpose()
+    }
+
+    /// Its levels.
+    pub(crate) const fn octaves(&self) -> Octaves {
+        self.pyramid.octaves
+    }
+}
+
+/// Lobes of one roughness in the world.
+pub(crate) struct WorldLobes<'a> {
+    lobes: PyramidLobes<'a>,
+    source_from_world: DMat3,
+}
+
+impl WorldLobes<'_> {
+    /// Radiance of a reflection around `direction` (any length but zero).
+    pub(crate) fn radiance(&self, direction: DVec3) -> Rgb {
+        self.lobes.radiance(self.source_from_world * direction)
+    }
+}

@@ -1,0 +1,81 @@
+//! Moments of the light in square cells, for what is smooth over the whole sphere: irradiance and harmonics.
+//!
+//! max(0, n.l) is linear on either side of the horizon: moments give irradiance exactly, up to cells that the
+//! horizon crosses.
+
+use super::COARSEST;
+use super::levels::{self, Map};
+use super::suns;
+use crate::light::oem::Oem;
+use crate::light::sh::basis;
+use crate::sphere::octahedral::{direction_from_oct, texel_centre};
+use glam::{DVec3, Vec3A};
+use rayon::prelude::*;
+use std::f32::consts::FRAC_1_PI;
+
+/// Cells along an edge of the finest grid.
+pub const FINEST: u32 = 64;
+
+/// The light of a cell: for each channel the sum of energy times direction, and of energy.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Cell {
+    moments: [Vec3A; 3],
+    energies: [f32; 3],
+}
+
+/// The cells of a map.
+#[derive(Debug)]
+pub struct Cells {
+    cells: Vec<Cell>,
+}
+
+impl Cells {
+    /// Cells of `oem` clamped to `clamp`, with light times 2^-`exponent`.
+    pub(crate) fn new(oem: &Oem, clamp: f32, exponent: i32) -> Self {
+        let inner = oem.size().inner;
+        let side = inner.min(FINEST);
+        let block = inner / side;
+        let scale = levels::scale(exponent);
+        let cell = |k: u32| {
+            let mut cell = Cell::default();
+            for texel in 0..block * block {
+                let (x, y) = (k % side * block + texel % block, k / side * block + texel / block);
+                let direction = direction_from_oct(texel_centre(inner, x, y)).as_vec3a();
+                let [r, g, b, w] = oem.texel(x, y);
+                let kept = scale * suns::kept(r.max(g).max(b) / w, clamp);
+                for (c, energy) in [r, g, b].into_iter().enumerate() {
+                    cell.moments[c] += energy * kept * direction;
+                    cell.energies[c] += energy * kept;
+                }
+            }
+            cell
+        };
+        Self { cells: (0..side * side).into_par_iter().map(cell).collect() }
+    }
+
+    /// Irradiance over pi.
+    pub(crate) fn cosine(&self) -> Map {
+        Map::new(COARSEST, |x, y| {
+            let normal = direction_from_oct(texel_centre(COARSEST, x, y)).as_vec3a();
+            let mut sum = Vec3A::ZERO;
+            for cell in &self.cells {
+                sum += Vec3A::from_array(cell.moments.map(|moment| moment.dot(normal))).max(Vec3A::ZERO);
+            }
+            sum * FRAC_1_PI
+        })
+    }
+
+    /// Harmonics to order 4, the light of a cell in its mean direction.
+    pub(crate) fn harmonics(&self) -> [Vec3A; 25] {
+        let mut sums = [Vec3A::ZERO; 25];
+        for cell in &self.cells {
+            let mean: DVec3 = cell.moments.iter().map(|moment| moment.as_dvec3()).sum();
+            if mean != DVec3::ZERO {
+                for (sum, basis) in sums.iter_mut().zip(basis(mean.normalize())) {
+                    *sum += Vec3A::from_array(cell.energies) * basis as f32;
+                }
+            }
+        }
+        sums
+    }
+}

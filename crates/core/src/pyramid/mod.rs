@@ -1,0 +1,247 @@
+//! One pyramid: glossy reflections of any roughness from a few bilinear reads.
+//!
+//! ```text
+//! OEM --suns--> suns
+//!  +--mirror--> mirror
+//!  +--the rest --sharp--> s = .011 --cascade--> .022 --cascade--> .044 ... .35
+//!        +--cells--> cosine level, harmonics
+//!
+//! L(d, r) = sum of w_k(r) level_k(d) + sum of a_l(r) (harmonics of order l at d) + suns
+//! ```
+//!
+//! Levels are octahedral maps of the environment under Gaussian lobes exp(-(1 - cos t) / s^2); s doubles as
+//! the texels halve, down to s = .35 at 32 x 32. The weights are a table over roughness ([`fit`]). CPU and
+//! GPU build the levels by the same algorithm ([`levels`]), `shaders/pyramid/`.
+
+pub mod albedo;
+pub mod anisotropic;
+mod baked;
+pub mod brdf;
+pub mod cells;
+mod descent;
+pub mod fit;
+pub mod levels;
+pub mod light;
+pub mod places;
+pub mod reads;
+mod reflect;
+pub mod suns;
+
+use crate::common::error::{Result, wrong};
+use crate::cpu::reparameterise::oem_from_environment;
+use crate::light::environment::Environment;
+use crate::light::environment::Rgb;
+use crate::light::oem::{Oem, OemSize};
+use crate::light::sh::basis;
+pub use baked::BakedPyramid;
+use cells::Cells;
+use fit::{COSINE, LOBE, ORDERS, WEIGHTS, weights_at};
+use glam::{DVec3, Vec3A};
+use levels::Map;
+use suns::Suns;
+
+/// Texels along an edge of the coarsest level.
+pub const COARSEST: u32 = 32;
+
+/// Standard deviation of the coarsest level's Gaussian.
+pub const WIDEST: f64 = 0.35;
+
+/// The number of levels of a pyramid, which follows from the size of its map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Octaves(u32);
+
+impl Octaves {
+    /// Most levels: those of a map of 2048 x 2048.
+    pub const MOST: u32 = 7;
+
+    /// Texels along an edge of the largest map.
+    pub const LARGEST: u32 = COARSEST << (Self::MOST - 1);
+
+    /// The sizes of maps, from small to large.
+    pub(crate) fn sizes() -> impl DoubleEndedIterator<Item = u32> {
+        (0..Self::MOST).map(|octave| COARSEST << octave)
+    }
+
+    /// The least size of a map that is at least `inner`, or the largest there is.
+    pub fn size_for(inner: u32) -> u32 {
+        Self::sizes().find(|size| *size >= inner).unwrap_or(Self::LARGEST)
+    }
+
+    /// Texels along an edge of a map whose sharp level is half as wide as lobes of `alpha`, or finer.
+    pub(crate) fn texels_for(alpha: f64) -> u32 {
+        (WIDEST * f64::from(COARSEST) / alpha).min(f64::from(Self::LARGEST)).ceil() as u32
+    }
+
+    /// The levels over a map of `inner` texels along an edge.
+    ///
+    /// # Errors
+    /// [`crate::common::error::Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048.
+    pub fn over(inner: u32) -> Result<Self> {
+        if Self::sizes().any(|size| size == inner) {
+            return Ok(Self(inner.ilog2() - COARSEST.ilog2() + 1));
+        }
+        wrong(format!(
+            "an OEM of {inner} texels has no pyramid; choose a power of two from {COARSEST} to {} as \
+             `oem_size`",
+            Self::LARGEST
+        ))
+    }
+
+    /// The number of levels, without the sharp ones.
+    pub const fn count(self) -> u32 {
+        self.0
+    }
+
+    /// Texels along an edge of the map.
+    pub const fn inner(self) -> u32 {
+        COARSEST << (self.0 - 1)
+    }
+
+    /// Size of `level`, 0 the finest, with borders that halve with the levels.
+    pub const fn size(self, level: u32) -> OemSize {
+        OemSize { inner: self.inner() >> level, border: 1 << (self.0 - 1 - level) }
+    }
+
+    /// Standard deviation of the Gaussian of `level`, 0 the finest.
+    pub fn width(self, level: u32) -> f64 {
+        WIDEST / f64::from(1_u32 << (self.0 - 1 - level))
+    }
+
+    /// That of the sharp level, which has as many texels as level 0.
+    pub fn sharp_width(self) -> f64 {
+        self.width(0) / 2.0
+    }
+
+    /// That of a bilinear read of the map itself, roughly: half of a mean texel's width.
+    pub fn mirror_width(self) -> f64 {
+        1.8 / f64::from(self.inner())
+    }
+}
+
+/// An environment's pyramid.
+#[derive(Clone, Debug)]
+pub struct Pyramid {
+    octaves: Octaves,
+    /// Mirror, sharp level, levels from fine to coarse. Light is multiplied by 2^-exponent.
+    maps: Vec<Map>,
+    cosine: Map,
+    harmonics: [Vec3A; 25],
+    suns: Suns,
+    exponent: i32,
+}
+
+impl Pyramid {
+    /// Builds the pyramid of `oem`.
+    ///
+    /// # Errors
+    /// [`crate::common::error::Error::Parameter`] if its size is not a power of two from 32 to 2048.
+    pub fn of_oem(oem: &Oem) -> Result<Self> {
+        let octaves = Octaves::over(oem.size().inner)?;
+        let suns = Suns::of(oem);
+        let exponent = levels::exponent(suns.greatest);
+        let mirror = levels::mirror(oem, exponent);
+        let clamp = suns.clamp * levels::scale(exponent);
+        let mut maps = vec![levels::sharp(&mirror, clamp, octaves.sharp_width())];
+        for level in 0..octaves.count() {
+            let finer = maps.last().expect("the sharp level at least");
+            maps.push(levels::cascade(finer, octaves.size(level).inner, octaves.width(level)));
+        }
+        maps.insert(0, mirror);
+        let cells = Cells::new(oem, suns.clamp, exponent);
+        let (cosine, harmonics) = (cells.cosine(), cells.harmonics());
+        Ok(Self { octaves, maps, cosine, harmonics, suns, exponent })
+    }
+
+    /// GGX lobes of `roughness` in [0, 1].
+    pub fn lobes(&self, roughness: f32) -> PyramidLobes<'_> {
+        PyramidLobes {
+            pyramid: self,
+            weights: weights_at(self.octaves, roughness),
+            alpha: roughness * roughness,
+        }
+    }
+
+    /// Irradiance on a surface with `normal` (any length but zero) over pi.
+    pub fn irradiance(&self, normal: DVec3) -> Rgb {
+        let normal = normal.normalize();
+        let suns: Vec3A = self.suns.suns.iter().map(|sun| sun.diffuse(normal.as_vec3a())).sum();
+        (self.unscaled(self.cosine.around(normal)) + suns).to_array()
+    }
+
+    /// Mirror, sharp level, and levels from fine to coarse; light is multiplied by 2^-[`Self::exponent`].
+    pub fn maps(&self) -> &[Map] {
+        &self.maps
+    }
+
+    /// Irradiance over pi, scaled so, too.
+    pub const fn cosine(&self) -> &Map {
+        &self.cosine
+    }
+
+    /// Its levels.
+    pub(crate) const fn octaves(&self) -> Octaves {
+        self.octaves
+    }
+
+    fn unscaled(&self, light: Vec3A) -> Vec3A {
+        (light.as_dvec3() * f64::from(self.exponent).exp2()).as_vec3a()
+    }
+}
+
+/// For tests and measurements.
+impl Pyramid {
+    /// Builds the pyramid of `environment` over a map of `size` texels along an edge, a power of two from 32
+    /// to 2048.
+    ///
+    /// # Errors
+    /// [`crate::common::error::Error::Parameter`] for another size, [`crate::common::error::Error::Limit`] if the overlaps of texels exceed
+    /// the memory.
+    pub fn build(environment: &Environment, size: u32) -> Result<Self> {
+        Octaves::over(size)?;
+        Self::of_oem(&oem_from_environment(environment, OemSize { inner: size, border: 0 })?)
+    }
+
+    /// Harmonics of radiance to order 4, scaled so, too.
+    pub const fn harmonics(&self) -> &[Vec3A; 25] {
+        &self.harmonics
+    }
+
+    /// The suns, which are in no map but the mirror.
+    pub const fn suns(&self) -> &Suns {
+        &self.suns
+    }
+
+    /// The power of two that brings the light into the range of half floats.
+    pub const fn exponent(&self) -> i32 {
+        self.exponent
+    }
+}
+
+/// Lobes of one roughness over a pyramid.
+#[derive(Debug)]
+pub struct PyramidLobes<'a> {
+    pyramid: &'a Pyramid,
+    weights: [f32; WEIGHTS],
+    alpha: f32,
+}
+
+impl PyramidLobes<'_> {
+    /// Radiance of a reflection around `direction` (any length but zero, in the map's space).
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        let Self { pyramid, weights, alpha } = self;
+        let direction = direction.normalize();
+        let mut sum = Vec3A::ZERO;
+        let maps = pyramid.maps.iter().zip(*weights).chain([(&pyramid.cosine, weights[COSINE])]);
+        for (map, weight) in maps.filter(|(_, weight)| *weight != 0.0) {
+            sum += weight * map.around(direction);
+        }
+        for (k, (basis, coefficient)) in basis(direction).into_iter().zip(pyramid.harmonics).enumerate() {
+            sum += weights[ORDERS + k.isqrt()] * basis as f32 * coefficient;
+        }
+        let sum = pyramid.unscaled(sum.max(Vec3A::ZERO));
+        let direction = direction.as_vec3a();
+        let glossy = |sun: &suns::Sun| sun.glossy(*alpha, weights[LOBE], direction);
+        let suns: Vec3A = pyramid.suns.suns.iter().map(glossy).sum();
+        (sum + (1.0 - weights[0]) * suns).to_array()
+    }
+}

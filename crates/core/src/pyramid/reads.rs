@@ -1,0 +1,385 @@
+//! The reads of a reflection: where, at which level, and their weights, over roughness and n.v.
+//!
+//! As slopes of the half vector over alpha, GGX is round and the same for every view; a Gaussian of light is
+//! as long across the plane of incidence as 1 / n.v. So reads stand in that plane, at places and of widths
+//! that were found by descent ([`super::places`]). Levels are fractional (a trilinear read), so that places
+//! and levels vary smoothly, and only weights are solved for: for 1 and for (1 - v.h)^5, with the clamped
+//! cosine and 15 harmonics that are symmetric about the plane.
+
+use super::brdf::Brdf;
+use super::fit::{gaussian, smooth, solved};
+use super::places::{READS, places};
+use super::{Octaves, WIDEST};
+use crate::common::frame::LEAST_COSINE;
+use crate::lobe::{legendre, reflectance};
+use glam::{DVec2, DVec3};
+use half::f16;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+/// Directions in the plane of incidence around which harmonics are zonal, as angles from the normal towards
+/// the viewer. Those of order l stand around the first l + 1.
+pub const AROUND: [f64; 5] = [0.0, 0.4 * PI, 0.8 * PI, 0.2 * PI, 0.6 * PI];
+
+/// Harmonics: pairs of a direction and an order of at least its place.
+pub const HARMONICS: usize = 15;
+
+/// Texels of a node: the reads' slope, level and two weights; two weights of the cosine, and the albedo; two
+/// weights of every harmonic.
+pub const LAYERS: usize = 18;
+
+const _: () = assert!(LAYERS == READS + 1 + HARMONICS.div_ceil(2), "pairs of harmonics");
+
+/// A node of the table. First weights are for f0, second for f90.
+pub type Node = [[f32; 4]; LAYERS];
+
+/// Nodes over roughness, evenly in log(1 + 10 r), and over n.v, evenly in the fourth root of 1 less the sine
+/// of the view's angle: dense at grazing views, and even in that angle around the normal.
+pub const NODES: [usize; 2] = [46, 26];
+
+/// Functions of the fit: reads, cosine, harmonics.
+const FUNCTIONS: usize = READS + 1 + HARMONICS;
+
+/// Ridge of reads, and of harmonics; roughness over which those come into use.
+pub(super) const RIDGE: [f64; 2] = [1e-3, 5e-3];
+pub(super) const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
+
+/// Weight of the error over the lobe's square, which counts around lights, against that over the lobe; and
+/// the radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
+const PEAK: f64 = 3.0;
+const FLOOR: f64 = 1.0;
+
+/// Exponent from which on a Gaussian is dark: 1e-13 of its peak.
+const DARK: f64 = 30.0;
+
+/// Rings and spokes of half vectors.
+const FIT_GRID: [u32; 2] = [40, 16];
+
+/// The level of `width`: 0 the mirror, 1 the sharp level, then those from fine to coarse; whole numbers are
+/// levels, between them the logarithm counts.
+pub(super) fn level_of(octaves: Octaves, width: f64) -> f64 {
+    let last = f64::from(octaves.count()) + 1.0;
+    let sharp = last + (width / WIDEST).log2();
+    let (mirror, from) = (octaves.mirror_width(), octaves.sharp_width());
+    if sharp >= 1.0 { sharp.min(last) } else { ((width / mirror).ln() / (from / mirror).ln()).max(0.0) }
+}
+
+/// Standard deviation of a whole `level`.
+fn width_of(octaves: Octaves, level: u32) -> f64 {
+    match level {
+        0 => octaves.mirror_width(),
+        1 => octaves.sharp_width(),
+        _ => octaves.width(level - 2),
+    }
+}
+
+/// The nodes over the levels of `octaves`, fitted at the first call: those of the least roughness first.
+pub fn table(octaves: Octaves) -> &'static [Node] {
+    static FITTED: [OnceLock<Vec<Node>>; Octaves::MOST as usize] =
+        [const { OnceLock::new() }; Octaves::MOST as usize];
+    FITTED[octaves.count() as usize - 1].get_or_init(|| {
+        let [across, _] = NODES;
+        let nodes = 0..across * NODES[1];
+        nodes
+            .into_par_iter()
+            .map(|k| fitted(octaves, roughness_of(k % across), cosine_of(k / across)))
+            .collect()
+    })
+}
+
+/// Roughness of a node.
+fn roughness_of(node: usize) -> f64 {
+    ((11_f64.ln() * node as f64 / (NODES[0] - 1) as f64).exp() - 1.0) / 10.0
+}
+
+/// n.v of a node.
+fn cosine_of(node: usize) -> f64 {
+    let sine = 1.0 - (node as f64 / (NODES[1] - 1) as f64).powi(4);
+    (1.0 - sine * sine).sqrt().max(LEAST_COSINE)
+}
+
+/// The place of n.v between the first node and the last.
+fn view_place(cosine: f32) -> f32 {
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    // 1 less the sine without cancellation.
+    (cosine / (1.0 + sine).sqrt()).sqrt()
+}
+
+/// The node at `roughness` in [0, 1] and n.v of `cosine`, between those of [`table`].
+pub fn node_at(octaves: Octaves, roughness: f32, cosine: f32) -> Node {
+    let table = table(octaves);
+    let places = [(1.0 + 10.0 * roughness).log2() / 11_f32.log2(), view_place(cosine)];
+    let [(x, right), (y, up)] = [0, 1].map(|axis| {
+        let place = places[axis] * (NODES[axis] - 1) as f32;
+        let node = (place as usize).min(NODES[axis] - 2);
+        (node, place - node as f32)
+    });
+    let mix = |a: f32, b: f32, share: f32| a + share * (b - a);
+    std::array::from_fn(|layer| {
+        std::array::from_fn(|c| {
+            let row = |y: usize| {
+                let first = y * NODES[0] + x;
+                mix(table[first][layer][c], table[first + 1][layer][c], right)
+            };
+            mix(row(y), row(y + 1), up)
+        })
+    })
+}
+
+/// A piece of the sphere of lights.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    pub(super) light: DVec3,
+    pub(super) area: f64,
+    /// The reflection, without and with the factor of f90.
+    pub(super) lobe: [f64; 2],
+}
+
+/// Pieces of one half of the sphere, dense around the lobe, which is symmetric about the plane of incidence:
+/// rings and spokes of half vectors. Areas are those of both halves.
+fn points(alpha: f64, view: DVec3, brdf: &Brdf) -> Vec<Point> {
+    half_vectors(alpha, FIT_GRID, PI)
+        .filter_map(|(half, area)| Point::new(half, 2.0 * area, view, brdf))
+        .collect()
+}
+
+/// Half vectors and their areas: rings, and spokes over an angle of `around`, dense at the scale of `alpha`.
+pub(super) fn half_vectors(
+    alpha: f64,
+    [rings, spokes]: [u32; 2],
+    around: f64,
+) -> impl Iterator<Item = (DVec3, f64)> {
+    let scale = 0.5 * alpha;
+    let step = (PI / scale).asinh() / f64::from(rings);
+    let edge = move |ring: u32| (scale * (step * f64::from(ring)).sinh()).min(PI);
+    let spoke = |spoke: u32| DVec2::from_angle(around * (f64::from(spoke) + 0.5) / f64::from(spokes));
+    let directions: Vec<DVec2> = (0..spokes).map(spoke).collect();
+    (0..rings).flat_map(move |ring| {
+        let (from, to) = (edge(ring), edge(ring + 1));
+        let (sine, cosine) = f64::midpoint(from, to).sin_cos();
+        let area = (from.cos() - to.cos()) * around / f64::from(spokes);
+        directions.clone().into_iter().map(move |d| ((sine * d).extend(cosine), area))
+    })
+}
+
+impl Point {
+    /// The piece of lights whose half vectors are a piece of `area` around `half`.
+    pub(super) fn new(half: DVec3, area: f64, view: DVec3, brdf: &Brdf) -> Option<Self> {
+        let towards = view.dot(half);
+        (towards > 0.0).then(|| {
+            let light = half * (2.0 * towards) - view;
+            let (value, fresnel) = brdf.at(light);
+            Self { light, area: 4.0 * towards * area, lobe: [value, value * fresnel] }
+        })
+    }
+
+    /// What an error here counts, in a lobe of these [`moments`].
+    pub(super) fn weight(&self, mean: f64, square: f64) -> f64 {
+        self.area * (1.0 / (FLOOR / (4.0 * PI) + self.lobe[0] / mean) + PEAK * mean * mean / square)
+    }
+}
+
+/// The integrals of a lobe and of its square.
+pub(super) fn moments(points: &[Point]) -> [f64; 2] {
+    points.iter().fold([0.0; 2], |[mean, square], point| {
+        [mean + point.area * point.lobe[0], square + point.area * point.lobe[0] * point.lobe[0]]
+    })
+}
+
+/// A trilinear read of the levels: two Gaussians around a direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Read {
+    direction: DVec3,
+    /// Inverse square width and share over the integral of each.
+    gaussians: [[f64; 2]; 2],
+}
+
+impl Read {
+    pub(super) fn new(octaves: Octaves, direction: DVec3, level: f64) -> Self {
+        let (whole, share) = (level.floor() as u32, level.fract());
+        let of = |level: u32, share: f64| {
+            if share == 0.0 {
+                return [1.0, 0.0];
+            }
+            let width = width_of(octaves, level);
+            [width.powi(-2), share * gaussian(width, 0.0)]
+        };
+        Self { direction, gaussians: [of(whole, 1.0 - share), of(whole + 1, share)] }
+    }
+
+    /// What it makes of light from `light`.
+    pub(super) fn at(&self, light: DVec3) -> f64 {
+        let c = 1.0 - self.direction.dot(light);
+        let of = |[sharp, share]: [f64; 2]| if c * sharp < DARK { share * (-c * sharp).exp() } else { 0.0 };
+        of(self.gaussians[0]) + of(self.gaussians[1])
+    }
+}
+
+/// The clamped cosine, and harmonics around each direction of `around`, of orders from its place up.
+pub(super) fn wide_functions(values: &mut [f64], around: &[DVec3; 5], light: DVec3) {
+    values[0] = light.z.max(0.0) / PI;
+    let zonal = around
+        .iter()
+        .enumerate()
+        .flat_map(|(k, direction)| legendre(direction.dot(light)).into_iter().zip(0..).skip(k));
+    for (value, (zonal, order)) in values[1..].iter_mut().zip(zonal) {
+        *value = f64::from(2 * order + 1) / (4.0 * PI) * zonal;
+    }
+}
+
+/// The weights for f0 and f90 of the first `used` functions that fit the lobe of `points`, under their
+/// `ridge`. Its integral is held at `albedo`, scale and bias of f0. `functions` are `reads` of integral 1, a
+/// cosine and harmonics.
+pub(super) fn weights<const N: usize>(
+    points: &[Point],
+    reads: usize,
+    used: usize,
+    ridge: &[f64; N],
+    albedo: [f64; 2],
+    functions: impl Fn(DVec3) -> [f64; N],
+) -> Vec<[f32; 2]> {
+    let [mean, square] = moments(points);
+    // The normal equations, and a multiplier that holds the lobe's integral at the albedo.
+    let mut products = [[0.0; N]; N];
+    let mut right = vec![[0.0; 2]; used + 1];
+    for point in points {
+        let weight = point.weight(mean, square);
+        let values = functions(point.light);
+        for j in 0..used {
+            let own = weight * values[j];
+            for (product, value) in products[j][..=j].iter_mut().zip(&values) {
+                *product += own * value;
+            }
+            for (sum, lobe) in right[j].iter_mut().zip(point.lobe) {
+                *sum += own * lobe / mean;
+            }
+        }
+    }
+    let mut system = vec![vec![0.0; used + 2]; used + 1];
+    for j in 0..used {
+        for k in 0..used {
+            system[j][k] = products[j.max(k)][j.min(k)];
+        }
+        system[j][j] += ridge[j];
+        // Harmonics of order 0 have an integral, the others none.
+        let integral = if j <= reads + 1 { 1.0 } else { 0.0 };
+        system[j][used] = integral;
+        system[used][j] = integral;
+    }
+    let [scale, bias] = albedo;
+    let [all, grazing] = [0, 1].map(|side| {
+        let mut system = system.clone();
+        for (row, right) in system.iter_mut().zip(&right) {
+            row[used + 1] = right[side];
+        }
+        system[used][used + 1] = [scale + bias, bias][side] / mean;
+        solved(system)
+    });
+    let pair = |k: usize| [(all[k] - grazing[k]) * mean, grazing[k] * mean].map(|weight| weight as f32);
+    (0..used).map(pair).collect()
+}
+
+/// A reflection that is fitted.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    octaves: Octaves,
+    alpha: f64,
+    view: DVec3,
+    pub(super) points: Vec<Point>,
+    /// Scale and bias of f0.
+    albedo: [f64; 2],
+    /// Functions in use, and the ridge of each.
+    used: usize,
+    pub(super) ridge: [f64; FUNCTIONS],
+}
+
+impl Fit {
+    /// The reflection at `roughness` and n.v of `cosine`.
+    pub fn new(octaves: Octaves, roughness: f64, cosine: f64) -> Self {
+        let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+        // Sharper lobes than the mirror's are served by the mirror.
+        let served = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.125);
+        let [from, to] = HARMONICS_FROM;
+        let use_harmonics = smooth((roughness - from) / (to - from));
+        // Lobes narrower than the mirror's texels are served by equal reads of it.
+        let narrow = octaves.mirror_width() / (2.0 * cosine * roughness.max(1e-3).powi(2));
+        let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
+        ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
+        Self {
+            octaves,
+            alpha: roughness * roughness,
+            view,
+            points: points(served * served, view, &Brdf::new(view, served, 0.0)),
+            albedo: reflectance::ggx_albedo(cosine, roughness),
+            used: if use_harmonics > 0.0 { FUNCTIONS } else { READS },
+            ridge,
+        }
+    }
+
+    /// A read at the slope and of the width of `place`, both over alpha; its slope and level.
+    pub(super) fn read(&self, [slope, width]: [f64; 2]) -> (Read, [f64; 2]) {
+        let slope = slope * self.alpha;
+        let half = (DVec3::Z + slope * self.view.with_z(0.0)).normalize();
+        let level = level_of(self.octaves, width * self.alpha);
+        let direction = half * (2.0 * self.view.dot(half)) - self.view;
+        (Read::new(self.octaves, direction, level), [slope, level])
+    }
+
+    /// What the weights multiply, of light from the unit vector `light`: reads, the clamped cosine,
+    /// harmonics.
+    pub(super) fn functions(reads: &[Read; READS], light: DVec3) -> [f64; FUNCTIONS] {
+        let around = AROUND.map(|angle| DVec3::new(angle.sin(), 0.0, angle.cos()));
+        let mut values = [0.0; FUNCTIONS];
+        for (value, read) in values.iter_mut().zip(reads) {
+            *value = read.at(light);
+        }
+        wide_functions(&mut values[READS..], &around, light);
+        values
+    }
+
+    /// The weights for f0 and f90 with these `reads`.
+    pub(super) fn weights(&self, reads: &[Read; READS]) -> Vec<[f32; 2]> {
+        let functions = |light| Self::functions(reads, light);
+        weights(&self.points, READS, self.used, &self.ridge, self.albedo, functions)
+    }
+}
+
+/// The node that fits the reflection at `roughness` and n.v of `cosine`.
+pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
+    let fit = Fit::new(octaves, roughness, cosine);
+    let mut node = [[0.0; 4]; LAYERS];
+    let reads = places(roughness, cosine).map(|place| fit.read(place));
+    for (layer, (_, [slope, level])) in node.iter_mut().zip(&reads) {
+        *layer = [*slope as f32, *level as f32, 0.0, 0.0];
+    }
+    for (k, pair) in fit.weights(&reads.map(|(read, _)| read)).into_iter().enumerate() {
+        let (layer, at) = match k {
+            _ if k < READS => (k, 2),
+            READS => (READS, 0),
+            _ => (READS + 1 + (k - READS - 1) / 2, 2 * ((k - READS - 1) % 2)),
+        };
+        node[layer][at..at + 2].copy_from_slice(&pair);
+    }
+    let [scale, bias] = fit.albedo;
+    node[READS][2..].copy_from_slice(&[scale as f32, bias as f32]);
+    node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lobe::reflectance::ALBEDO_NODES;
+    use crate::sphere::quadrature::gauss_legendre;
+
+    #[test]
+    fn more_nodes_do_not_change_the_albedo() {
+        let [few, many] = [ALBEDO_NODES, 2 * ALBEDO_NODES].map(gauss_legendre);
+        for (x, y) in (0..NODES[0]).flat_map(|x| (0..NODES[1]).map(move |y| (x, y))) {
+            let (roughness, cosine) = (roughness_of(x), cosine_of(y));
+            let [found, expected] = [&few, &many].map(|rule| reflectance::ggx(cosine, roughness, rule));
+            let off = (0..2).map(|k| (found[k] - expected[k]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-4, "roughness {roughness}, n.v {cosine}: off by {off}");
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Builds the maps of a pyramid from an OEM.
+//!
+//! ```text
+//! OEM planes --suns--> light (suns, scale)
+//!  +--mirror--> mirror --sharp--> sharp level --cascade--> level 0 --cascade--> level 1 ...
+//!  +--cells--> cells --cosine--> cosine level
+//!                +--harmonics--> light
+//! ```
+
+use super::pyramid::{COSINE, PyramidMaps};
+use crate::device::stage::Dispatch;
+use crate::{Context, OemPlanes, Stage};
+use octagloss_core::light::oem::OemSize;
+use octagloss_core::pyramid::levels::{TAPS, taps};
+use octagloss_core::pyramid::{COARSEST, cells, suns};
+use wgpu::BindingResource::{Sampler, TextureView};
+
+/// Invocations of a workgroup over blocks or cells.
+pub const GROUP_SIZE: u32 = 64;
+
+/// Invocations of the workgroup that chooses suns.
+pub const SUNS_GROUP_SIZE: u32 = 256;
+
+/// Invocations along an edge of a workgroup over texels.
+pub const EDGE: u32 = 8;
+
+/// `Level` of the shaders.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Level {
+    inner: u32,
+    border: u32,
+    finer_inner: u32,
+    finer_border: u32,
+    variance: f32,
+    pad: [u32; 3],
+    taps: [[f32; 4]; TAPS],
+}
+
+/// The uniform of a map of `size` under a Gaussian of `variance` over one of the size `finer`.
+fn level(context: &Context, size: OemSize, finer: OemSize, variance: f64) -> wgpu::Buffer {
+    let level = Level {
+        inner: size.inner,
+        border: size.border,
+        finer_inner: finer.inner,
+        finer_border: finer.border,
+        variance: variance as f32,
+        pad: [0; 3],
+        taps: taps().map(|(place, weight)| [place.x, place.y, weight, 0.0]),
+    };
+    context.uniform("level", &level)
+}
+
+/// Workgroups over the texels of a map.
+const fn squares(size: OemSize) -> [u32; 3] {
+    [size.inner / EDGE, size.inner / EDGE, 1]
+}
+
+/// The stages that fill `maps` from `oem`, in order. Record them whenever `oem` has changed.
+///
+/// # Panics
+/// If `maps` were made for another size.
+pub fn stages(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Vec<Stage> {
+    assert_eq!(oem.size().inner, maps.octaves().inner(), "maps for this size");
+    vec![suns_of(context, oem, maps), levels(context, oem, maps), moments(context, oem, maps)]
+}
+
+fn suns_of(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
+    let blocks = oem.size().inner.min(suns::FINEST).pow(2).div_ceil(GROUP_SIZE);
+    let mut resources = oem.bindings();
+    resources.push((5, maps.blocks.as_entire_binding()));
+    let file = "pyramid/suns.wgsl";
+    let brightest = Dispatch::new(context, (file, "brightest_of_blocks"), &resources, [blocks, 1, 1]);
+    resources.push((6, maps.light()));
+    Stage::new("suns", vec![brightest, Dispatch::new(context, (file, "suns"), &resources, [1, 1, 1])])
+}
+
+fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
+    let file = "pyramid/levels.wgsl";
+    let (octaves, size) = (maps.octaves(), maps.octaves().size(0));
+    let (mirror, sharp) = (maps.mirror(), maps.sharp());
+    let [to_mirror, to_sharp] =
+        [0.0, octaves.sharp_width()].map(|width| level(context, size, size, width * width));
+    let mut of_oem = oem.bindings();
+    of_oem.extend([(5, maps.light()), (7, to_mirror.as_entire_binding()), (8, TextureView(&mirror))]);
+    let of_mirror = [
+        (5, maps.light()),
+        (6, TextureView(&mirror)),
+        (7, to_sharp.as_entire_binding()),
+        (8, TextureView(&sharp)),
+    ];
+    let mut dispatches = vec![
+        Dispatch::new(context, (file, "mirror"), &of_oem, squares(size)),
+        Dispatch::new(context, (file, "sharp"), &of_mirror, squares(size)),
+    ];
+    let (mut finer, mut finer_size) = (sharp, size);
+    for k in 0..octaves.count() {
+        let (own, own_size) = (maps.level(k), octaves.size(k));
+        let to_own = level(context, own_size, finer_size, 0.75 * octaves.width(k).powi(2));
+        let resources = [
+            (6, TextureView(&finer)),
+            (7, to_own.as_entire_binding()),
+            (8, TextureView(&own)),
+            (9, Sampler(maps.linear())),
+        ];
+        dispatches.push(Dispatch::new(context, (file, "cascade"), &resources, squares(own_size)));
+        (finer, finer_size) = (own, own_size);
+    }
+    Stage::new("levels", dispatches)
+}
+
+fn moments(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
+    let file = "pyramid/cells.wgsl";
+    let planes = oem.bindings();
+    let cells = oem.size().inner.min(cells::FINEST).pow(2).div_ceil(GROUP_SIZE);
+    let cosine = maps.cosine();
+    let to_cosine = level(context, COSINE, COSINE, 0.0);
+    let stored = (6, maps.cells.as_entire_binding());
+    let of_texels = [&planes[..], &[(5, maps.light()), stored.clone()]].concat();
+    let of_cells =
+        [planes[0].clone(), stored.clone(), (7, to_cosine.as_entire_binding()), (8, TextureView(&cosine))];
+    let summed = [planes[0].clone(), (5, maps.light()), stored];
+    let normals = COARSEST * COARSEST / GROUP_SIZE;
+    Stage::new(
+        "cells",
+        vec![
+            Dispatch::new(context, (file, "cells_of_texels"), &of_texels, [cells, 1, 1]),
+            Dispatch::new(context, (file, "cosine"), &of_cells, [normals, 1, 1]),
+            Dispatch::new(context, (file, "harmonics"), &summed, [25, 1, 1]),
+        ],
+    )
+}

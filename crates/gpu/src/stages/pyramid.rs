@@ -1,0 +1,291 @@
+//! Pyramids on the GPU: their maps, their look-up for lists of directions, and as WGSL for callers' shaders.
+
+use crate::device::readback;
+use crate::device::resources::{SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding, trilinear};
+use crate::device::stage::{Dispatch, in_rows};
+use crate::{Context, Stage};
+use glam::DVec3;
+use octagloss_core::common::error::{Error, Result};
+use octagloss_core::light::oem::OemSize;
+use octagloss_core::pyramid::fit::{self, INTERVALS, WEIGHTS};
+use octagloss_core::pyramid::light::OctaglossLight;
+use octagloss_core::pyramid::{COARSEST, Octaves, cells, suns};
+
+/// Invocations of a workgroup over queries.
+pub const GROUP_SIZE: u32 = 64;
+
+/// Format of the maps.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// Most environments whose lights fit a uniform of 64 KiB, WebGPU's least limit.
+pub const MAX_PROBES: u32 = 64;
+
+/// Size of the cosine level.
+pub(super) const COSINE: OemSize = OemSize { inner: COARSEST, border: 1 };
+
+/// Table and sizes of a look-up: `OctaglossPyramid` of the shaders.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct OctaglossPyramid {
+    inner: f32,
+    border: f32,
+    pad: [u32; 2],
+    weights: [[f32; WEIGHTS]; INTERVALS as usize + 1],
+}
+
+/// Bytes of a light: a multiple of 256, at which bindings may begin.
+const LIGHT: u64 = size_of::<OctaglossLight>() as u64;
+
+/// The maps of one environment's pyramid, in textures that several share.
+#[derive(Clone, Debug)]
+pub struct PyramidMaps {
+    octaves: Octaves,
+    /// Place among the pyramids that share the textures.
+    probe: u32,
+    table: wgpu::Buffer,
+    lights: wgpu::Buffer,
+    /// The chain: one layer an environment.
+    levels: wgpu::Texture,
+    /// Mirror and sharp level: two layers an environment.
+    sharp: wgpu::Texture,
+    cosine: wgpu::Texture,
+    linear: wgpu::Sampler,
+    /// What the passes hand on, overwritten by each build: brightness of blocks, light of cells.
+    pub(super) blocks: wgpu::Buffer,
+    pub(super) cells: wgpu::Buffer,
+}
+
+impl PyramidMaps {
+    /// The maps of an environment over an OEM of `inner` texels along an edge, black.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048, [`Error::Limit`] if
+    /// the device has no textures of this size.
+    pub fn new(context: &Context, inner: u32) -> Result<Self> {
+        Ok(Self::sharing(context, inner, 1)?.remove(0))
+    }
+
+    /// Such maps of `probes` environments, at most [`MAX_PROBES`], in shared textures.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn sharing(context: &Context, inner: u32, probes: u32) -> Result<Vec<Self>> {
+        let octaves = Octaves::over(inner)?;
+        Self::check_fits(context, octaves, probes)?;
+        let size = octaves.size(0);
+        let texture = |label, size: OemSize, layers, mips| {
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING;
+            let side = size.bordered();
+            context.texture(label, FORMAT, [side, side, layers], mips, usage | wgpu::TextureUsages::COPY_SRC)
+        };
+        let mut weights = [[0.0; WEIGHTS]; INTERVALS as usize + 1];
+        weights.copy_from_slice(&fit::table(octaves));
+        let table =
+            OctaglossPyramid { inner: inner as f32, border: size.border as f32, pad: [0; 2], weights };
+        let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let used = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | copied;
+        let squares = |finest: u32| u64::from(inner.min(finest)).pow(2);
+        let first = Self {
+            octaves,
+            probe: 0,
+            table: context.uniform("pyramid", &table),
+            // Shaders of several declare the most.
+            lights: context.buffer("light of pyramids", LIGHT * u64::from(MAX_PROBES), used),
+            levels: texture("levels", size, probes, octaves.count()),
+            sharp: texture("sharp levels", size, 2 * probes, 1),
+            cosine: texture("cosine levels", COSINE, probes, 1),
+            linear: trilinear(context),
+            blocks: context.storage("brightness of blocks", 4 * squares(suns::FINEST)),
+            cells: context.storage("light of cells", 48 * squares(cells::FINEST)),
+        };
+        let all: Vec<_> = (0..probes).map(|probe| Self { probe, ..first.clone() }).collect();
+        for maps in &all {
+            maps.set_rotation(context, [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+        }
+        Ok(all)
+    }
+
+    /// Checks that the maps of `probes` environments fit the device's textures.
+    pub fn check_fits(context: &Context, octaves: Octaves, probes: u32) -> Result<()> {
+        let limits = context.device().limits();
+        let (side, most) = (octaves.size(0).bordered(), limits.max_texture_dimension_2d);
+        if side > most {
+            // A border adds a sixteenth.
+            let largest = 1 << (most * 16 / 17).max(1).ilog2();
+            return Err(Error::Limit {
+                what: format!("a pyramid over a map of {0} x {0}", octaves.inner()),
+                needed: u64::from(side),
+                available: u64::from(most),
+                remedy: format!("choose `oem_size` of at most {largest}"),
+            });
+        }
+        if 2 * probes > limits.max_texture_array_layers {
+            let layers = limits.max_texture_array_layers;
+            return Err(Error::Limit {
+                what: format!("{probes} pyramids in one texture"),
+                needed: u64::from(2 * probes),
+                available: u64::from(layers),
+                remedy: format!("choose `count` of at most {}", layers / 2),
+            });
+        }
+        Ok(())
+    }
+
+    /// Sets the rotation for shaders that turn the environment, from the next submission on: columns.
+    pub fn set_rotation(&self, context: &Context, world_from_source: [[f32; 4]; 3]) {
+        let at = LIGHT * u64::from(self.probe);
+        context.queue().write_buffer(&self.lights, at, bytemuck::bytes_of(&world_from_source));
+    }
+
+    /// Bytes of the textures of one environment.
+    pub fn bytes(&self) -> u64 {
+        let texels = |size: OemSize| u64::from(size.bordered()).pow(2);
+        let chain: u64 = (0..self.octaves.count()).map(|level| texels(self.octaves.size(level))).sum();
+        8 * (chain + 2 * texels(self.octaves.size(0)) + texels(COSINE))
+    }
+
+    /// The levels.
+    pub const fn octaves(&self) -> Octaves {
+        self.octaves
+    }
+
+    /// The light of this environment.
+    pub(super) fn light(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &self.lights,
+            offset: LIGHT * u64::from(self.probe),
+            size: std::num::NonZero::new(LIGHT),
+        })
+    }
+
+    /// `level` of the chain, 0 the finest.
+    pub(super) fn level(&self, level: u32) -> wgpu::TextureView {
+        single(&self.levels, self.probe, level)
+    }
+
+    pub(super) fn mirror(&self) -> wgpu::TextureView {
+        single(&self.sharp, 2 * self.probe, 0)
+    }
+
+    pub(super) fn sharp(&self) -> wgpu::TextureView {
+        single(&self.sharp, 2 * self.probe + 1, 0)
+    }
+
+    pub(super) fn cosine(&self) -> wgpu::TextureView {
+        single(&self.cosine, self.probe, 0)
+    }
+
+    pub(super) const fn linear(&self) -> &wgpu::Sampler {
+        &self.linear
+    }
+
+    /// Layout of a bind group with the resources of `wgsl`, for the shader stages `visibility`.
+    pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
+        let filterable = wgpu::TextureSampleType::Float { filterable: true };
+        let layers = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
+        let bindings = [UNIFORM, UNIFORM, layers, layers, layers, SAMPLER];
+        group_layout(context, "octagloss pyramid", visibility, &bindings)
+    }
+
+    /// Bind group of these resources, with `layout`.
+    pub fn bind_group(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        self.with_resources(false, |resources| group(context, "octagloss pyramid", layout, resources))
+    }
+
+    /// Bind group of these and all maps that share their textures.
+    pub fn bind_group_of_all(&self, context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        self.with_resources(true, |resources| group(context, "octagloss pyramids", layout, resources))
+    }
+
+    /// What `make` makes of the resources of this environment, or of all that share them, in the order of
+    /// their bindings.
+    pub(super) fn with_resources<T>(
+        &self,
+        all: bool,
+        make: impl FnOnce([wgpu::BindingResource<'_>; 6]) -> T,
+    ) -> T {
+        let layers = |texture: &wgpu::Texture, count| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                base_array_layer: if all { 0 } else { count * self.probe },
+                array_layer_count: (!all).then_some(count),
+                ..Default::default()
+            })
+        };
+        let views = [(&self.levels, 1), (&self.sharp, 2), (&self.cosine, 1)]
+            .map(|(texture, count)| layers(texture, count));
+        let [levels, sharp, cosine] = views.each_ref().map(wgpu::BindingResource::TextureView);
+        let lights = if all { self.lights.as_entire_binding() } else { self.light() };
+        let linear = wgpu::BindingResource::Sampler(&self.linear);
+        make([self.table.as_entire_binding(), lights, levels, sharp, cosine, linear])
+    }
+}
+
+/// One level of one layer.
+fn single(texture: &wgpu::Texture, layer: u32, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
+}
+
+/// Resources of the look-ups without the lights, which are second.
+pub(super) const RESOURCES: [&str; 5] = [
+    "var<uniform> octagloss_pyramid: OctaglossPyramid",
+    "var octagloss_levels: texture_2d_array<f32>",
+    "var octagloss_sharp: texture_2d_array<f32>",
+    "var octagloss_cosine: texture_2d_array<f32>",
+    "var octagloss_linear: sampler",
+];
+
+/// WGSL of the look-ups over `count` lights, with their resources in bind group `group`.
+pub fn wgsl(count: u32, group: u32) -> String {
+    let lights = format!("var<uniform> octagloss_lights: array<OctaglossLight, {count}>");
+    let mut resources = RESOURCES.to_vec();
+    resources.insert(1, &lights);
+    octagloss_shaders::for_callers("common/pyramid_maps.wgsl", &resources, group, "octagloss")
+}
+
+/// Stage that answers `queries`, directions in the map's space with their roughness, and its output: four
+/// floats per query.
+///
+/// # Panics
+/// If there are more queries than fit a buffer.
+pub fn stage(context: &Context, maps: &PyramidMaps, queries: &[(DVec3, f64)]) -> (Stage, wgpu::Buffer) {
+    let pipeline = context.pipeline("pyramid/query.wgsl", "query", None);
+    let queries: Vec<[f32; 4]> = queries
+        .iter()
+        .map(|(direction, roughness)| direction.as_vec3().extend(*roughness as f32).to_array())
+        .collect();
+    let groups = u32::try_from(queries.len()).expect("what a buffer holds").div_ceil(GROUP_SIZE);
+    let answers = context.storage("answers", 16 * queries.len() as u64);
+    let queries = context.storage_of("queries", &queries);
+    let maps = maps.bind_group(context, &pipeline.get_bind_group_layout(0));
+    let lists = [(0, queries.as_entire_binding()), (1, answers.as_entire_binding())];
+    let lists = group_at(context, "queries", &pipeline.get_bind_group_layout(1), lists);
+    let dispatch = Dispatch::with_groups(&pipeline, vec![maps, lists], in_rows(groups));
+    (Stage::new("pyramid", vec![dispatch]), answers)
+}
+
+/// Radiance for each of `queries` in the form of [`stage`], read back.
+///
+/// # Errors
+/// [`Error::Gpu`] if the device fails.
+pub async fn radiance(
+    context: &Context,
+    maps: &PyramidMaps,
+    queries: &[(DVec3, f64)],
+) -> Result<Vec<[f32; 3]>> {
+    let mut radiance = Vec::with_capacity(queries.len());
+    for batch in queries.chunks(1 << 22) {
+        let (stage, answers) = stage(context, maps, batch);
+        context.submit(|encoder| stage.record(encoder));
+        let found: Vec<[f32; 4]> = readback::read(context, &answers).await?;
+        radiance.extend(found.iter().map(|[r, g, b, _]| [*r, *g, *b]));
+    }
+    Ok(radiance)
+}

@@ -1,0 +1,472 @@
+//! Draws a [`Look`] under a [`Light`]: first a linear picture, then, by [`super::present`], its tone-mapped
+//! form.
+
+use super::frame::{LadderUniform, ViewFrame};
+use super::light::Light;
+use super::model::{Model, Surface};
+use super::present::{Display, Presenter};
+use super::resources::{PICTURE, Targets, draw_pass, target, texture_of};
+use super::roughness_map::{self, roughness_map};
+use super::truth::PixelQuery;
+use crate::look::{Look, Object, Show, Technique};
+use bytemuck::Zeroable as _;
+use half::f16;
+use octagloss_core::bake::dfg::{DfgBlue, DfgForm, dfg_table};
+use octagloss_core::common::error::Result;
+use octagloss_core::cpu::reflector::ReflectorSettings;
+use octagloss_core::light::environment::Environment;
+use octagloss_gpu::Context;
+use octagloss_gpu::device::readback;
+use octagloss_gpu::device::resources::{
+    Draw, SAMPLER, UNIFORM, group, group_layout, pipeline_layout, texture_binding, trilinear,
+};
+use octagloss_gpu::device::timer::Timer;
+use octagloss_gpu::stages::box_filter::SatTextures;
+use octagloss_gpu::stages::pyramid::PyramidMaps;
+use octagloss_gpu::stages::reflection::{self, Surfaces};
+use octagloss_mesh::{Mesh, SubMesh, Vertex};
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// Texels along an edge of the split-sum table.
+const SPLIT_SUM: u32 = 64;
+
+const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+/// Output of a pass per pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum PassOutput {
+    /// The content of a picture.
+    Shown(Show),
+    /// What is asked for.
+    Samples(Asked),
+}
+
+/// A texel of the query of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Asked {
+    /// World direction and roughness.
+    Lobe,
+    /// The surface's normal and anisotropy.
+    Normal,
+    /// Its tangent.
+    Tangent,
+    /// Its reflectance at normal incidence.
+    Reflectance,
+}
+
+impl Asked {
+    /// Entry points of `shaders/common/view_draw.wgsl`.
+    const fn entry_points(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Lobe => ("cover_samples", "mesh_samples"),
+            Self::Normal => ("cover_normals", "mesh_normals"),
+            Self::Tangent => ("cover_tangents", "mesh_tangents"),
+            Self::Reflectance => ("cover_reflectances", "mesh_reflectances"),
+        }
+    }
+}
+
+impl PassOutput {
+    const fn format(self) -> wgpu::TextureFormat {
+        match self {
+            Self::Samples(_) => SAMPLES,
+            Self::Shown(_) => PICTURE,
+        }
+    }
+
+    /// Entry points of the triangle that covers the picture and of meshes, if they are drawn.
+    const fn entry_points(self) -> (&'static str, Option<&'static str>) {
+        match self {
+            Self::Samples(asked) => {
+                let (cover, mesh) = asked.entry_points();
+                (cover, Some(mesh))
+            }
+            Self::Shown(show) => show.entry_points(),
+        }
+    }
+}
+
+/// Pipelines and resources for drawing on one device.
+#[derive(Debug)]
+pub struct Renderer {
+    context: Context,
+    frame: wgpu::Buffer,
+    frame_layout: wgpu::BindGroupLayout,
+    levels_layout: wgpu::BindGroupLayout,
+    boxes_layout: wgpu::BindGroupLayout,
+    pyramid_layout: wgpu::BindGroupLayout,
+    reflect_layout: wgpu::BindGroupLayout,
+    pipelines: HashMap<(Technique, PassOutput, bool), wgpu::RenderPipeline>,
+    split_sum: wgpu::TextureView,
+    roughness: wgpu::TextureView,
+    /// An even roughness map.
+    even: wgpu::TextureView,
+    trilinear: wgpu::Sampler,
+    /// Material of everything except meshes with their own materials.
+    plain: Surface,
+    knot: Model,
+    mesh: Option<Model>,
+    truth: wgpu::TextureView,
+    /// The current picture, and the one in progress.
+    shown: Option<Targets>,
+    next: Option<Targets>,
+    /// Timer of the next picture, and its place in it.
+    timer: Option<(Timer, u32)>,
+    presenter: Presenter,
+}
+
+impl Renderer {
+    /// Compiles the common pipelines; others are compiled on first use.
+    ///
+    /// # Errors
+    /// [`octagloss_core::common::error::Error::Gpu`] if a shader fails to compile.
+    pub fn new(context: Context) -> Result<Self> {
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let texture =
+            |filterable, dimension| texture_binding(wgpu::TextureSampleType::Float { filterable }, dimension);
+        let flat = texture(false, wgpu::TextureViewDimension::D2);
+        let image = texture(true, wgpu::TextureViewDimension::D2);
+        let cube = texture(true, wgpu::TextureViewDimension::Cube);
+        // Entries of the picture, then those of the material.
+        let frame_entries = [UNIFORM, flat, flat, flat, UNIFORM, UNIFORM, image, SAMPLER, image, SAMPLER];
+        let roughness = |size, texels: &[u8]| {
+            texture_of(&context, "roughness map", wgpu::TextureFormat::R8Unorm, [size; 2], texels)
+        };
+        let table = dfg_table(SPLIT_SUM, DfgForm::SplitSum, DfgBlue::Empty)?;
+        let split_sum: Vec<[f32; 2]> = table.texels.iter().map(|[scale, bias, _]| [*scale, *bias]).collect();
+        let renderer = Self {
+            frame: context.uniform("view frame", &ViewFrame::zeroed()),
+            frame_layout: group_layout(&context, "view frame", stages, &frame_entries),
+            levels_layout: group_layout(&context, "prefiltered cube", stages, &[cube, SAMPLER]),
+            boxes_layout: SatTextures::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
+            pyramid_layout: PyramidMaps::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
+            reflect_layout: reflection::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
+            pipelines: HashMap::new(),
+            split_sum: texture_of(
+                &context,
+                "split sum",
+                wgpu::TextureFormat::Rg32Float,
+                [SPLIT_SUM; 2],
+                bytemuck::cast_slice(&split_sum),
+            ),
+            roughness: roughness(roughness_map::SIZE, &roughness_map()),
+            even: roughness(1, &[255]),
+            trilinear: trilinear(&context),
+            plain: Surface::plain(&context),
+            knot: Model::new(&context, &Mesh::knot())?,
+            mesh: None,
+            truth: texture_of(&context, "truth", SAMPLES, [1; 2], bytemuck::cast_slice(&[0.0_f32; 4])),
+            shown: None,
+            next: None,
+            timer: None,
+            presenter: Presenter::new(&context),
+            context,
+        };
+        renderer.context.check()?;
+        Ok(renderer)
+    }
+
+    /// The device.
+    pub const fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// Prepares `environment` on an OEM of the size, border and scan of `table`.
+    ///
+    /// # Errors
+    /// [`octagloss_core::common::error::Error::Parameter`] for an OEM of no texels, [`octagloss_core::common::error::Error::Limit`] if the tables do not fit
+    /// the device, [`octagloss_core::common::error::Error::Unsupported`] for a scan that runs on the CPU only.
+    pub fn light(&mut self, environment: &Environment, table: &ReflectorSettings) -> Result<Light> {
+        Light::new(&self.context, environment, table)
+    }
+
+    /// Sets the mesh of [`Object::Mesh`].
+    ///
+    /// # Errors
+    /// [`octagloss_core::common::error::Error::Limit`] and [`octagloss_core::common::error::Error::Parameter`] if it does not fit the device.
+    pub fn set_mesh(&mut self, mesh: &Mesh) -> Result<()> {
+        self.mesh = Some(Model::new(&self.context, mesh)?);
+        self.context.check()
+    }
+
+    /// Whether the mesh has materials of its own.
+    pub fn has_materials(&self) -> bool {
+        self.mesh.as_ref().is_some_and(|mesh| !mesh.surfaces.is_empty())
+    }
+
+    /// Draws the linear picture with `width` x `height` samples.
+    ///
+    /// # Errors
+    /// [`octagloss_core::common::error::Error::Parameter`] for an unsupported look, [`octagloss_core::common::error::Error::Gpu`] if the device fails.
+    pub fn draw(&mut self, look: &Look, light: &Light, width: u32, height: u32) -> Result<()> {
+        self.draw_rows(look, light, (width, height), 0..height)
+    }
+
+    /// Draws some rows of a picture of `size`. Row 0 starts a new picture; with the last row it replaces the
+    /// current one. Slow pictures are drawn in bands of one look and size.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::draw`].
+    pub fn draw_rows(
+        &mut self,
+        look: &Look,
+        light: &Light,
+        size: (u32, u32),
+        rows: Range<u32>,
+    ) -> Result<()> {
+        look.check()?;
+        self.make_next(size)?;
+        let source = if look.show.is_of_scene() { look.filter } else { Technique::Box };
+        let picture = self.next.as_ref().expect("made").picture.clone();
+        let done = rows.end >= size.1;
+        self.draw_into(&picture, source, PassOutput::Shown(look.show), look, light, rows)?;
+        if done {
+            std::mem::swap(&mut self.shown, &mut self.next);
+        }
+        self.context.check()
+    }
+
+    /// Reads back the query of every pixel.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::draw`].
+    pub fn samples(
+        &mut self,
+        look: &Look,
+        light: &Light,
+        width: u32,
+        height: u32,
+    ) -> Result<impl Future<Output = Result<Vec<PixelQuery>>> + use<>> {
+        look.check()?;
+        self.make_next((width, height))?;
+        let mut draw = |asked: Asked| -> Result<wgpu::Texture> {
+            let output = PassOutput::Samples(asked);
+            let texture = target(&self.context, "samples", output.format(), [width, height]);
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            self.draw_into(&view, Technique::Adaptive, output, look, light, 0..height)?;
+            Ok(texture)
+        };
+        let lobes = draw(Asked::Lobe)?;
+        let parts = [Asked::Normal, Asked::Tangent, Asked::Reflectance];
+        let surfaces = if look.judges_reflections() { parts.map(&mut draw).into() } else { Vec::new() };
+        let surfaces: Vec<wgpu::Texture> = surfaces.into_iter().collect::<Result<_>>()?;
+        let context = self.context.clone();
+        Ok(async move {
+            let lobes: Vec<[f32; 4]> = readback::read_texture(&context, &lobes).await?;
+            let mut texels: Vec<Vec<[f32; 4]>> = Vec::new();
+            for texture in &surfaces {
+                texels.push(readback::read_texture(&context, texture).await?);
+            }
+            let [normals, tangents, reflectances] = &texels[..] else {
+                return Ok(lobes.into_iter().map(PixelQuery::of_lobe).collect());
+            };
+            let surfaces = normals.iter().zip(tangents).zip(reflectances);
+            let query = |(lobe, ((normal, tangent), reflectance)): (_, ((&_, &_), &_))| {
+                PixelQuery::of_surface(lobe, [*normal, *tangent, *reflectance])
+            };
+            Ok(lobes.into_iter().zip(surfaces).map(query).collect())
+        })
+    }
+
+    /// Seconds of every stage of the light and of a picture of `width` x `height` samples; runs each once
+    /// more.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::draw`], and [`octagloss_core::common::error::Error::Gpu`] if the adapter has no timestamp queries.
+    pub fn times(
+        &mut self,
+        look: &Look,
+        light: &Light,
+        width: u32,
+        height: u32,
+    ) -> Result<impl Future<Output = Result<Vec<(&'static str, f64)>>> + use<>> {
+        let stages: Vec<_> = light.stages().iter().collect();
+        let timer = Timer::new(&self.context, stages.len() as u32 + 1)?;
+        for (place, stage) in (0..).zip(&stages) {
+            let writes = timer.compute_writes(place);
+            self.context.submit(|encoder| stage.record_timed(encoder, Some(writes)));
+        }
+        self.timer = Some((timer, stages.len() as u32));
+        let drawn = self.draw(look, light, width, height);
+        let (timer, _) = self.timer.take().expect("put there");
+        drawn?;
+        let labels: Vec<&'static str> =
+            stages.iter().map(|stage| stage.label()).chain(std::iter::once("picture")).collect();
+        let context = self.context.clone();
+        Ok(async move {
+            let seconds = timer.read(&context, labels.len() as u32).await?;
+            Ok(labels.into_iter().zip(seconds).collect())
+        })
+    }
+
+    /// Sets the answers to a picture's samples, `width` per row.
+    pub fn set_truth(&mut self, answers: &[[f32; 4]], width: u32) {
+        let size = [width, answers.len() as u32 / width];
+        self.truth = texture_of(&self.context, "truth", SAMPLES, size, bytemuck::cast_slice(answers));
+    }
+
+    fn make_next(&mut self, size: (u32, u32)) -> Result<()> {
+        if self.next.as_ref().is_none_or(|had| had.size != size) {
+            self.next = Some(Targets::new(&self.context, size)?);
+        }
+        Ok(())
+    }
+
+    fn draw_into(
+        &mut self,
+        view: &wgpu::TextureView,
+        source: Technique,
+        output: PassOutput,
+        look: &Look,
+        light: &Light,
+        rows: Range<u32>,
+    ) -> Result<()> {
+        let has_mesh =
+            output.entry_points().1.is_some() && matches!(look.object, Object::Knot | Object::Mesh);
+        self.pipeline(source, output, false);
+        if has_mesh {
+            self.pipeline(source, output, true);
+        }
+        let cube = if source == Technique::Levels { Some(light.levels(&self.context)?) } else { None };
+        let Targets { size: (width, height), depth, .. } = self.next.as_ref().expect("made before");
+        let frame = look.camera.frame(f64::from(*width) / f64::from(*height), look.field());
+        let uniform = ViewFrame::new(
+            look,
+            &frame,
+            light.scaled_ev(look.exposure.ev(light.exposure())),
+            light.texel_angle(),
+            light.source_from_world(look.turn),
+            [*width, *height],
+            &cube.map_or_else(LadderUniform::default, |cube| cube.ladder),
+        );
+        self.context.queue().write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+
+        let mesh = match look.object {
+            Object::Knot => Some(&self.knot),
+            Object::Mesh => self.mesh.as_ref(),
+            Object::Sphere | Object::Row => None,
+        }
+        .filter(|_| has_mesh);
+        let plain = self.frame_group(look, light, &self.plain);
+        let surface = |part: &SubMesh| {
+            let own = part.material.filter(|_| look.shows_materials());
+            own.and_then(|index| mesh?.surfaces.get(index))
+        };
+        let parts: Vec<(Range<u32>, Option<wgpu::BindGroup>)> = mesh
+            .iter()
+            .flat_map(|mesh| &mesh.parts)
+            .map(|part| {
+                let group = surface(part).map(|surface| self.frame_group(look, light, surface));
+                (part.indices.clone(), group)
+            })
+            .collect();
+        let answers = match (source, cube) {
+            (Technique::Box, _) => Some(light.boxes.bind_group(&self.context, &self.boxes_layout)),
+            (Technique::Pyramid, _) => Some(light.pyramid.bind_group(&self.context, &self.pyramid_layout)),
+            (Technique::Reflect, _) => {
+                let is_brushed = look.finish.anisotropy > 0.0 || mesh.is_some_and(|mesh| mesh.is_brushed);
+                let surfaces = if is_brushed { Surfaces::Any } else { Surfaces::Isotropic };
+                Some(light.reflections(&self.context, surfaces, &self.reflect_layout))
+            }
+            (Technique::Levels, Some(cube)) => {
+                let view = wgpu::BindingResource::TextureView(&cube.view);
+                let sampler = wgpu::BindingResource::Sampler(&self.trilinear);
+                Some(group(&self.context, "prefiltered cube", &self.levels_layout, [view, sampler]))
+            }
+            (Technique::Levels, None) | (Technique::Adaptive, _) => None,
+        };
+        let (first, last) = (rows.start == 0, rows.end >= *height);
+        self.context.submit(|encoder| {
+            let store = if last { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
+            let writes = self.timer.as_ref().map(|(timer, place)| timer.render_writes(*place));
+            let mut pass = draw_pass(encoder, "picture", view, first, Some((depth, store)), writes);
+            pass.set_scissor_rect(0, rows.start, *width, rows.end.min(*height) - rows.start);
+            pass.set_bind_group(0, &plain, &[]);
+            if let Some(answers) = &answers {
+                pass.set_bind_group(1, answers, &[]);
+            }
+            pass.set_pipeline(&self.pipelines[&(source, output, false)]);
+            pass.draw(0..3, 0..1);
+            if let Some(Model { vertices, indices, .. }) = mesh {
+                pass.set_pipeline(&self.pipelines[&(source, output, true)]);
+                pass.set_vertex_buffer(0, vertices.slice(..));
+                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+                for (indices, group) in &parts {
+                    pass.set_bind_group(0, group.as_ref().unwrap_or(&plain), &[]);
+                    pass.draw_indexed(indices.clone(), 0, 0..1);
+                }
+            }
+        });
+        Ok(())
+    }
+
+    /// Bind group 0 for pictures of `look` under `light`, for surfaces of one material.
+    fn frame_group(&self, look: &Look, light: &Light, surface: &Surface) -> wgpu::BindGroup {
+        let roughness = if look.textured { &self.roughness } else { &self.even };
+        let textures = [&self.split_sum, roughness, &self.truth].map(wgpu::BindingResource::TextureView);
+        let picture = std::iter::once(self.frame.as_entire_binding()).chain(textures);
+        let resources = picture.chain([light.diffuse.as_entire_binding()]).chain(surface.resources());
+        group(&self.context, "view frame", &self.frame_layout, resources)
+    }
+
+    /// Compiles the pipeline for `output`: for meshes, or for the triangle that covers the picture.
+    fn pipeline(&mut self, source: Technique, output: PassOutput, of_mesh: bool) {
+        if self.pipelines.contains_key(&(source, output, of_mesh)) {
+            return;
+        }
+        let module = self.context.module(source.file());
+        let own = match source {
+            Technique::Box => Some(&self.boxes_layout),
+            Technique::Pyramid => Some(&self.pyramid_layout),
+            Technique::Reflect => Some(&self.reflect_layout),
+            Technique::Levels => Some(&self.levels_layout),
+            Technique::Adaptive => None,
+        };
+        let groups = std::iter::once(&self.frame_layout).chain(own);
+        let layout = pipeline_layout(&self.context, source.file(), groups);
+        let (cover, mesh) = output.entry_points();
+        let entries = match (of_mesh, mesh) {
+            (true, Some(mesh)) => ["transform", mesh],
+            _ => ["cover", cover],
+        };
+        let corners = wgpu::VertexBufferLayout {
+            array_stride: size_of::<Vertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![
+                0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2, 4 => Float32x2
+            ],
+        };
+        let compare = if of_mesh { wgpu::CompareFunction::LessEqual } else { wgpu::CompareFunction::Always };
+        let pipeline = Draw {
+            module: &module,
+            entries,
+            layout: Some(&layout),
+            corners: of_mesh.then_some(corners),
+            target: output.format().into(),
+            depth: Some((of_mesh, compare)),
+        }
+        .pipeline(&self.context);
+        self.pipelines.insert((source, output, of_mesh), pipeline);
+    }
+
+    /// Reads back the last picture, if there is one: linear and exposed; in the fourth channel an error, or 1
+    /// where a table is shown.
+    pub fn values(&self) -> Option<impl Future<Output = Result<Vec<[f16; 4]>>> + use<>> {
+        let picture = self.shown.as_ref()?.picture.clone();
+        let context = self.context.clone();
+        Some(async move {
+            let bits: Vec<[u16; 4]> = readback::read_texture(&context, picture.texture()).await?;
+            Ok(bits.into_iter().map(|channels| channels.map(f16::from_bits)).collect())
+        })
+    }
+
+    /// Draws the last picture to `display`, tone-mapped, in sRGB.
+    ///
+    /// # Panics
+    /// If no picture was drawn.
+    pub fn present(&mut self, display: Display<'_>, look: &Look) {
+        let picture = &self.shown.as_ref().expect("a picture was drawn").picture;
+        self.presenter.present(picture, display, look);
+    }
+}

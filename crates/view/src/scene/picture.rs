@@ -1,0 +1,158 @@
+//! Pipelines of pictures, and what a picture shows.
+
+use super::content::{Bounds, Scene};
+use super::look::SceneLook;
+use super::probe::SceneBuffers;
+use super::uniforms::{FrameUniform, MAX_PROBES, SceneCorner};
+use crate::look::camera::field_of_angle;
+use crate::picture::resources::{PICTURE, Targets, draw_pass};
+use bytemuck::Zeroable as _;
+use glam::DVec3;
+use octagloss_gpu::Context;
+use octagloss_gpu::device::resources::{
+    Draw, UNIFORM, added, group, group_layout, pipeline_layout, storage_binding,
+};
+
+/// Vertical angle of view in radians.
+const ANGLE: f64 = 0.6;
+
+/// What a picture is drawn from.
+#[derive(Debug)]
+pub(super) struct Drawn<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) buffers: &'a SceneBuffers,
+    /// The group of all probes, if there are glossy parts.
+    pub(super) lives: Option<&'a wgpu::BindGroup>,
+}
+
+/// Pipelines of pictures.
+#[derive(Debug)]
+pub(super) struct Pictures {
+    frame: wgpu::Buffer,
+    frame_group: wgpu::BindGroup,
+    matte: wgpu::RenderPipeline,
+    cover: wgpu::RenderPipeline,
+    glossy: wgpu::RenderPipeline,
+}
+
+impl Pictures {
+    pub(super) fn new(
+        context: &Context,
+        live_layout: &wgpu::BindGroupLayout,
+        buffers: &SceneBuffers,
+    ) -> Self {
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let kinds = [UNIFORM, UNIFORM, storage_binding(true), storage_binding(true)];
+        let frame_layout = group_layout(context, "scene frame", stages, &kinds);
+        let frame = context.uniform("scene frame", &FrameUniform::zeroed());
+        let resources = [&frame, &buffers.light, &buffers.parts, &buffers.texels];
+        let resources = resources.map(wgpu::Buffer::as_entire_binding);
+        let frame_group = group(context, "scene frame", &frame_layout, resources);
+        let module = context.module("view/scene.wgsl");
+        let groups = [&frame_layout, live_layout];
+        let build = |vertex, fragment, groups: &[&wgpu::BindGroupLayout], depth, blend| {
+            pipeline(context, &module, [vertex, fragment], groups, depth, blend)
+        };
+        let (less, equal) = (wgpu::CompareFunction::Less, wgpu::CompareFunction::Equal);
+        Self {
+            matte: build("matte_corner", "matte", &groups[..1], less, None),
+            cover: build("glossy_corner", "cover_glossy", &groups[..1], less, None),
+            glossy: build("glossy_corner", "glossy", &groups, equal, Some(added())),
+            frame,
+            frame_group,
+        }
+    }
+
+    /// Writes the uniform of a picture `aspect` times as wide as high, of probes at `centres`.
+    pub(super) fn set_frame(
+        &self,
+        context: &Context,
+        look: &SceneLook,
+        aspect: f64,
+        bounds: &Bounds,
+        centres: &[DVec3],
+    ) {
+        let three = |v: DVec3| v.as_vec3().to_array();
+        let frame = look.camera.frame(aspect, field_of_angle(ANGLE));
+        let Bounds { low, high, radius } = *bounds;
+        let mut positions = [[0.0; 4]; MAX_PROBES];
+        for (place, centre) in positions.iter_mut().zip(centres) {
+            *place = centre.as_vec3().extend(0.0).to_array();
+        }
+        let uniform = FrameUniform {
+            clip_from_world: frame.clip_from_world.as_mat4().to_cols_array_2d(),
+            eye: three(frame.eye),
+            exposure: look.exposure.exp2() as f32,
+            low: three(low),
+            proxy: look.proxy as u32,
+            high: three(high),
+            probes: centres.len() as u32,
+            sphere: (0.5 * (low + high)).as_vec3().extend(radius as f32).to_array(),
+            centres: positions,
+        };
+        context.queue().write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+    }
+
+    /// Records the pass that draws a scene into `targets`.
+    pub(super) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        Drawn { scene, buffers, lives }: &Drawn<'_>,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        let depth = Some((&targets.depth, wgpu::StoreOp::Discard));
+        let mut pass = draw_pass(encoder, "picture", &targets.picture, true, depth, timestamp_writes);
+        pass.set_vertex_buffer(0, buffers.corners.slice(..));
+        pass.set_index_buffer(buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_bind_group(0, &self.frame_group, &[]);
+        let all = scene.indices.len() as u32;
+        let matte = scene.parts.get(scene.glossy().start).map_or(all, |part| part.indices.start);
+        pass.set_pipeline(&self.matte);
+        pass.draw_indexed(0..matte, 0, 0..1);
+        pass.set_pipeline(&self.cover);
+        pass.draw_indexed(matte..all, 0, 0..1);
+        if let Some(lives) = lives {
+            pass.set_pipeline(&self.glossy);
+            pass.set_bind_group(1, *lives, &[]);
+            pass.draw_indexed(matte..all, 0, 0..1);
+        }
+    }
+}
+
+fn pipeline(
+    context: &Context,
+    module: &wgpu::ShaderModule,
+    entries: [&str; 2],
+    groups: &[&wgpu::BindGroupLayout],
+    compare: wgpu::CompareFunction,
+    blend: Option<wgpu::BlendState>,
+) -> wgpu::RenderPipeline {
+    let layout = pipeline_layout(context, entries[1], groups.iter().copied());
+    let attribute =
+        |shader_location, offset, format| wgpu::VertexAttribute { format, offset, shader_location };
+    let three = wgpu::VertexFormat::Float32x3;
+    let attributes = [
+        attribute(0, 0, three),
+        attribute(1, 12, wgpu::VertexFormat::Uint32),
+        attribute(2, 16, three),
+        attribute(3, 32, three),
+        attribute(4, 48, three),
+        attribute(5, 28, wgpu::VertexFormat::Float32),
+        attribute(6, 44, wgpu::VertexFormat::Float32),
+    ];
+    let corners = wgpu::VertexBufferLayout {
+        array_stride: size_of::<SceneCorner>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &attributes,
+    };
+    Draw {
+        module,
+        entries,
+        layout: Some(&layout),
+        corners: Some(corners),
+        target: wgpu::ColorTargetState { format: PICTURE, blend, write_mask: wgpu::ColorWrites::ALL },
+        depth: Some((blend.is_none(), compare)),
+    }
+    .pipeline(context)
+}

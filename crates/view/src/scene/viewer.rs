@@ -1,0 +1,391 @@
+//! A scene in a window or a page: time, and the probes' turns.
+
+use super::content::Scene;
+use super::look::SceneLook;
+use super::panel::{Controls, Status, panel};
+use super::renderer::{ROUNDS, SceneRenderer, SceneSettings, Times};
+use super::schedule::Schedule;
+use crate::interface::later::{Later, later};
+use crate::interface::panel::WIDTH;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::interface::window::open;
+use crate::interface::window::{FromStart, WindowContent, beside_panel};
+use crate::look::camera::Camera;
+use crate::picture::present::{Display, Viewport};
+use egui::{ScrollArea, Ui};
+use octagloss_core::common::error::Result;
+use octagloss_gpu::Context;
+use octagloss_gpu::device::readback;
+use octagloss_mesh::Mesh;
+use std::path::Path;
+use std::time::Duration;
+use web_time::Instant;
+
+/// Target time of a frame.
+const FRAME: Duration = Duration::from_millis(40);
+
+/// Greatest pixels per sample along an edge.
+const COARSEST: f64 = 10.0;
+
+/// Interval between measurements of the passes' times.
+const TIMES: Duration = Duration::from_millis(500);
+
+/// Budget of the probes in milliseconds, once it is chosen.
+const BUDGET: f64 = 4.0;
+
+/// Initial content of a window that shows a scene.
+#[derive(Debug)]
+pub struct SceneStart {
+    /// The scene.
+    pub scene: Scene,
+    /// Its name.
+    pub name: String,
+    /// The initial look.
+    pub look: SceneLook,
+    /// How the probes are drawn.
+    pub settings: SceneSettings,
+    /// Time at the beginning, in seconds.
+    pub time: f64,
+    /// Seconds of a frame for the probes; `None` updates all in every frame.
+    pub budget: Option<f64>,
+    /// Part of the GPU's name; `None` selects the best that can present.
+    pub adapter: Option<String>,
+    /// Window size in points.
+    pub size: (u32, u32),
+}
+
+/// Opens a window with a scene and runs its event loop until it is closed.
+///
+/// # Errors
+/// [`octagloss_core::common::error::Error::Gpu`] if no window or no device is available, [`octagloss_core::common::error::Error::Limit`] if the scene does
+/// not fit it.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn run_scene(start: SceneStart) -> Result<()> {
+    let (name, size) = (start.name.clone(), start.size);
+    open::<SceneViewer>(start, &name, size)
+}
+
+/// What the maps of the probes depend on: settings, time and roughness.
+type Maps = (SceneSettings, f64, Option<f64>);
+
+/// State of the content.
+#[derive(Debug)]
+pub(crate) struct SceneViewer {
+    renderer: SceneRenderer,
+    /// What the panel selects; the renderer has the settings that worked last.
+    controls: Controls,
+    first_camera: Camera,
+    name: String,
+    adapter: String,
+    message: Option<String>,
+    panel_hidden: bool,
+    schedule: Schedule,
+    /// What the maps show, and the updates until they show reflections of reflections of it.
+    maps: Option<Maps>,
+    due: usize,
+    /// Probes updated in the last frame.
+    updated: usize,
+    times: Times,
+    pending_times: Option<Later<Times>>,
+    measured: Option<Instant>,
+    /// In a browser, the GPU's work of the last frame: nothing else keeps frames from piling up.
+    submitted: Option<Later<()>>,
+    last_frame: Instant,
+    /// Duration of the last frame, if frames follow each other.
+    passed: Duration,
+    /// Pixels per sample along an edge.
+    coarseness: f64,
+    /// What the last frame drew: look, maps, and samples.
+    drawn: Option<(SceneLook, Maps, (u32, u32))>,
+}
+
+/// What the page reads and changes.
+#[cfg(target_arch = "wasm32")]
+impl SceneViewer {
+    /// What the panel selects.
+    pub(crate) const fn controls(&self) -> Controls {
+        self.controls
+    }
+
+    /// Changes what the panel selects.
+    ///
+    /// # Errors
+    /// [`octagloss_core::common::error::Error::Parameter`] naming a value and its range, [`octagloss_core::common::error::Error::Limit`] for maps that do not
+    /// fit the device; nothing changes then.
+    pub(crate) fn set_controls(&mut self, mut controls: Controls) -> Result<()> {
+        controls.check()?;
+        controls.settings.probes = controls.settings.probes.min(self.renderer.scene().glossy_parts());
+        self.configure(controls.settings)?;
+        self.controls = controls;
+        Ok(())
+    }
+
+    /// Name of the scene.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The message to the user, if any.
+    pub(crate) fn message(&self) -> Option<&str> {
+        self.message.as_deref()
+    }
+
+    /// Triangles of the scene.
+    pub(crate) fn triangles(&self) -> usize {
+        self.renderer.triangles()
+    }
+
+    /// Passes and their times in seconds, as last measured.
+    pub(crate) fn times(&self) -> &[(&'static str, f64)] {
+        &self.times
+    }
+}
+
+impl SceneViewer {
+    /// Samples of the current picture, columns and rows.
+    pub(crate) fn picture_size(&self) -> (u32, u32) {
+        self.drawn.map_or((0, 0), |(.., size)| size)
+    }
+
+    fn take_scene(&mut self, path: &Path, mesh: &Mesh) -> Result<()> {
+        let scene = Scene::of_mesh(mesh)?;
+        let (was, first) = (self.renderer.scene().first_look(), scene.first_look());
+        self.renderer = SceneRenderer::new(self.renderer.context().clone(), scene, self.controls.settings)?;
+        self.name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        if first != was {
+            let SceneLook { camera, proxy, .. } = first;
+            self.controls.look = SceneLook { camera, proxy, ..self.controls.look };
+            self.first_camera = camera;
+        }
+        self.schedule = Schedule::default();
+        (self.maps, self.drawn) = (None, None);
+        Ok(())
+    }
+
+    /// Replaces the probes, if `settings` do.
+    fn configure(&mut self, settings: SceneSettings) -> Result<()> {
+        if settings != self.renderer.settings() {
+            self.renderer.configure(settings)?;
+            self.schedule = Schedule::default();
+        }
+        Ok(())
+    }
+
+    const fn shown_maps(&self) -> Maps {
+        (self.controls.settings, self.controls.time, self.controls.look.roughness)
+    }
+
+    fn try_draw(&mut self, full: (u32, u32)) -> Result<()> {
+        if let Some(submitted) = &self.submitted {
+            let done = submitted.borrow_mut().take();
+            let Some(done) = done else { return Ok(()) };
+            self.submitted = None;
+            done?;
+        }
+        if !self.is_busy() && self.picture_size() == full {
+            return Ok(());
+        }
+        let now = Instant::now();
+        self.passed = now - self.last_frame;
+        self.last_frame = now;
+        let moving = self.controls.moving;
+        if moving {
+            // A window that was hidden does not jump.
+            self.controls.time += self.passed.as_secs_f64().min(0.2);
+            let pace = self.passed.as_secs_f64() / FRAME.as_secs_f64();
+            self.coarseness = (self.coarseness * pace.sqrt().clamp(0.9, 1.5)).clamp(1.0, COARSEST);
+        }
+        self.configure(self.controls.settings)?;
+        let maps = self.shown_maps();
+        if self.maps != Some(maps) {
+            self.maps = Some(maps);
+            self.due = ROUNDS * self.renderer.probes();
+        }
+        let Controls { look, time, budget, limited, .. } = self.controls;
+        self.renderer.set_time(time, look.roughness);
+        let side = |pixels: u32| ((f64::from(pixels) / self.coarseness).round() as u32).max(1);
+        let size = if moving { (side(full.0), side(full.1)) } else { full };
+        self.measure(now, size)?;
+        let mut turn = Vec::new();
+        if self.due > 0 {
+            turn = self.schedule.turn(self.renderer.probes(), limited.then_some(budget / 1e3));
+        }
+        self.updated = turn.len();
+        self.due = self.due.saturating_sub(turn.len());
+        self.renderer.update(&turn)?;
+        self.renderer.draw(&look, size)?;
+        self.drawn = Some((look, maps, size));
+        if cfg!(target_arch = "wasm32") {
+            let context = self.renderer.context().clone();
+            let done = async move { readback::finished(&context).await };
+            self.submitted = Some(later(self.renderer.context(), done));
+        }
+        Ok(())
+    }
+
+    /// Measures the passes at intervals, where the panel shows them or a budget needs them.
+    fn measure(&mut self, now: Instant, size: (u32, u32)) -> Result<()> {
+        let Controls { look, timing, limited, .. } = self.controls;
+        if let Some(pending) = &self.pending_times {
+            let taken = pending.borrow_mut().take();
+            let Some(times) = taken else { return Ok(()) };
+            self.pending_times = None;
+            self.times = times?;
+            let probe = self.times.iter().filter(|(label, _)| *label != "picture");
+            self.schedule.seconds = Some(probe.map(|(_, seconds)| seconds).sum());
+        }
+        let due = self.measured.is_none_or(|measured| now - measured > TIMES);
+        if !due || !(timing || limited) {
+            return Ok(());
+        }
+        self.measured = Some(now);
+        let context = self.renderer.context().clone();
+        let measurable = context.device().features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        if !(timing || measurable) {
+            // Without timestamps, from submission to completion.
+            self.pending_times = Some(later(&context, self.renderer.update_time()?));
+            return Ok(());
+        }
+        match self.renderer.times(&look, size) {
+            Ok(times) => self.pending_times = Some(later(&context, times)),
+            Err(error) => {
+                self.controls.timing = false;
+                return Err(error);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FromStart for SceneViewer {
+    type Start = SceneStart;
+
+    fn adapter(start: &SceneStart) -> Option<&str> {
+        start.adapter.as_deref()
+    }
+
+    fn new(context: Context, start: SceneStart) -> Result<Self> {
+        let SceneStart { scene, name, look, settings, time, budget, .. } = start;
+        let settings = SceneSettings { probes: settings.probes.min(scene.glossy_parts()), ..settings };
+        Ok(Self {
+            adapter: context.describe(),
+            renderer: SceneRenderer::new(context, scene, settings)?,
+            controls: Controls {
+                look,
+                settings,
+                time,
+                moving: true,
+                budget: budget.map_or(BUDGET, |seconds| 1e3 * seconds),
+                limited: budget.is_some(),
+                timing: false,
+            },
+            first_camera: look.camera,
+            name,
+            message: None,
+            panel_hidden: false,
+            schedule: Schedule::default(),
+            maps: None,
+            due: 0,
+            updated: 0,
+            times: Times::new(),
+            pending_times: None,
+            measured: None,
+            submitted: None,
+            last_frame: Instant::now(),
+            passed: Duration::ZERO,
+            coarseness: 1.0,
+            drawn: None,
+        })
+    }
+
+    fn content(&mut self) -> &mut dyn WindowContent {
+        self
+    }
+}
+
+impl WindowContent for SceneViewer {
+    fn context(&self) -> &Context {
+        self.renderer.context()
+    }
+
+    fn interface(&mut self, ui: &mut Ui, (width, height): (u32, u32)) -> Viewport {
+        if self.panel_hidden {
+            return Viewport { x: 0, y: 0, width, height };
+        }
+        let status = Status {
+            name: &self.name,
+            adapter: &self.adapter,
+            message: self.message.as_deref(),
+            glossy: self.renderer.scene().glossy_parts(),
+            triangles: self.renderer.triangles(),
+            updated: [self.updated, self.renderer.probes()],
+            frame: self.passed.as_secs_f64(),
+            times: &self.times,
+        };
+        let shown = egui::Panel::left("panel")
+            .exact_size(WIDTH)
+            .resizable(false)
+            .show(ui, |ui| ScrollArea::vertical().show(ui, |ui| panel(ui, &mut self.controls, &status)));
+        beside_panel(ui, shown.response.rect.right(), (width, height))
+    }
+
+    fn draw(&mut self, full: (u32, u32)) {
+        if !self.is_busy() && self.picture_size() == full {
+            return;
+        }
+        if let Err(error) = self.try_draw(full) {
+            // Do not retry before something changes.
+            self.message = Some(error.to_string());
+            self.controls.settings = self.renderer.settings();
+            self.controls.moving = false;
+            let maps = self.shown_maps();
+            (self.maps, self.due) = (Some(maps), 0);
+            self.drawn = Some((self.controls.look, maps, full));
+        }
+    }
+
+    fn present(&mut self, display: Display<'_>) {
+        if self.renderer.has_picture() {
+            self.renderer.present(display, self.controls.look.tone);
+        }
+    }
+
+    fn is_busy(&self) -> bool {
+        let shown = (self.controls.look, self.shown_maps());
+        let settled = self.drawn.is_some_and(|(look, maps, _)| (look, maps) == shown);
+        self.controls.moving || self.controls.timing || self.due > 0 || self.submitted.is_some() || !settled
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn open(&mut self, path: &Path, bytes: &[u8]) {
+        let taken = Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_scene(path, &mesh));
+        self.message = taken.err().map(|error| error.to_string());
+    }
+
+    fn open_file(&mut self, path: &Path) {
+        let taken = Mesh::read(path).and_then(|mesh| self.take_scene(path, &mesh));
+        self.message = taken.err().map(|error| error.to_string());
+    }
+
+    fn camera(&mut self) -> &mut Camera {
+        &mut self.controls.look.camera
+    }
+
+    fn reset_camera(&mut self) {
+        self.controls.look.camera = self.first_camera;
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn has_panel(&self) -> bool {
+        !self.panel_hidden
+    }
+
+    fn toggle_panel(&mut self) {
+        self.panel_hidden = !self.panel_hidden;
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn show_message(&mut self, message: String) {
+        self.message = Some(message);
+    }
+}

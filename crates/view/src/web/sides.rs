@@ -1,0 +1,91 @@
+//! The sides of the page: objects under an environment, and a moving scene.
+
+use super::super::scene::{Scene, SceneSettings, SceneStart, SceneViewer};
+use crate::interface::viewer::Viewer;
+use crate::interface::window::{FromStart, Start, WindowContent};
+use octagloss_core::common::error::Result;
+use octagloss_core::common::names::named;
+use octagloss_gpu::Context;
+
+/// A side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SideName {
+    /// Objects under an environment.
+    View,
+    /// A moving scene.
+    Scene,
+}
+
+named!(SideName { View = "view", Scene = "scene" });
+
+/// Both sides, of which one is shown.
+#[derive(Debug)]
+pub(super) struct Sides {
+    viewer: Viewer,
+    /// Created when it is first shown.
+    scene: Option<SceneViewer>,
+    side: SideName,
+}
+
+/// The side that is shown.
+pub(super) enum Side<'a> {
+    View(&'a mut Viewer),
+    Scene(&'a mut SceneViewer),
+}
+
+impl Sides {
+    /// Shows `side`, with or without the panel as before.
+    ///
+    /// # Errors
+    /// [`octagloss_core::common::error::Error::Limit`] if the built-in scene does not fit the device; the side stays.
+    pub(super) fn show(&mut self, side: SideName) -> Result<()> {
+        let had_panel = self.content().has_panel();
+        if side == SideName::Scene && self.scene.is_none() {
+            let scene = Scene::gallery()?;
+            let start = SceneStart {
+                look: scene.first_look(),
+                scene,
+                name: "scene".to_owned(),
+                settings: SceneSettings::default(),
+                time: 0.0,
+                budget: None,
+                adapter: None,
+                size: (0, 0),
+            };
+            self.scene = Some(SceneViewer::new(self.viewer.context().clone(), start)?);
+        }
+        self.side = side;
+        if self.content().has_panel() != had_panel {
+            self.content().toggle_panel();
+        }
+        Ok(())
+    }
+
+    /// The side that is shown.
+    pub(super) const fn shown(&mut self) -> Side<'_> {
+        match (self.side, &mut self.scene) {
+            (SideName::Scene, Some(scene)) => Side::Scene(scene),
+            _ => Side::View(&mut self.viewer),
+        }
+    }
+}
+
+impl FromStart for Sides {
+    type Start = Start;
+
+    fn adapter(start: &Start) -> Option<&str> {
+        Viewer::adapter(start)
+    }
+
+    fn new(context: Context, start: Start) -> Result<Self> {
+        let viewer = Viewer::new(context, start)?;
+        Ok(Self { viewer, scene: None, side: SideName::View })
+    }
+
+    fn content(&mut self) -> &mut dyn WindowContent {
+        match self.shown() {
+            Side::View(viewer) => viewer,
+            Side::Scene(scene) => scene,
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Finds where the reads of isotropic reflections stand and how wide they are: writes
+//! `crates/core/src/pyramid/places/table.rs`.
+//!
+//! ```text
+//! cargo run --release -p octagloss-workbench --example fit_places [STEPS]      # 1500 by default: 80 s on two cores
+//! ```
+//!
+//! It lowers the sum over views of the logarithm of what a node's fit leaves (`Fit` of
+//! `crates/core/src/pyramid/reads.rs`), by Adam (Kingma and Ba 2015).
+
+use octagloss_core::pyramid::Octaves;
+use octagloss_core::pyramid::places::{CONTROLS, NUMBERS, READS, UNITS, from_controls, places, shares};
+use octagloss_core::pyramid::reads::Fit;
+use rayon::prelude::*;
+use std::fmt::Write as _;
+
+/// Views: evenly over the splines, between roughness .06 and 1 and n.v .05 and 1.
+const VIEWS: [u32; 2] = [32, 16];
+
+/// Bends of the splines count so much.
+const STIFFNESS: f64 = 3e-4;
+
+/// Where descent begins: a row of reads, its shift, and logarithms of its step over its least width, of its
+/// bend, of the least width, of how widths grow with the slope, and of how they alternate; as sums of these
+/// numbers times 1, x, x^2, y, x y and y^2, x = ln n.v, y = ln(1 + 6 alpha).
+const ROW: [[f64; 6]; 6] = [
+    [-0.569, -0.487, 0.224, 0.489, -0.222, 0.099],
+    [-0.736, -0.104, 0.179, -0.190, 0.232, -0.115],
+    [-0.659, -0.263, -0.160, -0.887, -0.357, 0.078],
+    [0.015, 0.835, 0.001, -0.154, -0.002, 0.051],
+    [0.243, 0.152, 0.098, 0.212, -0.370, 0.018],
+    [0.298, 0.229, 0.029, 0.000, -0.034, 0.075],
+];
+
+/// The row at a control point.
+fn row(control: usize) -> [f64; NUMBERS] {
+    let place = |at: usize, count: usize| ((at as f64 - 1.0) / (count - 3) as f64).clamp(0.0, 1.0);
+    let across = place(control % CONTROLS[0], CONTROLS[0]);
+    let up = place(control / CONTROLS[0], CONTROLS[1]);
+    let roughness = (11_f64.powf(across) - 1.0) / 10.0;
+    let (x, y) = (0.05_f64.ln() * (1.0 - up), (6.0 * roughness * roughness).ln_1p());
+    let sum = |[a, b, c, d, e, f]: [f64; 6]| a + (b + c * x + e * y) * x + (d + f * y) * y;
+    let [shift, step, bend, width, growth, alternation] = ROW.map(sum);
+    std::array::from_fn(|k| {
+        let read = k % READS;
+        let slope = (width + step - bend).exp() * (bend.exp() * (read as f64 - 4.0 + shift)).sinh();
+        let wider = if read.is_multiple_of(2) { alternation } else { -alternation };
+        if k < READS { slope } else { wider + width + 0.5 * (growth.exp() * slope).powi(2).ln_1p() }
+    })
+}
+
+/// A control point's numbers, and what they become.
+type Controls = Vec<[f64; NUMBERS]>;
+
+fn main() {
+    let steps: i32 = std::env::args().nth(1).and_then(|steps| steps.parse().ok()).unwrap_or(1500);
+    let octaves = Octaves::over(512).expect("a size");
+    let fits: Vec<(Fit, f64, f64)> = (0..VIEWS[0] * VIEWS[1])
+        .into_par_iter()
+        .map(|k| {
+            let [x, y] = [k % VIEWS[0], k / VIEWS[0]];
+            let [x, y] = [(x, VIEWS[0]), (y, VIEWS[1])].map(|(x, n)| f64::from(x) / f64::from(n - 1));
+            let least = 1.6_f64.ln() / 11_f64.ln();
+            let roughness = (11_f64.powf(least + (1.0 - least) * x) - 1.0) / 10.0;
+            let cosine = 0.05_f64.powf(0.98 * (1.0 - y)).min(0.995);
+            (Fit::new(octaves, roughness, cosine), roughness, cosine)
+        })
+        .collect();
+    let errors =
+        fits.par_iter().map(|(fit, roughness, cosine)| fit.slopes(&places(*roughness, *cosine)).0.ln());
+    println!("the table so far: {:.4}", errors.sum::<f64>() / fits.len() as f64);
+    let mut controls: Controls = (0..CONTROLS[0] * CONTROLS[1]).map(row).collect();
+    let mut moments: Vec<[[f64; 2]; NUMBERS]> = vec![[[0.0; 2]; NUMBERS]; controls.len()];
+    for step in 1..=steps {
+        let slopes: Vec<(f64, [f64; NUMBERS])> = fits
+            .par_iter()
+            .map(|(fit, roughness, cosine)| {
+                fit.slopes(&from_controls(|control| controls[control], *roughness, *cosine))
+            })
+            .collect();
+        let mut down = bends(&controls);
+        let mut sum = 0.0;
+        for ((error, slopes), (_, roughness, cosine)) in slopes.iter().zip(&fits) {
+            sum += error.ln();
+            for (control, share) in shares(*roughness, *cosine) {
+                down[control].iter_mut().zip(slopes).for_each(|(down, slope)| *down += share * slope / error);
+            }
+        }
+        let rate = 0.02 * (0.02_f64).powf(f64::from(step) / f64::from(steps));
+        for (control, (moments, down)) in controls.iter_mut().zip(moments.iter_mut().zip(&down)) {
+            for (number, ([mean, square], down)) in control.iter_mut().zip(moments.iter_mut().zip(down)) {
+                *mean = 0.9 * *mean + 0.1 * down;
+                *square = 0.999 * *square + 0.001 * down * down;
+                let [mean, square] =
+                    [*mean / (1.0 - 0.9_f64.powi(step)), *square / (1.0 - 0.999_f64.powi(step))];
+                *number -= rate * mean / (square.sqrt() + 1e-12);
+            }
+        }
+        if step % 50 == 0 {
+            println!("{step}: {:.4}", sum / fits.len() as f64);
+        }
+    }
+    std::fs::write("crates/core/src/pyramid/places/table.rs", text(&controls)).expect("a file");
+}
+
+/// Slopes of the splines' bends: squared second differences along both axes.
+fn bends(controls: &Controls) -> Controls {
+    let mut down = vec![[0.0; NUMBERS]; controls.len()];
+    let [across, up] = CONTROLS;
+    for k in 0..controls.len() {
+        let inner = [(k % across, across, 1), (k / across, up, across)];
+        for (_, _, step) in inner.into_iter().filter(|(at, count, _)| (1..count - 1).contains(at)) {
+            for c in 0..NUMBERS {
+                let bend = controls[k - step][c] - 2.0 * controls[k][c] + controls[k + step][c];
+                down[k - step][c] += 2.0 * STIFFNESS * bend;
+                down[k][c] -= 4.0 * STIFFNESS * bend;
+                down[k + step][c] += 2.0 * STIFFNESS * bend;
+            }
+        }
+    }
+    down
+}
+
+/// The table as Rust.
+fn text(controls: &Controls) -> String {
+    let [across, up] = CONTROLS;
+    let mut text = format!(
+        "//! Made by `examples/fit_places.rs`.\n\nuse super::NUMBERS;\n\n\
+         /// Control points over roughness and over n.v.\n\
+         pub const CONTROLS: [usize; 2] = [{across}, {up}];\n\n\
+         /// Numbers of the control points, those of the least n.v first, in thousandths.\n\
+         #[rustfmt::skip]\n\
+         pub const TABLE: [[i16; NUMBERS]; CONTROLS[0] * CONTROLS[1]] = [\n"
+    );
+    for control in controls {
+        let numbers = control.map(|number| ((number * UNITS).round() as i16).to_string());
+        writeln!(text, "    [{}],", numbers.join(",")).expect("text");
+    }
+    text + "];\n"
+}

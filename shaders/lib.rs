@@ -1,0 +1,161 @@
+//! The shaders of octagloss as text: plain WGSL files. A line `#include "common/name.wgsl"` inserts that
+//! file, once per shader.
+
+pub mod names;
+
+use names::prefixed;
+use std::borrow::Cow;
+
+macro_rules! files {
+    ($($path:literal),* $(,)?) => {
+        [$(($path, include_str!($path))),*]
+    };
+}
+
+/// Every file under `shaders/`, by its path there.
+pub const FILES: &[(&str, &str)] = &files![
+    "common/anisotropic.wgsl",
+    "common/bordered.wgsl",
+    "common/charlie.wgsl",
+    "common/direct.wgsl",
+    "common/direction.wgsl",
+    "common/direct_view.wgsl",
+    "common/fixed_point.wgsl",
+    "common/harmonics.wgsl",
+    "common/kernel.wgsl",
+    "common/luminance.wgsl",
+    "common/octahedral.wgsl",
+    "common/octants.wgsl",
+    "common/oem_lookup.wgsl",
+    "common/plane.wgsl",
+    "common/pyramid.wgsl",
+    "common/pyramid_file.wgsl",
+    "common/pyramid_group.wgsl",
+    "common/pyramid_maps.wgsl",
+    "common/light.wgsl",
+    "common/quad.wgsl",
+    "common/reduce.wgsl",
+    "common/reduction.wgsl",
+    "common/reflect.wgsl",
+    "common/reflect_maps.wgsl",
+    "common/rows.wgsl",
+    "common/sat.wgsl",
+    "common/scan.wgsl",
+    "common/shadow.wgsl",
+    "common/source_pieces.wgsl",
+    "common/tints.wgsl",
+    "common/sum.wgsl",
+    "common/table.wgsl",
+    "common/u64.wgsl",
+    "common/view_draw.wgsl",
+    "common/view_parts.wgsl",
+    "common/view_scene.wgsl",
+    "common/view_split.wgsl",
+    "common/view_texture.wgsl",
+    "adaptive.wgsl",
+    "box_filter.wgsl",
+    "cells.wgsl",
+    "copy.wgsl",
+    "direct/cull.wgsl",
+    "direct/draw.wgsl",
+    "direct/offsets.wgsl",
+    "direct/split.wgsl",
+    "direct/unwrap.wgsl",
+    "fixed_point.wgsl",
+    "lamp.wgsl",
+    "least.wgsl",
+    "pack.wgsl",
+    "pyramid/cells.wgsl",
+    "pyramid/levels.wgsl",
+    "pyramid/query.wgsl",
+    "pyramid/suns.wgsl",
+    "reparameterise.wgsl",
+    "sat_f32.wgsl",
+    "sat_hensley.wgsl",
+    "sat_scan.wgsl",
+    "view/box.wgsl",
+    "view/levels.wgsl",
+    "view/present.wgsl",
+    "view/pyramid.wgsl",
+    "view/reflect.wgsl",
+    "view/scene.wgsl",
+    "view/scene_pose.wgsl",
+    "view/truth.wgsl",
+];
+
+/// Shader code for reading octahedral maps and pyramids, by file name.
+pub const READERS: [(&str, &str); 6] = [
+    ("oem.wgsl", include_str!("readers/oem.wgsl")),
+    ("oem.glsl", include_str!("readers/oem.glsl")),
+    ("oem.hlsl", include_str!("readers/oem.hlsl")),
+    ("pyramid.glsl", include_str!("readers/pyramid.glsl")),
+    ("pyramid.hlsl", include_str!("readers/pyramid.hlsl")),
+    ("pyramid.metal", include_str!("readers/pyramid.metal")),
+];
+
+/// The file of that name of [`READERS`], or `pyramid.wgsl`, which is made of the shaders.
+pub fn reader(name: &str) -> Option<Cow<'static, str>> {
+    if name == "pyramid.wgsl" {
+        return Some(pyramid_wgsl().into());
+    }
+    READERS.iter().find(|(own, _)| *own == name).map(|(_, code)| (*code).into())
+}
+
+/// The text of `path` with its includes resolved. Each file appears once, before the files that include it.
+///
+/// # Panics
+/// If the file does not exist; names are literals of this crate.
+#[must_use]
+pub fn source(path: &str) -> String {
+    let mut text = String::new();
+    append(path, &mut Vec::new(), &mut text);
+    text
+}
+
+fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
+    if included.iter().any(|done| done == path) {
+        return;
+    }
+    included.push(path.to_owned());
+    let (_, content) = FILES.iter().find(|(name, _)| *name == path).expect("a file under shaders/");
+    for line in content.lines() {
+        match line.strip_prefix("#include \"").and_then(|rest| rest.strip_suffix('"')) {
+            Some(included_path) => append(included_path, included, text),
+            None => {
+                text.push_str(line);
+                text.push('\n');
+            }
+        }
+    }
+}
+
+/// WGSL for callers' shaders: the file `path` with its includes, and its `resources` at their bindings of
+/// group `group`. Whatever lacks our prefix at module scope gets `prefix`, which begins with it.
+pub fn for_callers(path: &str, resources: &[&str], group: u32, prefix: &str) -> String {
+    let declare =
+        |(binding, resource): (u32, &&str)| format!("@group({group}) @binding({binding}) {resource};\n");
+    let declared: String = (0..).zip(resources).map(declare).collect();
+    prefixed(&(declared + &source(path)), prefix)
+}
+
+/// How the look-ups of files are used.
+const READER: &str = "\
+// Reads files of `octagloss bake --target pyramid`: reflections of any roughness and view, and irradiance.
+// octagloss_lights holds the 256 floats `uniform` of NAME_pyramid.json, octagloss_maps NAME_pyramid.ktx2,
+// octagloss_tables pyramid_tables.ktx2, octagloss_rows pyramid_rows.ktx2, of which isotropic reflections read
+// nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
+// Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
+// octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
+";
+
+/// WGSL of the look-ups of pyramids in files, with their resources in group 0.
+fn pyramid_wgsl() -> String {
+    let resources = [
+        "var<uniform> octagloss_lights: array<OctaglossLight, 1>",
+        "var octagloss_maps: texture_2d_array<f32>",
+        "var octagloss_tables: texture_2d<f32>",
+        "var octagloss_linear: sampler",
+        "var octagloss_rows: texture_3d<f32>",
+    ];
+    READER.to_owned() + &for_callers("common/pyramid_file.wgsl", &resources, 0, "octagloss")
+}

@@ -1,0 +1,4 @@
+//! Measurements.
+
+mod extraction;
+pub(super) mod oracle;

@@ -1,0 +1,5 @@
+//! The stages of the CPU engine.
+
+pub(super) mod adaptive;
+mod continuity;
+mod reflections;

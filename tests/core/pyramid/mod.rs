@@ -1,0 +1,271 @@
+//! The pyramid: the table's invariants, levels against exhaustive Gaussians, and look-ups against the oracle.
+
+mod reflection;
+
+use glam::DVec3;
+use octagloss_core::analysis::oracle;
+use octagloss_core::light::environment::Layout;
+use octagloss_core::light::oem::{Oem, OemSize};
+use octagloss_core::lobe::{self, Lobe};
+use octagloss_core::pyramid::fit::{
+    INTERVALS, READS, WEIGHTS, fitted, functions, gaussian, roughness_of, table, weights_at,
+};
+use octagloss_core::pyramid::levels::taps;
+use octagloss_core::pyramid::suns::{COUNT, Sun};
+use octagloss_core::pyramid::{Octaves, Pyramid};
+use octagloss_core::sphere::octahedral::{direction_from_oct, texel_centre};
+use octagloss_fixtures::common::{Look, Random, environment, oem, texels};
+use std::f64::consts::PI;
+
+const SIZES: [u32; 4] = [32, 128, 512, 1024];
+
+/// The place of the harmonics, which are no reads.
+const ORDERS: usize = 10;
+
+/// The lobe of `weights` at 1 - cos(theta) = `c`.
+fn lobe_of(octaves: Octaves, weights: [f32; WEIGHTS], c: f64) -> f64 {
+    functions(octaves, c).into_iter().zip(weights).take(WEIGHTS - 1).map(|(f, w)| f * f64::from(w)).sum()
+}
+
+/// Values of 1 - cos(theta), dense where lobes bend.
+fn rings(octaves: Octaves) -> Vec<f64> {
+    let least = octaves.mirror_width() / 30.0;
+    let angles = (0..300).map(|k| least * (PI / least).powf(f64::from(k) / 299.0));
+    std::iter::once(0.0).chain(angles.map(|angle| 1.0 - angle.cos())).collect()
+}
+
+#[test]
+fn lobes_keep_energy_read_little_and_are_never_dark() {
+    for octaves in SIZES.map(|size| Octaves::over(size).expect("a size")) {
+        let nodes = table(octaves);
+        assert_eq!(nodes.len(), INTERVALS as usize + 1, "nodes");
+        for pair in nodes.windows(2) {
+            let reads = (0..ORDERS).filter(|k| pair.iter().any(|weights| weights[*k] != 0.0)).count();
+            assert!((1..=READS).contains(&reads), "{reads} reads");
+        }
+        for (node, weights) in (0_u32..).zip(&nodes) {
+            let sum: f32 = weights[..=ORDERS].iter().sum();
+            assert!((sum - 1.0).abs() < 1e-5, "node {node}: weights sum to {sum}");
+            let most = weights[..WEIGHTS - 1].iter().fold(0.0_f32, |most, weight| most.max(weight.abs()));
+            assert!(most < 1.2, "node {node}: a weight of {most}");
+            let least = rings(octaves).into_iter().map(|c| lobe_of(octaves, *weights, c));
+            let least = 4.0 * PI * least.fold(f64::INFINITY, f64::min);
+            assert!(least >= -0.01, "{}, node {node}: {least} of the mean", octaves.inner());
+        }
+        let mut mirror = [0.0; WEIGHTS];
+        mirror[0] = 1.0;
+        assert_eq!(
+            weights_at(octaves, 0.0)[..WEIGHTS - 1],
+            mirror[..WEIGHTS - 1],
+            "roughness 0 is the mirror"
+        );
+        // The last node is reached, to the rounding of a logarithm.
+        let last = nodes[INTERVALS as usize];
+        let off = weights_at(octaves, 1.0).iter().zip(last).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-4, "roughness 1 is off by {off}");
+    }
+}
+
+#[test]
+fn the_table_interpolates_and_its_weights_do_not_jump() {
+    for octaves in SIZES.map(|size| Octaves::over(size).expect("a size")) {
+        let mut worst = (0.0, 0.0);
+        for place in (0..INTERVALS).map(|node| f64::from(node) + 0.5) {
+            let roughness = roughness_of(place);
+            let (own, between) = (fitted(octaves, roughness), weights_at(octaves, roughness as f32));
+            let peak = lobe_of(octaves, own, 0.0);
+            for c in rings(octaves) {
+                let off = (lobe_of(octaves, own, c) - lobe_of(octaves, between, c)).abs() / peak;
+                if off > worst.0 {
+                    worst = (off, roughness);
+                }
+            }
+        }
+        let inner = octaves.inner();
+        assert!(worst.0 <= 1e-3, "{inner}: off by {} of the peak at roughness {}", worst.0, worst.1);
+        for (node, pair) in table(octaves).windows(2).enumerate() {
+            let step = pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(step < 0.06, "{inner}, node {node}: a weight jumps by {step}");
+        }
+    }
+}
+
+#[test]
+fn lobes_are_those_of_ggx() {
+    let octaves = Octaves::over(512).expect("a size");
+    for (roughness, allowed) in
+        [(0.12, 0.02), (0.15, 0.015), (0.2, 0.015), (0.3, 0.02), (0.5, 0.02), (1.0, 0.005)]
+    {
+        let weights = weights_at(octaves, roughness);
+        let alpha = f64::from(roughness * roughness);
+        let (mut error, mut square) = (0.0, 0.0);
+        for pair in rings(octaves).windows(2) {
+            let (c, area) = (f64::midpoint(pair[0], pair[1]), pair[1] - pair[0]);
+            if c < 1.0 - (6.0 * alpha).min(PI).cos() {
+                let truth = lobe::kernel(Lobe::Ggx, alpha, c / 2.0) / lobe::kernel_integral(Lobe::Ggx, alpha);
+                error += area * (lobe_of(octaves, weights, c) - truth).powi(2);
+                square += area * truth * truth;
+            }
+        }
+        let epsilon = (error / square).sqrt();
+        assert!(epsilon < allowed, "roughness {roughness}: epsilon {epsilon}");
+    }
+}
+
+#[test]
+fn reads_have_the_moments_of_a_gaussian() {
+    let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
+        taps().iter().map(|(at, weight)| f64::from(*weight) * f(f64::from(at.x), f64::from(at.y))).sum()
+    };
+    assert!((sum(&|_, _| 1.0) - 1.0).abs() < 1e-6, "all of the light");
+    assert!(sum(&|x, _| x).abs() < 1e-6 && sum(&|_, y| y).abs() < 1e-6, "no shift");
+    assert!((sum(&|x, _| x * x) - 1.0).abs() < 0.02, "a variance of 1");
+    assert!((sum(&|x, y| x * x - y * y)).abs() < 1e-6 && sum(&|x, y| x * y).abs() < 1e-6, "round");
+}
+
+fn map_of(size: u32, seed: u64, look: Look) -> (octagloss_core::light::environment::Environment, Oem) {
+    let layout = Layout::Octahedral { size };
+    let texels = texels(&mut Random::new(seed), look, layout);
+    (environment(layout, texels.clone()), oem(OemSize { inner: size, border: 0 }, &texels))
+}
+
+/// Exhaustive sums of `oem` under a Gaussian lobe.
+fn under_gaussian(oem: &Oem, width: f64, direction: DVec3) -> DVec3 {
+    let inner = oem.size().inner;
+    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+    for (k, [r, g, b, w]) in (0..).zip(oem.square()) {
+        let to = direction_from_oct(texel_centre(inner, k % inner, k / inner));
+        let weight = gaussian(width, 1.0 - to.dot(direction));
+        sum += weight * DVec3::new(f64::from(*r), f64::from(*g), f64::from(*b));
+        total += weight * f64::from(*w);
+    }
+    sum / total
+}
+
+#[test]
+fn reads_of_levels_are_gaussians() {
+    let (_, oem) = map_of(128, 3, Look::Noise);
+    let pyramid = Pyramid::of_oem(&oem).expect("a size");
+    // Noise over four decades, clamped below the suns: compare with the same clamp.
+    let clamp = pyramid.suns().clamp;
+    let rest: Vec<_> = oem
+        .square()
+        .map(|[r, g, b, w]| {
+            let kept = (clamp / (r.max(*g).max(*b) / w)).min(1.0);
+            [r * kept, g * kept, b * kept, *w]
+        })
+        .collect();
+    let rest = Oem::from_square(oem.size(), rest);
+    let octaves = Octaves::over(128).expect("a size");
+    let scale = f64::from(pyramid.exponent()).exp2();
+    let mut random = Random::new(4);
+    for level in 0..octaves.count() {
+        let (mut error, mut square) = (0.0, 0.0);
+        for _ in 0..200 {
+            let direction = random.direction();
+            let truth = under_gaussian(&rest, octaves.width(level), direction);
+            let found = pyramid.maps()[2 + level as usize].around(direction).as_dvec3() * scale;
+            error += (found - truth).length_squared();
+            square += truth.length_squared();
+        }
+        let relative = (error / square).sqrt();
+        assert!(relative < 0.02, "level {level}: off by {relative}");
+    }
+}
+
+fn energy_of(sun: &Sun) -> f32 {
+    sun.channels.iter().map(|channel| channel.energy).sum()
+}
+
+#[test]
+fn a_constant_sky_is_constant_and_has_no_suns() {
+    for brightness in [1e-30_f32, 1e-5, 1.0, 6e4, 1e30] {
+        let texels = vec![[brightness, 0.5 * brightness, 0.0]; 64 * 64];
+        let pyramid = Pyramid::of_oem(&oem(OemSize { inner: 64, border: 0 }, &texels)).expect("a size");
+        // Rounding leaves differences between texels that are equal.
+        let energy: f32 = pyramid.suns().suns.iter().map(energy_of).sum();
+        assert!(energy <= 1e-5 * brightness, "{energy} in suns of {brightness}");
+        let mut random = Random::new(5);
+        for _ in 0..100 {
+            let direction = random.direction();
+            for roughness in [0.0, 0.1, 0.3, 0.7, 1.0] {
+                let [r, g, b] = pyramid.lobes(roughness).radiance(direction).map(|value| value / brightness);
+                let off = (r - 1.0).abs().max((g - 0.5).abs()).max(b.abs());
+                assert!(off < 2e-3, "{brightness} at {roughness}: {r} {g} {b}");
+            }
+            let [r, ..] = pyramid.irradiance(direction);
+            assert!((r / brightness - 1.0).abs() < 2e-3, "irradiance {r} of {brightness}");
+        }
+    }
+}
+
+#[test]
+fn look_ups_are_near_the_oracle() {
+    for (look, seed) in [(Look::Smooth, 6), (Look::Suns, 7)] {
+        let (environment, oem) = map_of(256, seed, look);
+        let pyramid = Pyramid::of_oem(&oem).expect("a size");
+        let oracle = oracle::Oracle::new(&environment);
+        let mut random = Random::new(8);
+        for (roughness, allowed) in [(0.25, 0.03), (0.3, 0.03), (0.5, 0.03), (0.8, 0.02), (1.0, 0.02)] {
+            let (mut error, mut square, mut worst) = (0.0, 0.0, 0.0_f64);
+            for _ in 0..40 {
+                let direction = random.direction();
+                let truth =
+                    DVec3::from_array(oracle.reflect(Lobe::Ggx, roughness, direction).expect("valid"));
+                let found = pyramid.lobes(roughness as f32).radiance(direction).map(f64::from);
+                let off = DVec3::from_array(found) - truth;
+                error += off.length_squared();
+                square += truth.length_squared();
+                worst = worst.max(off.length() / truth.length());
+            }
+            let relative = (error / square).sqrt();
+            assert!(relative < allowed, "{look:?} at {roughness}: {relative}, worst {worst}");
+        }
+        for _ in 0..20 {
+            let normal = random.direction();
+            let truth = DVec3::from_array(oracle.reflect(Lobe::Cosine, 1.0, normal).expect("valid"));
+            let found = DVec3::from_array(pyramid.irradiance(normal).map(f64::from));
+            let off = (found - truth).length() / truth.length();
+            assert!(off < 0.02, "{look:?}: irradiance off by {off}");
+        }
+    }
+}
+
+/// A sun of one texel at the corners of the octahedron, where maps fold, and elsewhere.
+#[test]
+fn suns_are_exact_around_themselves_at_every_fold() {
+    let size = 256;
+    for [x, y] in [[0, 128], [128, 128], [255, 255], [127, 0], [60, 90], [200, 250]] {
+        let mut light = vec![[0.2, 0.3, 0.4]; (size * size) as usize];
+        light[(y * size + x) as usize] = [5e4, 4e4, 3e4];
+        let environment = environment(Layout::Octahedral { size }, light.clone());
+        let pyramid = Pyramid::of_oem(&oem(OemSize { inner: size, border: 0 }, &light)).expect("a size");
+        let given = pyramid.suns().suns.iter().filter(|sun| energy_of(sun) > 1e-3).count();
+        assert!((1..=COUNT).contains(&given), "one sun, not {given}");
+        let oracle = oracle::Oracle::new(&environment);
+        let sun = direction_from_oct(texel_centre(size, x, y));
+        let mut random = Random::new(9);
+        for roughness in [0.2, 0.3, 0.6] {
+            let (mut error, mut square) = (0.0, 0.0);
+            for _ in 0..30 {
+                let away = random.unit() * 6.0 * roughness * roughness;
+                let direction = sun * away.cos() + sun.cross(random.direction()).normalize() * away.sin();
+                let truth =
+                    DVec3::from_array(oracle.reflect(Lobe::Ggx, roughness, direction).expect("valid"));
+                let found = pyramid.lobes(roughness as f32).radiance(direction).map(f64::from);
+                error += (DVec3::from_array(found) - truth).length_squared();
+                square += truth.length_squared();
+            }
+            let epsilon = (error / square).sqrt();
+            assert!(epsilon < 0.03, "sun at ({x}, {y}), roughness {roughness}: epsilon {epsilon}");
+        }
+    }
+}
+
+#[test]
+fn other_sizes_are_errors() {
+    for size in [0, 16, 48, 4096] {
+        let error = Octaves::over(size).expect_err("no pyramid").to_string();
+        assert!(error.contains("power of two from 32 to 2048"), "{error}");
+    }
+}

@@ -1,0 +1,32 @@
+//! Tests of the GPU engine against the CPU engine and the oracle, on every adapter of the system:
+//! `octagloss_fixtures::adapters`.
+
+mod adaptive;
+mod atlas;
+mod bake;
+mod boxes;
+mod brief;
+mod cells;
+mod direct;
+mod errors;
+mod lamp;
+mod lights;
+mod live;
+mod live_draw;
+mod live_probes;
+mod look;
+mod oem;
+mod oem_lookup;
+mod oem_reader;
+mod pyramid;
+mod pyramid_reader;
+mod reflection;
+mod reflections;
+mod sat;
+mod scenes;
+mod shadow;
+mod stages;
+mod transfer;
+mod triangles;
+mod twins;
+mod unwrap;

@@ -1,0 +1,80 @@
+//! Pyramids on the GPU against those of the CPU, which run the same algorithm.
+
+use crate::transfer::Upload;
+use glam::DVec3;
+use octagloss_core::light::environment::Layout;
+use octagloss_core::light::oem::{Oem, OemSize};
+use octagloss_core::pyramid::Pyramid;
+use octagloss_fixtures::adapters::{exceeds, wait, with_passes};
+use octagloss_fixtures::common::{Look, Random, landmarks, oem, texels};
+use octagloss_gpu::stages::build_pyramid;
+use octagloss_gpu::stages::pyramid::{self, PyramidMaps};
+use octagloss_gpu::{Context, OemPlanes};
+
+/// A half's rounding, for each of the maps that a level passed through and for its own; and positions of
+/// reads, in 256ths of a texel, once in each cascade and once in the look-up. Neighbours differ by less than
+/// the peak of a level over the texels of its Gaussian.
+fn allowed(levels: f64, peak: f64) -> f64 {
+    let half = 1.0 / 2048.0;
+    let position = 2.0 / 512.0 / 2.0;
+    (levels + 1.0) * (half + position) * peak
+}
+
+pub(super) fn built(context: &Context, oem: &Oem) -> PyramidMaps {
+    let planes = OemPlanes::upload(context, oem).expect("small planes");
+    let maps = PyramidMaps::new(context, oem.size().inner).expect("small maps");
+    let stages = build_pyramid::stages(context, &planes, &maps);
+    context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+    maps
+}
+
+/// A random map: texels along an edge, look, scale of the light.
+pub(super) fn lit(random: &mut Random, (size, look, scale): (u32, Look, f32)) -> Oem {
+    let light = texels(random, look, Layout::Octahedral { size });
+    let light: Vec<_> = light.iter().map(|texel| texel.map(|value| value * scale)).collect();
+    oem(OemSize { inner: size, border: 0 }, &light)
+}
+
+/// Compares look-ups of random maps (texels along an edge, look, scale of the light) with the CPU's.
+pub(super) fn look_ups(context: &Context, cases: &[(u32, Look, f32)], roughness: &[f64]) {
+    for &(size, look, scale) in cases {
+        let mut random = Random::new(31);
+        let oem = lit(&mut random, (size, look, scale));
+        let (expected, maps) = (Pyramid::of_oem(&oem).expect("a size"), built(context, &oem));
+        let mut directions = landmarks();
+        directions.extend((0..200).map(|_| random.direction()));
+        for &roughness in roughness {
+            let queries: Vec<(DVec3, f64)> = directions.iter().map(|d| (*d, roughness)).collect();
+            let mut found = wait(context, pyramid::radiance(context, &maps, &queries));
+            let lobes = expected.lobes(roughness as f32);
+            let truth: Vec<_> = directions.iter().map(|d| lobes.radiance(*d)).collect();
+            let peak = f64::from(truth.iter().flatten().copied().fold(0.0, f32::max));
+            let levels = f64::from(maps.octaves().count());
+            let farthest = |found: &[[f32; 3]]| {
+                let pairs = truth.as_flattened().iter().zip(found.as_flattened());
+                pairs.map(|(e, f)| f64::from((e - f).abs())).fold(0.0, f64::max)
+            };
+            let name = format!("{look:?} {size} at {roughness} on {}", context.describe());
+            let (off, most) = (farthest(&found), allowed(levels, peak));
+            assert!(!exceeds(off, most), "{name}: off by {off:e} of {peak:e}");
+            let [mut error, mut mean] = [0.0; 2];
+            for (e, f) in truth.as_flattened().iter().zip(found.as_flattened()) {
+                error += f64::from(e - f).powi(2);
+                mean += f64::from(*e);
+            }
+            let count = (3 * truth.len()) as f64;
+            let relative = (error / count).sqrt() / (mean / count);
+            assert!(relative <= 0.003, "{name}: relRMSE {relative}");
+            found[7][1] += 2.0 * most as f32;
+            assert!(farthest(&found) > most, "{name}: one wrong answer is not detected");
+        }
+    }
+}
+
+#[test]
+fn look_ups_match_the_cpu() {
+    let cases =
+        [(32, Look::Noise, 1.0), (64, Look::Smooth, 1e-5), (128, Look::Suns, 1.0), (128, Look::Noise, 1e9)];
+    let roughness = [0.0, 0.07, 0.15, 0.3, 0.5, 0.8, 1.0];
+    with_passes("pyramids", |context, _| look_ups(context, &cases, &roughness));
+}

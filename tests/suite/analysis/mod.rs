@@ -1,6 +1,0 @@
-//! Measurements.
-
-mod extraction;
-pub(super) mod oracle;
-mod stretch;
-mod triangles;

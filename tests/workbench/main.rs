@@ -1,0 +1,8 @@
+//! Tests of the workbench.
+
+mod analyze;
+mod analyze_figures;
+mod chart;
+mod figures;
+mod laboratory;
+mod stretch;
