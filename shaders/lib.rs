@@ -83,6 +83,16 @@ pub const FILES: &[(&str, &str)] = &files![
     "view/truth.wgsl",
 ];
 
+/// What `pyramid.wgsl` of [`reader`] includes. Programs that have no GPU link no other shader.
+const LOOK_UPS: &[(&str, &str)] = &files![
+    "common/anisotropic.wgsl",
+    "common/harmonics.wgsl",
+    "common/light.wgsl",
+    "common/pyramid.wgsl",
+    "common/pyramid_file.wgsl",
+    "common/reflect.wgsl",
+];
+
 /// Shader code for reading octahedral maps and pyramids, by file name.
 pub const READERS: [(&str, &str); 6] = [
     ("oem.wgsl", include_str!("readers/oem.wgsl")),
@@ -107,20 +117,24 @@ pub fn reader(name: &str) -> Option<Cow<'static, str>> {
 /// If the file does not exist; names are literals of this crate.
 #[must_use]
 pub fn source(path: &str) -> String {
+    source_of(path, FILES)
+}
+
+fn source_of(path: &str, files: &[(&str, &str)]) -> String {
     let mut text = String::new();
-    append(path, &mut Vec::new(), &mut text);
+    append(path, files, &mut Vec::new(), &mut text);
     text
 }
 
-fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
+fn append(path: &str, files: &[(&str, &str)], included: &mut Vec<String>, text: &mut String) {
     if included.iter().any(|done| done == path) {
         return;
     }
     included.push(path.to_owned());
-    let (_, content) = FILES.iter().find(|(name, _)| *name == path).expect("a file under shaders/");
+    let (_, content) = files.iter().find(|(name, _)| *name == path).expect("a file under shaders/");
     for line in content.lines() {
         match line.strip_prefix("#include \"").and_then(|rest| rest.strip_suffix('"')) {
-            Some(included_path) => append(included_path, included, text),
+            Some(included_path) => append(included_path, files, included, text),
             None => {
                 text.push_str(line);
                 text.push('\n');
@@ -132,10 +146,14 @@ fn append(path: &str, included: &mut Vec<String>, text: &mut String) {
 /// WGSL for callers' shaders: the file `path` with its includes, and its `resources` at their bindings of
 /// group `group`. Whatever lacks our prefix at module scope gets `prefix`, which begins with it.
 pub fn for_callers(path: &str, resources: &[&str], group: u32, prefix: &str) -> String {
+    declared(&source(path), resources, group, prefix)
+}
+
+fn declared(source: &str, resources: &[&str], group: u32, prefix: &str) -> String {
     let declare =
         |(binding, resource): (u32, &&str)| format!("@group({group}) @binding({binding}) {resource};\n");
     let declared: String = (0..).zip(resources).map(declare).collect();
-    prefixed(&(declared + &source(path)), prefix)
+    prefixed(&(declared + source), prefix)
 }
 
 /// How the look-ups of files are used.
@@ -157,5 +175,6 @@ fn pyramid_wgsl() -> String {
         "var octagloss_linear: sampler",
         "var octagloss_rows: texture_3d<f32>",
     ];
-    READER.to_owned() + &for_callers("common/pyramid_file.wgsl", &resources, 0, "octagloss")
+    let source = source_of("common/pyramid_file.wgsl", LOOK_UPS);
+    READER.to_owned() + &declared(&source, &resources, 0, "octagloss")
 }

@@ -42,14 +42,11 @@ const most = { mean: 0.2, share: 0.005 };
 const agrees = ({ mean, share }) => mean <= most.mean && share <= most.share;
 
 // The program's picture of the page's default view, with the given changes.
-function expected(name, file, { roughness = 0.3, filter = 'pyramid', size, yaw = 0, mesh }) {
+function expected(name, file, { roughness = 0.3, filter = 'pyramid', size, yaw = 0, ...others }) {
     const degrees = (radians) => (radians * 180) / Math.PI;
     const args = [file, '--roughness', roughness, '--filter', filter, '--yaw', degrees(yaw)];
-    return programPicture(
-        name,
-        [...args, '--pitch', degrees(0.07), ...(mesh ? ['--mesh', mesh] : [])],
-        size,
-    );
+    const more = Object.entries(others).flatMap(([option, value]) => [`--${option}`, value]);
+    return programPicture(name, [...args, '--pitch', degrees(0.07), ...more], size);
 }
 
 // Compares a picture of the page with the program's; `view` are additional options for the program.
@@ -202,8 +199,10 @@ await run(async () => {
     await check(page, 'box', sky, { roughness: 0.3, filter: 'box' });
     await check(page, 'levels', sky, { filter: 'levels' });
     await check(page, 'adaptive', sky, { filter: 'adaptive' });
+    const brushed = { filter: 'reflect', anisotropy: 0.6, clearcoat: 0.5 };
+    await check(page, 'brushed', sky, { roughness: 0.4, ...brushed });
     console.log(`       other filters: ${since()}`);
-    await set(page, { filter: 'pyramid' });
+    await set(page, { filter: 'pyramid', roughness: 0.3, anisotropy: 0, clearcoat: 0 });
 
     await checkIdle(page, 'the sky');
 

@@ -1,7 +1,7 @@
 //! The live glossiness viewer: objects under an environment, with a lobe of its own roughness in every pixel.
 //!
 //! ```text
-//! environment --light--> OEM, SAT, soft tables, harmonics --+
+//! environment --light--> OEM, pyramid, harmonics ----------+
 //! camera, object, look --scene--> uniforms ----------------+--> picture (linear, as fine as time allows)
 //!                                                           |        |
 //! truth: reflected directions read back, adaptive lobes ----+        +--present--> tone-mapped pixels

@@ -88,8 +88,11 @@ fn glsl_of(source: &str) -> Result<String, Box<dyn Error>> {
     Ok(joined(text.lines().filter(is_kept)))
 }
 
+// All loops end and all indices are within their arrays: limits on them would only lengthen the shader.
 fn hlsl_of(module: &Module, info: &ModuleInfo) -> Result<String, Box<dyn Error>> {
-    let (mut text, options) = (String::new(), hlsl::Options::default());
+    let mut text = String::new();
+    let options =
+        hlsl::Options { force_loop_bounding: false, restrict_indexing: false, ..Default::default() };
     let pipeline = hlsl::PipelineOptions::default();
     hlsl::Writer::new(&mut text, &options, &pipeline).write(module, info, None)?;
     // Samplers come out of heaps that only wgpu has.
@@ -116,7 +119,8 @@ fn with_zeros(line: &str) -> Option<String> {
 }
 
 fn metal_of(module: &Module, info: &ModuleInfo) -> Result<String, Box<dyn Error>> {
-    let options = msl::Options { fake_missing_bindings: true, ..Default::default() };
+    let options =
+        msl::Options { fake_missing_bindings: true, force_loop_bounding: false, ..Default::default() };
     let (text, _) = msl::write_string(module, info, &options, &msl::PipelineOptions::default())?;
     Ok(joined(text.lines()))
 }

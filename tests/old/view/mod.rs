@@ -1,4 +1,0 @@
-//! The viewer's parts that need no device.
-
-mod framing;
-mod legend;
