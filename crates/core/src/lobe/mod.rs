@@ -128,13 +128,14 @@ pub fn kernel_integral(lobe: Lobe, alpha: f64) -> f64 {
     }
 }
 
-/// `count` values of cos(theta) with weights proportional to the kernel there, for integrals over the lobe; `alpha`
+/// Values of cos(theta) with weights proportional to the kernel there, for integrals over the lobe; `alpha`
 /// in (0, 1].
-pub(crate) fn zonal_nodes(lobe: Lobe, alpha: f64, count: u32) -> impl Iterator<Item = (f64, f64)> {
+pub(crate) fn zonal_nodes(lobe: Lobe, alpha: f64) -> impl Iterator<Item = (f64, f64)> {
     // Midpoints in the logarithm of s + alpha^2, in which GGX is flat.
+    const COUNT: u32 = 1024;
     let a2 = alpha * alpha;
-    let step = ((0.5 + a2) / a2).ln() / f64::from(count);
-    (0..count).map(move |k| {
+    let step = ((0.5 + a2) / a2).ln() / f64::from(COUNT);
+    (0..COUNT).map(move |k| {
         let shifted = a2 * ((f64::from(k) + 0.5) * step).exp();
         (1.0 - 2.0 * (shifted - a2), kernel(lobe, alpha, shifted - a2) * shifted)
     })

@@ -15,9 +15,6 @@ use std::sync::LazyLock;
 /// Bands of the spherical harmonics: lobes of roughness 0.6 have less than 1e-6 of their power beyond.
 const BANDS: usize = 128;
 
-/// Nodes over the lobes: enough for weights to within 1e-4.
-const NODES: u32 = 256;
-
 /// Roughnesses at which look-ups are judged: from 0.6 to 1, by which default chains are chosen too.
 const JUDGED: usize = 17;
 
@@ -115,7 +112,7 @@ fn zonal_bands(roughness: f64) -> [f64; BANDS] {
     if alpha < 1e-5 {
         return [1.0; BANDS];
     }
-    let (nodes, mut weighted): (Vec<f64>, Vec<f64>) = zonal_nodes(Lobe::Ggx, alpha, NODES).unzip();
+    let (nodes, mut weighted): (Vec<f64>, Vec<f64>) = zonal_nodes(Lobe::Ggx, alpha).unzip();
     // Legendre polynomials of two successive bands at all nodes, times the nodes' weights. All nodes of a
     // band take the same two factors, so that the compiler can vectorise the loop.
     let mut before = vec![0.0; nodes.len()];
@@ -147,7 +144,7 @@ mod tests {
     /// 1e-6 from 0.1 on.
     fn zonal_weights(lobe: Lobe, alpha: f64) -> [f64; 5] {
         let mut sums = [0.0; 5];
-        for (cosine, weight) in zonal_nodes(lobe, alpha, NODES) {
+        for (cosine, weight) in zonal_nodes(lobe, alpha) {
             for (sum, value) in sums.iter_mut().zip(legendre(cosine)) {
                 *sum += weight * value;
             }
