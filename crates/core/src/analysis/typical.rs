@@ -96,7 +96,6 @@ struct Lights {
 impl Lights {
     fn new(level: &Level) -> Self {
         let (width, height) = level.layout.sides();
-        let area = width as usize * height as usize;
         // The same on every face.
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let solid_angles: Vec<f64> = match level.layout {
@@ -106,26 +105,23 @@ impl Lights {
             }
             layout => places.map(|(x, y)| layout.texel_solid_angle(x, y)).collect(),
         };
-        let solid_angle = |at: usize| solid_angles[at % area];
+        let weighted = || level.texels.iter().zip(solid_angles.iter().cycle());
         let (mut sums, mut whole) = ([0.0; 3], 0.0);
-        for (at, texel) in level.texels.iter().enumerate() {
-            let weight = solid_angle(at);
+        for (texel, weight) in weighted() {
             whole += weight;
             sums = std::array::from_fn(|c| sums[c] + weight * f64::from(texel[c]));
         }
         let luminance = exact_luminance(sums);
         let means = sums.map(|sum| if sum < BLACK * luminance { luminance } else { sum } / whole);
         // Of the channel that is brightest, over its mean.
-        let light = |texel: &Rgb| {
-            (0..3).map(|c| f64::from(texel[c]) / means[c].max(f64::MIN_POSITIVE)).fold(0.0, f64::max)
-        };
-        let all: f64 =
-            level.texels.iter().enumerate().map(|(at, texel)| solid_angle(at) * light(texel)).sum();
+        let per_mean = means.map(|mean| 1.0 / mean.max(f64::MIN_POSITIVE));
+        let light = |texel: &Rgb| (0..3).map(|c| f64::from(texel[c]) * per_mean[c]).fold(0.0, f64::max);
+        let all: f64 = weighted().map(|(texel, weight)| weight * light(texel)).sum();
+        let (per_whole, per_all) = (1.0 / whole, if all > 0.0 { 1.0 / all } else { 0.0 });
         let mut sum = 0.0;
-        let texels = level.texels.iter().enumerate().map(|(at, texel)| {
-            let weight = solid_angle(at);
-            sum += weight / whole + if all > 0.0 { weight * light(texel) / all } else { 0.0 };
-            (weight, sum)
+        let texels = weighted().map(|(texel, weight)| {
+            sum += weight * light(texel).mul_add(per_all, per_whole);
+            (*weight, sum)
         });
         Self { texels: texels.collect(), means }
     }

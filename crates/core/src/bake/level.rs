@@ -11,6 +11,7 @@ use crate::lobe::Lobe;
 use crate::lobe::filter::{Answer, Bound, Filter};
 use crate::sphere::cube::Face;
 use rayon::prelude::*;
+use std::mem::take;
 
 /// Engine that computed a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,11 +73,17 @@ pub struct LeafCounts {
 }
 
 impl LeafCounts {
-    /// Adds those of `workspace`.
-    pub(super) fn add(&mut self, workspace: &Workspace) {
-        self.leaves += workspace.leaves;
-        self.packets += workspace.packets;
-        self.directions += workspace.directions;
+    /// Takes those of `workspace`, which starts anew.
+    pub(super) fn take(workspace: &mut Workspace) -> Self {
+        let Workspace { leaves, packets, directions, .. } = workspace;
+        Self { leaves: take(leaves), packets: take(packets), directions: take(directions) }
+    }
+
+    /// Adds `counts`.
+    pub(super) const fn add(&mut self, counts: &Self) {
+        self.leaves += counts.leaves;
+        self.packets += counts.packets;
+        self.directions += counts.directions;
     }
 }
 
@@ -98,20 +105,19 @@ pub(crate) fn bake_level(
     let rows = (0..tiling.rows())
         .into_par_iter()
         .map_init(
-            || (Tile::default(), Vec::new()),
-            |(tile, answers), row| {
+            || (Tile::default(), Workspace::default(), Vec::new()),
+            |(tile, workspace, answers), row| {
                 let mut line = tiling.line(row);
-                let mut workspace = Workspace::default();
                 tiling.for_each_tile(row, tile, |tile| {
-                    lobes.evaluate_tile(tile, &mut workspace, answers, &mut line);
+                    lobes.evaluate_tile(tile, workspace, answers, &mut line);
                 });
                 advance(line.len() as u64)?;
-                Ok((line, workspace))
+                Ok((line, LeafCounts::take(workspace)))
             },
         )
-        .collect::<Result<Vec<(Vec<Answer>, Workspace)>>>()?;
+        .collect::<Result<Vec<(Vec<Answer>, LeafCounts)>>>()?;
     let mut work = LeafCounts::default();
-    rows.iter().for_each(|(_, workspace)| work.add(workspace));
+    rows.iter().for_each(|(_, counts)| work.add(counts));
     Ok(BakedLevel::new(Processor::Cpu, rows.into_iter().flat_map(|(line, _)| line), work))
 }
 

@@ -83,13 +83,6 @@ pub(super) const fn share(whole: u64, part: u64, parts: u64) -> u64 {
     whole * (part + 1) / parts - whole * part / parts
 }
 
-/// Adds `counts` to `work`.
-fn add(work: &mut LeafCounts, counts: &LeafCounts) {
-    work.leaves += counts.leaves;
-    work.packets += counts.packets;
-    work.directions += counts.directions;
-}
-
 /// Evaluates `lobes` on the CPU, for [`bake_sparsely`].
 pub(super) fn evaluate(
     lobes: &Lobes<'_>,
@@ -99,17 +92,17 @@ pub(super) fn evaluate(
     /// Packets of one task.
     const TASK: usize = 16;
     let tasks = packets.len().div_ceil(TASK) as u64;
-    let task = |(task, packets): (usize, &[Vec<DVec3>])| {
-        let (mut workspace, mut answers) = (Workspace::default(), Vec::new());
-        packets.iter().for_each(|packet| lobes.evaluate_units(packet, &mut workspace, &mut answers));
+    let task = |workspace: &mut Workspace, (task, packets): (usize, &[Vec<DVec3>])| {
+        let mut answers = Vec::with_capacity(TASK * LANES);
+        packets.iter().for_each(|packet| lobes.evaluate_units(packet, workspace, &mut answers));
         done(task as u64, tasks)?;
-        Ok((answers, workspace))
+        Ok((answers, LeafCounts::take(workspace)))
     };
-    let found = packets.par_chunks(TASK).enumerate().map(task);
+    let found = packets.par_chunks(TASK).enumerate().map_init(Workspace::default, task);
     let (mut answers, mut work) = (Vec::new(), LeafCounts::default());
-    for (found, workspace) in found.collect::<Result<Vec<(Vec<Answer>, Workspace)>>>()? {
+    for (found, counts) in found.collect::<Result<Vec<(Vec<Answer>, LeafCounts)>>>()? {
         answers.extend(found);
-        work.add(&workspace);
+        work.add(&counts);
     }
     Ok((answers, work))
 }
@@ -140,7 +133,7 @@ pub async fn bake_sparsely(
         let mut halved = nodes.halved();
         let (places, packets) = halved.gathered(|face, i, j| nodes.is_refined(&refined, face, [i, j]));
         let (answers, counts) = evaluate(&packets, unmeasured).await?;
-        add(&mut work, &counts);
+        work.add(&counts);
         halved.take(&places, &answers);
         nodes = halved;
         refined = nodes.rough_cells(tolerance);
@@ -170,7 +163,7 @@ pub async fn bake_sparsely(
         };
         let (lines, packets): (Vec<_>, Vec<_>) = rows.clone().into_par_iter().map(gather).unzip();
         let (answers, counts) = evaluate(&packets.concat(), unmeasured).await?;
-        add(&mut work, &counts);
+        work.add(&counts);
         let mut rest = &answers[..];
         for (row, mut line) in rows.zip(lines) {
             tiling.for_each_tile_at(

@@ -183,32 +183,34 @@ impl TintSums {
         series: &Series,
     ) {
         let [lx, ly, lz] = leaf.offset;
-        let rounded = leaf.radius * TINT_ROUNDING;
+        let rounded = 2.0 * leaf.radius * TINT_ROUNDING;
         let (mut slope, mut bend) = ([0.0; LANES], [0.0; LANES]);
         let (mut rest, mut rounding) = ([0.0; LANES], [0.0; LANES]);
         for k in 0..LANES {
             // Elsewhere slopes may be infinite.
             let useful = series.rest[k] < USELESS * series.spread[k];
-            slope[k] = if useful { series.slope[k] } else { 0.0 };
-            bend[k] = if useful { series.bend[k] } else { 0.0 };
+            // With the factors of the first and second order.
+            slope[k] = if useful { 0.5 * series.slope[k] } else { 0.0 };
+            bend[k] = if useful { 0.25 * series.bend[k] } else { 0.0 };
             rest[k] = series.rest[k].at_most(2.0 * series.spread[k]);
             rounding[k] = rounded * slope[k].abs();
         }
         for ((c, tint), energy) in tints.iter().enumerate().zip([leaf.energy[0], leaf.energy[2]]) {
-            let [dx, dy, dz] = (0.5 * tint.dipole).to_array();
-            let [xx, yy, zz] = (0.25 * tint.diagonal).to_array();
-            let [yz, zx, xy] = (0.5 * tint.mixed).to_array();
-            let trace = xx + yy + zz;
+            let [dx, dy, dz] = tint.dipole.to_array();
+            let [xx, yy, zz] = tint.diagonal.to_array();
+            let [yz, zx, xy] = tint.mixed.to_array();
+            let trace = 0.5 * (xx + yy + zz);
             for k in 0..LANES {
                 let (x, y, z) = (lx - packet.x[k], ly - packet.y[k], lz - packet.z[k]);
+                let (twice_y, twice_z) = (y + y, z + z);
                 let first = x.times_plus(dx, y.times_plus(dy, z.times_plus(dz, trace)));
                 let mut second = x.times_plus(
-                    x.times_plus(xx, y.times_plus(xy, z * zx)),
-                    y.times_plus(y.times_plus(yy, z * yz), z * z * zz),
+                    x.times_plus(xx, twice_y.times_plus(xy, twice_z * zx)),
+                    y.times_plus(y.times_plus(yy, twice_z * yz), z * z * zz),
                 );
                 if SPREAD {
                     let [ux, uy, uz] = applied(covariance, k, [x, y, z]);
-                    second += dx * ux + dy * uy + dz * uz;
+                    second += 2.0 * (dx * ux + dy * uy + dz * uz);
                 }
                 let light = slope[k].times_plus(first, bend[k] * second);
                 // Truth lies within: clipping brings the series nearer to it, and within twice that.
@@ -471,7 +473,7 @@ impl<'a> Adaptive<'a> {
                 let [red, green, blue] = leaf.energy;
                 let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
                 // Green's tint follows from those of the others, and may exceed its energy.
-                let beside_green = luminance / LUMINANCE[1] - green;
+                let beside_green = (1.0 / LUMINANCE[1]).times_plus(luminance, -green);
                 for k in 0..LANES {
                     let (estimate, over, under) = (series.estimate[k], series.over[k], series.under[k]);
                     let neglected = NEGLIGIBLE_TINT * series.spread[k];

@@ -33,6 +33,19 @@ impl Radial for Ggx {
         }
     }
 
+    /// By one division.
+    #[inline(always)]
+    fn stepped(self, s: f32, [more, less]: [f32; 2], [down, up]: [f32; 2]) -> [f32; 2] {
+        let (wide, lambert) = (self.steep.times_plus(s, 1.0), s.times_plus(-2.0, 1.0));
+        let reach = |step: f32, length: f32| length.times_plus(wide, self.steep * step).at_least(length);
+        let [per_down, per_up] = reciprocals([reach(more, down), reach(-less, up)]);
+        let value = |step: f32, length: f32, per_reach: f32| {
+            let lambert = length.times_plus(lambert, -2.0 * step) * per_reach;
+            self.peak * (length * per_reach) * lambert.at_least(0.0)
+        };
+        [value(more, down, per_down), value(-less, up, per_up)]
+    }
+
     #[inline(always)]
     fn scale(self, s: f32) -> f32 {
         // At alpha = 1 the kernel is a straight line.

@@ -38,6 +38,12 @@ pub(crate) trait Radial: Copy {
         Expansion { values, slope: self.slope(s, value), curvature: self.curvature(s, value) }
     }
 
+    /// k at `s` + `more`/`down` and at `s` - `less`/`up`.
+    #[inline(always)]
+    fn stepped(self, s: f32, [more, less]: [f32; 2], [down, up]: [f32; 2]) -> [f32; 2] {
+        self.expansion([s + more / down, s - less / up]).values
+    }
+
     /// k' at `s` in front of the horizon, where k is `value`; 0 where k is not smooth.
     fn slope(self, s: f32, value: f32) -> f32 {
         let _ = (s, value);
@@ -164,14 +170,13 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     let (tangential, radial) = (along.at_least(0.0).sqrt(), 0.5 * trace.sqrt() * radius);
     let most = 0.25 * (tangential + radial) * (tangential + radial);
     let least = 0.25 * (tangential - radial).at_least(0.0) * (tangential - radial).at_least(0.0);
-    let [per_down, per_up] = reciprocals([down, up]);
-    let (step_up, step_down) = ((most * per_down).at_most(up), (least * per_up).at_most(down));
-    let [inner, outer] = kernel.expansion([s + step_up, s - step_down]).values;
-    let lengths = [down + step_up, up + step_down];
-    let [per_above, per_below] = reciprocals(lengths);
+    // The variance is at most that of light at both ends.
+    let (more, less) = (most.at_most(down * up), least.at_most(down * up));
+    let [inner, outer] = kernel.stepped(s, [more, less], [down, up]);
+    let (above, below) = (down.times_plus(down, more), up.times_plus(up, less));
     // Reciprocals of vanishing products overflow; there k is constant to float32.
-    let sharp = (down * up).at_most(lengths[0] * lengths[1]) > 1e-36;
-    let (share_above, share_below) = (step_up * per_above, step_down * per_below);
+    let sharp = (down * up).at_most(above).at_most(below) > 1e-36;
+    let (share_above, share_below) = (more / above, less / below);
     // k minus its series around the mean decreases over the reach, as k'' does: half of what it loses.
     let series_error = |slope: f32, bend: f32| {
         let length = up + down;
@@ -194,10 +199,10 @@ pub(crate) fn interval<R: Radial, const ACROSS: bool>(
     // Split k into a hinge at the horizon and a smooth rest; a cell in front of the horizon needs no hinge.
     let kink = if high < 0.5 { 0.0 } else { kernel.kink() };
     let hinge = |s: f32| kink * (0.5 - s).at_least(0.0);
-    let (inner, highest) = (inner - hinge(s + step_up), nearest - hinge(low));
-    let (outer, lowest) = (outer - hinge(s - step_down), farthest - hinge(high));
+    let (inner, highest) = (inner - hinge(s + more / down), nearest - hinge(low));
+    let (outer, lowest) = (outer - hinge(s - less / up), farthest - hinge(high));
     let before = 0.5 - s;
-    let deviation = (most.at_most(down * up) + before * before).sqrt();
+    let deviation = (more + before * before).sqrt();
     // Differences of hinges are rounded at the precision of the greater one.
     let rounded = 5e-7 * kink;
     let greatest = if sharp { inner + share_above * (highest - inner) } else { highest }
