@@ -2,11 +2,10 @@
 
 use super::shared_args::{EngineArgs, MAX_THREADS};
 use super::values::{Texels, filter, percentage, roughness, texels, threshold, within};
+use crate::recipes::{InputOptions, Recipe, TableOptions};
+use crate::reflectance::DfgForm;
+use crate::{Filter, Lobe};
 use clap::{Args as ClapArgs, Parser, Subcommand};
-use octagloss_core::bake::dfg::DfgForm;
-use octagloss_core::files::recipe::{InputOptions, Recipe, TableOptions};
-use octagloss_core::lobe::Lobe;
-use octagloss_core::lobe::filter::Filter;
 use std::path::PathBuf;
 
 macro_rules! version {

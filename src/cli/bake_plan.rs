@@ -4,10 +4,9 @@ use super::args::BakeArgs;
 use super::console::with_options;
 use super::outcome::{Outcome, usage};
 use super::output::{FOREIGN, check_folder_name, extension, names_folder};
-use octagloss_core::files::format::container::Container;
-use octagloss_core::files::recipe::Recipe;
-use octagloss_core::files::recipe::plan::BakePlan;
-use octagloss_core::files::target::TargetPlan;
+use crate::files::Container;
+use crate::recipes::{BakePlan, Recipe};
+use crate::targets::TargetPlan;
 use std::path::Path;
 
 /// One plan per target, or one plan without a target. `several` inputs need an output folder.

@@ -5,17 +5,16 @@ use super::compare_sources::Sources;
 use super::comparison::{against_bake, against_source, bake_in};
 use super::console::Console;
 use super::input::{self, file_name, read_bake};
-use super::look_ups;
 use super::measures::Measures;
 use super::outcome::{Outcome, check_not_input, check_png, on_threads, print, print_json, usage};
-use super::{compare_many, compare_pair};
-use crate::Layout;
+use super::{compare_many, compare_pair, look_ups};
+use crate::files::Existing;
+use crate::read::InputLayout;
+use crate::{Chain, Layout, Level};
 use octagloss_core::analysis::compare::{LevelErrors, grid_of};
 use octagloss_core::files::image::error_sheet;
-use octagloss_core::files::io::InputLayout;
 use octagloss_core::files::io::ldr::write::write_png;
-use octagloss_core::files::io::output::{self, Existing};
-use octagloss_core::light::chain::{Chain, Level};
+use octagloss_core::files::io::output;
 use octagloss_drawing::scene::Scene;
 
 pub(super) fn run(args: CompareArgs) -> Outcome {

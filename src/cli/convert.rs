@@ -4,20 +4,20 @@ use super::console::{self, Console};
 use super::outcome::{Outcome, check_not_input, check_output, on_threads, renamed, usage, write_output};
 use super::shared_args::MAX_THREADS;
 use super::values::{scale, turn};
+use crate::files::{Existing, Pixel};
+use crate::maps::{MAPS, NamedMap, named};
+use crate::read::{Pad, ReadOptions};
 use clap::Args as ClapArgs;
 use clap::builder::PossibleValuesParser;
 use octagloss_core::bake::memory;
-use octagloss_core::files::format::Pixel;
 use octagloss_core::files::io::environment_write::{losses, picture_bytes, picture_container};
 use octagloss_core::files::io::map_header::map_pairs;
-use octagloss_core::files::io::output::Existing;
-use octagloss_core::files::io::{self, LoadedMap, MapLight, Pad, ReadOptions};
+use octagloss_core::files::io::{self, LoadedMap, MapLight};
 use octagloss_core::geometry::bordered::bordered_picture;
 use octagloss_core::geometry::conversion::Source;
 use octagloss_core::geometry::resample::Continuation;
 use octagloss_core::light::environment::rotation_y;
 use octagloss_core::sphere::grid::Grid;
-use octagloss_core::sphere::registry::{MAPS, NamedMap, named};
 use std::path::{Path, PathBuf};
 
 /// Maximum texels along the shorter side.

@@ -3,11 +3,11 @@
 use super::args::DfgArgs;
 use super::console::{self, Console};
 use super::outcome::{Outcome, check_output, usage, write_output};
-use octagloss_core::bake::dfg::{DfgBlue, DfgForm, dfg_table_with};
-use octagloss_core::files::format::Pixel;
+use crate::files::{Existing, Pixel};
+use crate::reflectance::{DfgBlue, DfgForm};
+use octagloss_core::bake::dfg::dfg_table_with;
 use octagloss_core::files::io::exr::write::{Attribute, Samples, exr_bytes};
 use octagloss_core::files::io::ktx2::lookup_table::{Channels, table_bytes};
-use octagloss_core::files::io::output::Existing;
 
 pub(super) fn run(args: DfgArgs) -> Outcome {
     let path = &args.output;

@@ -3,9 +3,9 @@
 use super::console::Console;
 use super::outcome::{Outcome, usage};
 use crate::Layout;
-use octagloss_core::files::io::{self, InputLayout, LoadedChain, regular};
-use octagloss_core::files::recipe::InputOptions;
-use octagloss_core::files::recipe::source::Source;
+use crate::read::InputLayout;
+use crate::recipes::{InputOptions, Source};
+use octagloss_core::files::io::{self, LoadedChain, regular};
 use std::path::{Path, PathBuf};
 
 /// Files of one environment: one file, or the six faces of a cube.

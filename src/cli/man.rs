@@ -3,9 +3,10 @@
 use super::console::Console;
 use super::outcome::{Outcome, print_bytes};
 use crate::Error;
+use crate::files::Existing;
 use clap::{Args as ClapArgs, Command};
 use clap_mangen::Man;
-use octagloss_core::files::io::output::{self, Existing, Output};
+use octagloss_core::files::io::output::{self, Output};
 use std::fs;
 use std::path::{Path, PathBuf};
 

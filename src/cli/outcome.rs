@@ -1,8 +1,8 @@
 //! Outcomes and output of subcommands.
 
+use crate::files::Existing;
 use anyhow::anyhow;
 use octagloss_core::files::io::output as output_file;
-use octagloss_core::files::io::output::Existing;
 use serde::Serialize;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};

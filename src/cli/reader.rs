@@ -3,9 +3,10 @@
 
 use super::console::Console;
 use super::outcome::{Outcome, check_output, print, usage, write_output};
+use crate::files::Existing;
+use crate::reflectance::anisotropic_table;
 use clap::{Args as ClapArgs, ValueEnum};
-use octagloss_core::files::io::output::Existing;
-use octagloss_core::files::io::pyramid_write::{anisotropic_table, check_size};
+use octagloss_core::files::io::pyramid_write::check_size;
 use octagloss_shaders::reader;
 use std::path::{Path, PathBuf};
 

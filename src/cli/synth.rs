@@ -3,8 +3,8 @@
 use super::args::SynthArgs;
 use super::console::{self, Console};
 use super::outcome::{Outcome, check_output, print, usage, write_output};
+use crate::files::Existing;
 use octagloss_core::files::io::environment_write::environment_bytes;
-use octagloss_core::files::io::output::Existing;
 use octagloss_core::light::synth::{RECIPES, synth};
 use std::path::{Path, PathBuf};
 

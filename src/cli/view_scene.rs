@@ -3,7 +3,7 @@
 use super::console::Console;
 use super::outcome::{Outcome, usage, write_output};
 use super::view_args::ViewArgs;
-use octagloss_core::files::image::exposure::Exposure;
+use crate::recipes::Exposure;
 use octagloss_core::files::io::ldr::write::png_bytes;
 use octagloss_gpu::block_on;
 use octagloss_gpu::device::context::may_have_hardware;
