@@ -149,11 +149,7 @@ impl Work {
             InputJob { source, outputs, folder, label }
         };
         let jobs: Vec<InputJob> = (1..).zip(sources).map(job).collect();
-        let common = Common {
-            existing: if args.force { Existing::Replace } else { Existing::Keep },
-            json: args.json,
-            plans,
-        };
+        let common = Common { existing: Existing::by_force(args.force), json: args.json, plans };
         let work = Self {
             common,
             jobs,

@@ -2,7 +2,7 @@
 
 use super::args::BakeArgs;
 use super::console::with_options;
-use super::outcome::{Outcome, usage};
+use super::outcome::{Outcome, or_usage, usage};
 use super::output::{FOREIGN, check_folder_name, extension, names_folder};
 use crate::files::Container;
 use crate::recipes::{BakePlan, Recipe};
@@ -14,7 +14,7 @@ pub(super) fn plans(args: &BakeArgs, several: bool) -> Outcome<Vec<BakePlan>> {
     let is_targeted = !args.recipe.target.is_empty();
     let format = if is_targeted { args.recipe.format } else { container(args, several)? };
     let recipe = Recipe { format, preview: args.preview.is_some(), ..args.recipe.clone() };
-    let mut plans = recipe.plans().or_else(|error| usage(error.to_string()))?;
+    let mut plans = or_usage(recipe.plans())?;
     for plan in &mut plans {
         plan.warning = plan.warning.as_deref().map(with_options);
     }

@@ -1,10 +1,12 @@
 //! `octagloss convert`: converts environments between maps of the sphere.
 
 use super::console::{self, Console};
-use super::outcome::{Outcome, check_not_input, check_output, on_threads, renamed, usage, write_output};
+use super::outcome::{
+    Outcome, check_not_input, check_output, on_threads, or_usage, renamed, usage, write_output,
+};
 use super::shared_args::MAX_THREADS;
 use super::values::{scale, turn};
-use crate::files::{Existing, Pixel};
+use crate::files::Pixel;
 use crate::maps::{MAPS, NamedMap, named};
 use crate::read::{Pad, ReadOptions};
 use clap::Args as ClapArgs;
@@ -102,13 +104,9 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
     let Ok(container) = picture_container(as_named) else {
         return usage(format!("-o {} must end in .exr or .hdr", path.display()));
     };
-    let pixel = match container.pixel(args.pixel, Pixel::F32) {
-        Ok(pixel) => pixel,
-        Err(error) => return usage(error.to_string()),
-    };
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
+    let pixel = or_usage(container.pixel(args.pixel, Pixel::F32))?;
     check_not_input(path, [&args.input])?;
-    check_output(path, existing)?;
+    let existing = check_output(path, args.force)?;
     let map = known(&args.layout);
     let console = Console::new(args.quiet);
     on_threads(args.threads, || {

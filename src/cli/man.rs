@@ -54,7 +54,7 @@ fn page(command: &Command) -> Outcome<Vec<u8>> {
 
 /// Writes `pages` into `folder` in one step.
 fn write(folder: &Path, pages: &[(PathBuf, Vec<u8>)], force: bool) -> Outcome {
-    let existing = if force { Existing::Replace } else { Existing::Keep };
+    let existing = Existing::by_force(force);
     fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
     let outputs: Vec<_> = pages.iter().map(|(path, page)| (path.clone(), Output::File(&page[..]))).collect();
     Ok(output::commit(output::stage_all(&outputs, existing)?)?)

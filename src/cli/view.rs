@@ -1,7 +1,7 @@
 //! `octagloss view`: renders objects lit by an environment, in a window or to a picture.
 
 use super::console::Console;
-use super::outcome::{Outcome, usage, write_output};
+use super::outcome::{Outcome, or_usage, usage, write_output};
 use super::view_args::ViewArgs;
 use super::{input, view_scene};
 use crate::{Environment, Layout, ReflectorSettings};
@@ -17,12 +17,8 @@ use std::sync::Arc;
 
 pub(super) fn run(args: ViewArgs) -> Outcome {
     let mut look = args.look.look();
-    if let Err(error) = look.check() {
-        return usage(error.to_string());
-    }
-    if let Some(Err(error)) = args.oem_size.map(Octaves::over) {
-        return usage(error.to_string());
-    }
+    or_usage(look.check())?;
+    or_usage(args.oem_size.map(Octaves::over).transpose())?;
     if args.scene.scene.is_some() {
         return view_scene::run(args);
     }

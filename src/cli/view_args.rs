@@ -210,12 +210,11 @@ impl ViewArgs {
         inputs: impl Iterator<Item = &'a PathBuf>,
         console: &Console,
     ) -> Outcome<(Existing, Context)> {
-        let existing = if self.force { Existing::Replace } else { Existing::Keep };
         if path.as_os_str() != "-" {
             check_png("--screenshot", path)?;
         }
         check_not_input(path, inputs)?;
-        check_output(path, existing)?;
+        let existing = check_output(path, self.force)?;
         let adapter = engine::any_adapter(self.adapter.as_deref())?;
         let context = block_on(None, Context::new(&adapter))??;
         console.note(&format!("adapter: {}", context.describe()));
