@@ -49,11 +49,8 @@ pub(crate) fn planned(py: Python<'_>, path: &Path, recipe: &Recipe, source: &Sou
 /// Fails where writing the files of `plan` would, as far as can be known before a bake.
 pub(crate) fn check(path: &Path, plan: &BakePlan, force: bool) -> Result<()> {
     recover(path);
-    if plan.is_file() { check_file(path, existing(force)) } else { check_folder(path, existing(force)) }
-}
-
-const fn existing(force: bool) -> Existing {
-    if force { Existing::Replace } else { Existing::Keep }
+    let existing = Existing::by_force(force);
+    if plan.is_file() { check_file(path, existing) } else { check_folder(path, existing) }
 }
 
 impl Output {
@@ -71,7 +68,7 @@ impl Output {
         let report = plan.plan.is_targeted().then(|| ("report.json".to_owned(), &report[..]));
         let files = product.made.iter().map(|made| (made.path.clone(), &made.bytes[..])).chain(report);
         cancel.check()?;
-        write_files(path, plan.is_file(), files, existing(*force))?;
+        write_files(path, plan.is_file(), files, Existing::by_force(*force))?;
         Ok(std::mem::take(&mut product.losses))
     }
 }

@@ -2,11 +2,10 @@
 
 use super::shared_args::{EngineArgs, MAX_THREADS};
 use super::values::{Texels, filter, percentage, roughness, texels, threshold, within};
+use crate::recipes::{InputOptions, Recipe, TableOptions};
+use crate::reflectance::DfgForm;
+use crate::{Filter, Lobe};
 use clap::{Args as ClapArgs, Parser, Subcommand};
-use octagloss_core::bake::dfg::DfgForm;
-use octagloss_core::files::recipe::{InputOptions, Recipe, TableOptions};
-use octagloss_core::lobe::Lobe;
-use octagloss_core::lobe::filter::Filter;
 use std::path::PathBuf;
 
 macro_rules! version {
@@ -54,7 +53,7 @@ pub(super) enum Command {
     Dfg(DfgArgs),
     /// Measure maps of the sphere, by the workbench
     #[command(hide = true)]
-    Analyze(super::analyze::AnalyzeArgs),
+    Analyze(super::elsewhere::ElsewhereArgs),
     /// Convert an environment to another map of the sphere
     Convert(super::convert::ConvertArgs),
     /// Render glossy objects in a window or to a picture
@@ -64,7 +63,7 @@ pub(super) enum Command {
     ///
     /// Prints the command that compiles the viewer and runs it.
     #[cfg(not(feature = "view"))]
-    View(super::view_absent::ViewArgs),
+    View(super::elsewhere::ElsewhereArgs),
     /// Print shader code that reads outputs
     Reader(super::reader::ReaderArgs),
     /// Print a completion script for a shell

@@ -1,32 +1,27 @@
 //! `octagloss bake`: bakes environments into prefiltered levels, with or without a target.
 
 use super::args::BakeArgs;
-use super::bake_plan;
 use super::console::{self, Console, Files};
 use super::engine::Engine;
 use super::expand::{Expansion, Found, expand};
-use super::fingerprint;
 use super::input::{self, InputFiles};
 use super::outcome::{Failure, Outcome, check_png, is_stdout, on_threads, print, usage};
 use super::output::{Common, Destination, Outputs, names_folder};
 use super::shared_args::EngineArgs;
 use super::summary::Written;
 use super::verify::Verify;
-use crate::recipes::products;
-use crate::{Environment, Error};
+use super::{bake_plan, fingerprint};
+use crate::files::Existing;
+use crate::maps::Face;
+use crate::read::InputLayout;
+use crate::recipes::{BakePlan, InputOptions, Source, products};
+use crate::{BakeSettings, Environment, Error, Filter, Oracle};
 use anyhow::anyhow;
-use octagloss_core::analysis::oracle::Oracle;
-use octagloss_core::bake::BakeSettings;
 use octagloss_core::files::export::produce::check_memory;
-use octagloss_core::files::io::InputLayout;
 use octagloss_core::files::io::file_name::path_key;
-use octagloss_core::files::io::output::{self, Existing};
+use octagloss_core::files::io::output;
 use octagloss_core::files::io::regular::CHANGED;
-use octagloss_core::files::recipe::InputOptions;
-use octagloss_core::files::recipe::plan::BakePlan;
-use octagloss_core::files::recipe::source::Source;
-use octagloss_core::lobe::filter::Filter;
-use octagloss_core::sphere::cube::{Face, direction_from_texel};
+use octagloss_core::sphere::cube::direction_from_texel;
 use rayon::prelude::*;
 use serde_json::json;
 use std::cell::OnceCell;
@@ -154,11 +149,7 @@ impl Work {
             InputJob { source, outputs, folder, label }
         };
         let jobs: Vec<InputJob> = (1..).zip(sources).map(job).collect();
-        let common = Common {
-            existing: if args.force { Existing::Replace } else { Existing::Keep },
-            json: args.json,
-            plans,
-        };
+        let common = Common { existing: Existing::by_force(args.force), json: args.json, plans };
         let work = Self {
             common,
             jobs,

@@ -2,12 +2,11 @@
 
 use super::args::BakeArgs;
 use super::console::with_options;
-use super::outcome::{Outcome, usage};
+use super::outcome::{Outcome, or_usage, usage};
 use super::output::{FOREIGN, check_folder_name, extension, names_folder};
-use octagloss_core::files::format::container::Container;
-use octagloss_core::files::recipe::Recipe;
-use octagloss_core::files::recipe::plan::BakePlan;
-use octagloss_core::files::target::TargetPlan;
+use crate::files::Container;
+use crate::recipes::{BakePlan, Recipe};
+use crate::targets::TargetPlan;
 use std::path::Path;
 
 /// One plan per target, or one plan without a target. `several` inputs need an output folder.
@@ -15,7 +14,7 @@ pub(super) fn plans(args: &BakeArgs, several: bool) -> Outcome<Vec<BakePlan>> {
     let is_targeted = !args.recipe.target.is_empty();
     let format = if is_targeted { args.recipe.format } else { container(args, several)? };
     let recipe = Recipe { format, preview: args.preview.is_some(), ..args.recipe.clone() };
-    let mut plans = recipe.plans().or_else(|error| usage(error.to_string()))?;
+    let mut plans = or_usage(recipe.plans())?;
     for plan in &mut plans {
         plan.warning = plan.warning.as_deref().map(with_options);
     }

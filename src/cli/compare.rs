@@ -5,22 +5,21 @@ use super::compare_sources::Sources;
 use super::comparison::{against_bake, against_source, bake_in};
 use super::console::Console;
 use super::input::{self, file_name, read_bake};
-use super::look_ups;
 use super::measures::Measures;
 use super::outcome::{Outcome, check_not_input, check_png, on_threads, print, print_json, usage};
-use super::{compare_many, compare_pair};
-use crate::Layout;
+use super::{compare_many, compare_pair, look_ups};
+use crate::files::Existing;
+use crate::read::InputLayout;
+use crate::{Chain, Layout, Level};
 use octagloss_core::analysis::compare::{LevelErrors, grid_of};
-use octagloss_core::files::image::error_sheet;
-use octagloss_core::files::io::InputLayout;
+use octagloss_core::files::image::error_sheet::error_sheet;
 use octagloss_core::files::io::ldr::write::write_png;
-use octagloss_core::files::io::output::{self, Existing};
-use octagloss_core::light::chain::{Chain, Level};
+use octagloss_core::files::io::output;
 use octagloss_drawing::scene::Scene;
 
 pub(super) fn run(args: CompareArgs) -> Outcome {
     let console = Console::new(args.quiet);
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
+    let existing = Existing::by_force(args.force);
     let inputs = || [&args.bake].into_iter().chain(&args.against);
     if let Some(path) = &args.picture {
         check_png("--picture", path)?;
@@ -91,24 +90,11 @@ fn run_one(args: &CompareArgs, existing: Existing, console: &Console) -> Outcome
 
 /// The sheet of the errors of the levels.
 fn picture(args: &CompareArgs, bake: &Chain, levels: &[LevelErrors]) -> crate::Result<Scene> {
-    let pairs: Vec<(&LevelErrors, &Level, Level)> = (levels.iter())
+    let pairs: Vec<(&LevelErrors, Level)> = (levels.iter())
         .filter_map(|errors| {
-            let reference = errors.reference.as_ref()?;
-            Some((errors, reference, grid_of(&bake.levels[errors.level], reference.size())))
+            let size = errors.reference.as_ref()?.size();
+            Some((errors, grid_of(&bake.levels[errors.level], size)))
         })
         .collect();
-    let shown: Vec<_> = (pairs.iter())
-        .map(|(errors, reference, level)| error_sheet::LevelErrors {
-            number: errors.level,
-            size: errors.size,
-            rmse: errors.rmse,
-            level,
-            reference,
-        })
-        .collect();
-    error_sheet::error_sheet(
-        &format!("Errors of {}", file_name(&args.bake)),
-        &file_name(&args.against[0]),
-        &shown,
-    )
+    error_sheet(&format!("Errors of {}", file_name(&args.bake)), &file_name(&args.against[0]), &pairs)
 }

@@ -5,22 +5,20 @@ use super::console::Console;
 use super::input::file_name;
 use super::look_ups::channel;
 use super::outcome::Outcome;
-use crate::{Environment, Error};
+use crate::harmonics::{MAX_ORDER, ShScale, ShWindow, scaled, spherical_harmonics};
+use crate::maps::Face;
+use crate::read::ReadOptions;
+use crate::targets::{Content, Target};
+use crate::{Environment, Error, Level, Lobe};
 use octagloss_core::analysis::channels::{Relative, relative_to};
 use octagloss_core::analysis::compare::{
     LevelErrors, Sampling, errors_against_footprints, errors_against_source, errors_against_texels,
 };
 use octagloss_core::files::io::regular::read_regular;
 use octagloss_core::files::io::side_report::{MAX_REPORT_BYTES, REPORT};
-use octagloss_core::files::io::{self, DEFAULT_MEMORY_LIMIT, LoadedChain, ReadOptions};
-use octagloss_core::files::target::{Content, Target};
-use octagloss_core::light::chain::Level;
+use octagloss_core::files::io::{self, DEFAULT_MEMORY_LIMIT, LoadedChain};
 use octagloss_core::light::environment::exact_luminance;
-use octagloss_core::light::sh::scale::{ShScale, scaled};
-use octagloss_core::light::sh::window::{self, ShWindow};
-use octagloss_core::light::sh::{MAX_ORDER, count, spherical_harmonics};
-use octagloss_core::lobe::Lobe;
-use octagloss_core::sphere::cube::Face;
+use octagloss_core::light::sh::{count, window};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

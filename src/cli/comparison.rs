@@ -9,15 +9,13 @@ use super::input::read_bake;
 use super::look_ups::{self, Delivered, Overlay, channel};
 use super::measures::{Measures, is_from};
 use super::outcome::{Outcome, usage};
-use crate::Environment;
+use crate::{ChainKind, Environment, Level, Lobe};
 use anyhow::anyhow;
 use octagloss_core::analysis::compare::{
     LevelErrors, Sampling, errors_against_bake, errors_against_source, is_measurable,
 };
 use octagloss_core::files::io::regular::open_regular;
 use octagloss_core::files::io::{self, LoadedChain};
-use octagloss_core::light::chain::{ChainKind, Level};
-use octagloss_core::lobe::Lobe;
 use serde::Serialize;
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! Messages and progress on standard error.
 
+use crate::Progress;
+use crate::recipes::with_settings;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use octagloss_core::bake::Progress;
-use octagloss_core::common::error::with_settings;
 use std::collections::BTreeSet;
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::Mutex;

@@ -1,23 +1,25 @@
 //! `octagloss convert`: converts environments between maps of the sphere.
 
 use super::console::{self, Console};
-use super::outcome::{Outcome, check_not_input, check_output, on_threads, renamed, usage, write_output};
+use super::outcome::{
+    Outcome, check_not_input, check_output, on_threads, or_usage, renamed, usage, write_output,
+};
 use super::shared_args::MAX_THREADS;
 use super::values::{scale, turn};
+use crate::files::Pixel;
+use crate::maps::{MAPS, NamedMap, named};
+use crate::read::{Pad, ReadOptions};
 use clap::Args as ClapArgs;
 use clap::builder::PossibleValuesParser;
 use octagloss_core::bake::memory;
-use octagloss_core::files::format::Pixel;
 use octagloss_core::files::io::environment_write::{losses, picture_bytes, picture_container};
 use octagloss_core::files::io::map_header::map_pairs;
-use octagloss_core::files::io::output::Existing;
-use octagloss_core::files::io::{self, LoadedMap, MapLight, Pad, ReadOptions};
+use octagloss_core::files::io::{self, LoadedMap, MapLight};
 use octagloss_core::geometry::bordered::bordered_picture;
 use octagloss_core::geometry::conversion::Source;
 use octagloss_core::geometry::resample::Continuation;
 use octagloss_core::light::environment::rotation_y;
 use octagloss_core::sphere::grid::Grid;
-use octagloss_core::sphere::registry::{MAPS, NamedMap, named};
 use std::path::{Path, PathBuf};
 
 /// Maximum texels along the shorter side.
@@ -102,13 +104,9 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
     let Ok(container) = picture_container(as_named) else {
         return usage(format!("-o {} must end in .exr or .hdr", path.display()));
     };
-    let pixel = match container.pixel(args.pixel, Pixel::F32) {
-        Ok(pixel) => pixel,
-        Err(error) => return usage(error.to_string()),
-    };
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
+    let pixel = or_usage(container.pixel(args.pixel, Pixel::F32))?;
     check_not_input(path, [&args.input])?;
-    check_output(path, existing)?;
+    let existing = check_output(path, args.force)?;
     let map = known(&args.layout);
     let console = Console::new(args.quiet);
     on_threads(args.threads, || {

@@ -3,23 +3,22 @@
 use super::args::DfgArgs;
 use super::console::{self, Console};
 use super::outcome::{Outcome, check_output, usage, write_output};
-use octagloss_core::bake::dfg::{DfgBlue, DfgForm, dfg_table_with};
-use octagloss_core::files::format::Pixel;
+use super::output::extension;
+use crate::files::Pixel;
+use crate::reflectance::{DfgBlue, DfgForm};
+use octagloss_core::bake::dfg::dfg_table_with;
 use octagloss_core::files::io::exr::write::{Attribute, Samples, exr_bytes};
 use octagloss_core::files::io::ktx2::lookup_table::{Channels, table_bytes};
-use octagloss_core::files::io::output::Existing;
 
 pub(super) fn run(args: DfgArgs) -> Outcome {
     let path = &args.output;
-    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
-    let is_ktx2 = match extension.as_deref().and_then(|extension| extension.to_str()) {
+    let is_ktx2 = match extension(path).as_deref() {
         Some("ktx2") => true,
         Some("exr") => false,
         None if path.as_os_str() == "-" => true,
         _ => return usage(format!("-o {} must end in .ktx2 or .exr", path.display())),
     };
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
-    check_output(path, existing)?;
+    let existing = check_output(path, args.force)?;
     let name = match args.form {
         DfgForm::SplitSum => "red: scale of f0, green: bias",
         DfgForm::MultipleScattering => "red: reflected at f0 = 0, green: at f0 = 1",

@@ -1,9 +1,9 @@
 //! Directions of `octagloss query --directions`, with or without a roughness each.
 
 use super::rows::Kind;
+use crate::queries::unit;
 use anyhow::{anyhow, bail};
 use glam::DVec3;
-use octagloss_core::common::direction::unit;
 
 /// A unit vector, and its roughness if the rows have that column.
 pub type Direction = (DVec3, Option<f64>);

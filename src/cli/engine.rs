@@ -6,17 +6,14 @@ use super::console::with_options;
 use super::outcome::{Outcome, usage};
 use super::shared_args::EngineArgs;
 use super::values::EngineArg;
-use crate::Environment;
 #[cfg(feature = "gpu")]
 use crate::Error;
+use crate::queries::Query;
+use crate::recipes::Baked;
 #[cfg(feature = "gpu")]
 use crate::wgpu;
+use crate::{Answer, BakeSettings, Environment, OnProgress, Reflector, ReflectorSettings, bake_all};
 use octagloss_core::bake::memory;
-use octagloss_core::bake::query::Query;
-use octagloss_core::bake::{BakeSettings, OnProgress, bake_all};
-use octagloss_core::cpu::reflector::{Reflector, ReflectorSettings};
-use octagloss_core::files::export::produce::Baked;
-use octagloss_core::lobe::filter::Answer;
 use std::cell::OnceCell;
 
 /// The chosen engine.

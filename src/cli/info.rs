@@ -6,14 +6,11 @@ use super::engine::list_adapters;
 use super::info_other;
 use super::input::{self, InputFiles, layout_name, read_bake};
 use super::outcome::{Failure, Outcome, print};
-use octagloss_core::analysis::statistics::{HalfLoss, Statistics};
-use octagloss_core::analysis::sun::Brightest;
+use crate::read::{InputLayout, Provenance, Repairs};
+use crate::recipes::{InputOptions, Source, SunReport};
+use crate::suns::Brightest;
+use crate::{Chain, HalfLoss, Level, Statistics};
 use octagloss_core::common::percent::percent;
-use octagloss_core::files::io::provenance::Provenance;
-use octagloss_core::files::io::{InputLayout, Repairs};
-use octagloss_core::files::recipe::InputOptions;
-use octagloss_core::files::recipe::source::{Source, SunReport};
-use octagloss_core::light::chain::{Chain, Level};
 use octagloss_core::light::environment::exact_luminance;
 use serde::{Serialize, Serializer};
 use serde_json::json;
@@ -166,10 +163,8 @@ fn levels_info(chain: &Chain) -> Vec<LevelInfo> {
             max: [f32::NEG_INFINITY; 3],
             mean: [0.0; 3],
         };
-        let ((width, height), sphere) = (level.layout.sides(), 4.0 * std::f64::consts::PI);
-        let image = || (0..height).flat_map(|j| (0..width).map(move |i| (i, j)));
-        for (texel, (i, j)) in level.texels.iter().zip((0..6).flat_map(|_| image())) {
-            let share = level.layout.texel_solid_angle(i, j) / sphere;
+        for (at, texel) in level.texels.iter().enumerate() {
+            let share = level.layout.solid_angle_at(at) / (4.0 * std::f64::consts::PI);
             for (c, value) in texel.iter().enumerate() {
                 info.min[c] = info.min[c].min(*value);
                 info.max[c] = info.max[c].max(*value);

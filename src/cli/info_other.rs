@@ -2,12 +2,13 @@
 //! pictures without light, and files of data.
 
 use super::console;
+use crate::Rgb;
+use crate::read::ReadOptions;
 use octagloss_core::files::format::container::ENV_MAGIC;
 use octagloss_core::files::io::regular::read_regular;
 use octagloss_core::files::io::{
-    DEFAULT_MEMORY_LIMIT, Format, LoadedMap, MapLight, ReadOptions, levels_path, npy, read_map, read_plain,
+    DEFAULT_MEMORY_LIMIT, Format, LoadedMap, MapLight, levels_path, npy, read_map, read_plain,
 };
-use octagloss_core::light::environment::Rgb;
 use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;

@@ -1,11 +1,11 @@
 //! Groups input files into environments and reads them.
 
 use super::console::Console;
-use super::outcome::{Outcome, usage};
+use super::outcome::{Outcome, or_usage, usage};
 use crate::Layout;
-use octagloss_core::files::io::{self, InputLayout, LoadedChain, regular};
-use octagloss_core::files::recipe::InputOptions;
-use octagloss_core::files::recipe::source::Source;
+use crate::read::InputLayout;
+use crate::recipes::{InputOptions, Source};
+use octagloss_core::files::io::{self, LoadedChain, regular};
 use std::path::{Path, PathBuf};
 
 /// Files of one environment: one file, or the six faces of a cube.
@@ -14,7 +14,7 @@ pub(super) struct InputFiles(Vec<PathBuf>);
 
 /// Converts `paths` to environments: one each, or six files as one with `--layout faces`.
 pub(super) fn sources(paths: Vec<PathBuf>, args: &InputOptions) -> Outcome<Vec<InputFiles>> {
-    args.check().or_else(|error| usage(error.to_string()))?;
+    or_usage(args.check())?;
     match (args.layout, paths.len()) {
         // A single KTX2 cube or level folder already holds its faces.
         (InputLayout::Faces, 6 | 1) => Ok(vec![InputFiles(paths)]),

@@ -4,6 +4,8 @@ use super::compare_sources::PreparedSource;
 use super::console::Console;
 use super::measures::{Measures, is_from};
 use super::outcome::{Outcome, usage};
+use crate::files::Existing;
+use crate::{Chain, Ladder, Level, Lobe};
 use anyhow::anyhow;
 use glam::DVec3;
 use octagloss_core::analysis::channels::{Greatest, Relative};
@@ -11,10 +13,6 @@ use octagloss_core::analysis::compare::is_measurable;
 use octagloss_core::analysis::delivered::{
     DIRECTIONS, DeliveredError, default_roughnesses, delivered_errors,
 };
-use octagloss_core::files::io::output::Existing;
-use octagloss_core::light::chain::{Chain, Level};
-use octagloss_core::lobe::Lobe;
-use octagloss_core::lobe::ladder::Ladder;
 use serde::Serialize;
 use std::cell::Cell;
 use std::path::Path;

@@ -3,9 +3,10 @@
 use super::console::Console;
 use super::outcome::{Outcome, print_bytes};
 use crate::Error;
+use crate::files::Existing;
 use clap::{Args as ClapArgs, Command};
 use clap_mangen::Man;
-use octagloss_core::files::io::output::{self, Existing, Output};
+use octagloss_core::files::io::output::{self, Output};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -53,7 +54,7 @@ fn page(command: &Command) -> Outcome<Vec<u8>> {
 
 /// Writes `pages` into `folder` in one step.
 fn write(folder: &Path, pages: &[(PathBuf, Vec<u8>)], force: bool) -> Outcome {
-    let existing = if force { Existing::Replace } else { Existing::Keep };
+    let existing = Existing::by_force(force);
     fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
     let outputs: Vec<_> = pages.iter().map(|(path, page)| (path.clone(), Output::File(&page[..]))).collect();
     Ok(output::commit(output::stage_all(&outputs, existing)?)?)

@@ -2,8 +2,8 @@
 
 use super::args::CompareArgs;
 use super::values::Texels;
+use crate::Lobe;
 use octagloss_core::analysis::compare::Sampling;
-use octagloss_core::lobe::Lobe;
 use std::path::PathBuf;
 
 /// Texels of a level to integrate by default,

@@ -3,7 +3,6 @@
 //! Data goes to standard output, messages to standard error. Exit status: 0 success, 1 failure, 2 usage
 //! error.
 
-mod analyze;
 mod args;
 mod bake;
 mod bake_plan;
@@ -23,6 +22,7 @@ pub mod console;
 mod convert;
 mod dfg;
 pub mod directions;
+mod elsewhere;
 mod engine;
 mod expand;
 mod fingerprint;
@@ -50,8 +50,6 @@ pub mod values;
 mod verify;
 #[cfg(feature = "view")]
 mod view;
-#[cfg(not(feature = "view"))]
-mod view_absent;
 #[cfg(feature = "view")]
 mod view_args;
 #[cfg(feature = "view")]
@@ -122,7 +120,10 @@ fn run(command: Command, licenses: Option<&str>) -> Outcome {
         Command::Bench(args) => bench::run(args),
         Command::Synth(args) => synth::run(args),
         Command::Dfg(args) => dfg::run(args),
-        Command::Analyze(args) => analyze::run(&args),
+        Command::Analyze(args) => args.refuse(
+            "analyze is in the workbench; in a checkout of the sources",
+            "-p octagloss-workbench -- analyze",
+        ),
         Command::Convert(args) => convert::run(&args),
         Command::Completions(args) => completions::run(&args, Args::command()),
         Command::Man(args) => man::run(&args, Args::command()),
@@ -131,7 +132,7 @@ fn run(command: Command, licenses: Option<&str>) -> Outcome {
         #[cfg(feature = "view")]
         Command::View(args) => view::run(*args),
         #[cfg(not(feature = "view"))]
-        Command::View(args) => view_absent::run(&args),
+        Command::View(args) => args.refuse("view is not part of this build;", "--features view -- view"),
     }
 }
 

@@ -1,8 +1,8 @@
 //! Outcomes and output of subcommands.
 
+use crate::files::Existing;
 use anyhow::anyhow;
 use octagloss_core::files::io::output as output_file;
-use octagloss_core::files::io::output::Existing;
 use serde::Serialize;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -140,13 +140,20 @@ pub fn check_png(option: &str, path: &Path) -> Outcome {
     usage(format!("{option} {} must end in .png", path.display()))
 }
 
-/// Checks that [`write_output`] can write to `path`, and cleans up after killed runs in its folder.
-pub fn check_output(path: &Path, existing: Existing) -> Outcome {
-    if is_stdout(path)? {
-        return Ok(());
+/// Checks that [`write_output`] can write to `path`, by `force` over a file that exists, and cleans up after
+/// killed runs in its folder.
+pub fn check_output(path: &Path, force: bool) -> Outcome<Existing> {
+    let existing = Existing::by_force(force);
+    if !is_stdout(path)? {
+        output_file::recover(path);
+        output_file::check_file(path, existing)?;
     }
-    output_file::recover(path);
-    Ok(output_file::check_file(path, existing)?)
+    Ok(existing)
+}
+
+/// `result`, whose error is one of usage.
+pub fn or_usage<T>(result: crate::Result<T>) -> Outcome<T> {
+    result.or_else(|error| usage(error.to_string()))
 }
 
 /// Runs `work` in a pool of `threads` threads, by default one per core.

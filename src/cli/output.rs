@@ -4,18 +4,15 @@ use super::console::{Console, escaped};
 use super::fingerprint::{self, fingerprint};
 use super::input::InputFiles;
 use super::outcome::{Outcome, print_bytes, usage};
+use crate::files::{Container, Existing, Made, Pixel};
+use crate::recipes::{BakePlan, OutputFileReport, Products, Report, SunFile, json_bytes, report_path};
+use crate::targets::{Content, LevelName, Naming, Shown};
 use crate::{Error, Layout, Result};
 use anyhow::anyhow;
 use blake3::Hash;
-use octagloss_core::files::export::files::Made;
-use octagloss_core::files::export::produce::{Products, SunFile, beside, json_bytes, report_path, within};
-use octagloss_core::files::export::report::{OutputFileReport, Report};
+use octagloss_core::files::export::produce::{beside, within};
 use octagloss_core::files::export::write::outputs;
-use octagloss_core::files::format::container::Container;
-use octagloss_core::files::format::{LevelName, Pixel, Shown};
-use octagloss_core::files::io::output::{self, Existing, Output};
-use octagloss_core::files::recipe::plan::BakePlan;
-use octagloss_core::files::target::{Content, Naming};
+use octagloss_core::files::io::output::{self, Output};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::fs;
@@ -275,9 +272,10 @@ impl Outputs {
 fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> Result<String> {
     let pixel = plan.pixel.name();
     let skybox = settings.skybox.unwrap_or(settings.size);
+    let specs = settings.level_specs()?;
     Ok(match content {
-        Content::Specular => cube_words(pixel, settings.size, settings.level_specs()?.len()),
-        Content::Sheen => cube_words(&format!("{pixel} sheen"), settings.size, settings.level_specs()?.len()),
+        Content::Specular => cube_words(pixel, settings.size, specs.len()),
+        Content::Sheen => cube_words(&format!("{pixel} sheen"), settings.size, specs.len()),
         Content::Skybox if !plan.target.has_container() => cube_words(Pixel::F16.name(), skybox, 1),
         Content::Skybox => cube_words(pixel, skybox, 1),
         Content::SkyboxPanorama => format!("panorama {}x{}", 4 * skybox, 2 * skybox),
@@ -287,7 +285,6 @@ fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> 
         }
         Content::ShJson | Content::ShText => "spherical harmonics".to_owned(),
         Content::Oem => {
-            let specs = settings.level_specs()?;
             format!("{pixel} octahedral map {}, {} levels, with borders", settings.size, specs.len())
         }
         Content::Pyramid => {
@@ -299,10 +296,9 @@ fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> 
         Content::Reader => "shader code".to_owned(),
         Content::Panorama => format!("panorama {}x{}", 2 * settings.size, settings.size),
         Content::Mips => {
-            format!("{pixel} panorama {}, {} levels", settings.size, settings.level_specs()?.len())
+            format!("{pixel} panorama {}, {} levels", settings.size, specs.len())
         }
         Content::Image(LevelName { shown, face, is_bound }) => {
-            let specs = settings.level_specs()?;
             let (size, what) = match shown {
                 Shown::Level(level) => (specs[level as usize].layout.sides().1, ""),
                 Shown::Irradiance => (settings.irradiance.unwrap_or(0), "irradiance "),
@@ -315,10 +311,9 @@ fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> 
             format!("{pixel} {what}{layout} {size}")
         }
         Content::Atlas => {
-            format!("{pixel} atlas {}, {} levels", 2 * settings.size, settings.level_specs()?.len())
+            format!("{pixel} atlas {}, {} levels", 2 * settings.size, specs.len())
         }
         Content::Env | Content::Glb => {
-            let specs = settings.level_specs()?;
             format!("{pixel} cube {}, {} levels, and spherical harmonics", settings.size, specs.len())
         }
     })

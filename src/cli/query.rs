@@ -5,21 +5,19 @@ use super::console::{self, Console};
 use super::directions::{DIRECTIONS, Direction};
 use super::frames::FRAMES;
 use super::input::{self, InputFiles};
-use super::outcome::{Outcome, check_not_input, check_output, on_threads, print, usage, write_output};
+use super::outcome::{
+    Outcome, check_not_input, check_output, on_threads, or_usage, print, usage, write_output,
+};
+use super::output::extension;
 use super::rows::Rows;
 use super::values::EngineArg;
+use crate::queries::{Query, sharpest};
+use crate::{Answer, Bound, Filter, Lobe, Oracle, Reflector, ReflectorSettings, Rgb};
 use glam::DVec3;
-use octagloss_core::analysis::oracle::Oracle;
 use octagloss_core::analysis::oracle::reflection::reflection;
-use octagloss_core::bake::query::Query;
 use octagloss_core::common::frame::Frame;
 use octagloss_core::cpu::reflection::{LEAST_ROUGHNESS, ReflectedLight};
-use octagloss_core::cpu::reflector::{Reflector, ReflectorSettings, sharpest};
 use octagloss_core::files::io::npy;
-use octagloss_core::files::io::output::Existing;
-use octagloss_core::light::environment::Rgb;
-use octagloss_core::lobe::Lobe;
-use octagloss_core::lobe::filter::{Answer, Bound, Filter};
 use rayon::prelude::*;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -33,18 +31,14 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     if args.bound && !matches!(args.filter, Filter::Adaptive(_)) {
         return usage("--bound needs --filter adaptive:E; other filters have no certified bounds");
     }
-    if let Err(error) = args.filter.check(lobe, args.table.oem_size) {
-        return usage(error.to_string());
-    }
-    args.table.check(args.filter).or_else(|error| usage(error.to_string()))?;
+    or_usage(args.filter.check(lobe, args.table.oem_size))?;
+    or_usage(args.table.check(args.filter))?;
     let source = input::single_source(args.inputs.clone(), &args.input)?;
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
     let output = match &args.output {
         Some(path) => {
             let form = Form::from_path(path)?;
             check_not_input(path, source.files().iter().chain(&args.directions).chain(&args.frames))?;
-            check_output(path, existing)?;
-            Some((path, form))
+            Some((path, check_output(path, args.force)?, form))
         }
         None => None,
     };
@@ -64,7 +58,7 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
             }
         };
         let csv = || csv(&header, &typed, &answers, args.bound);
-        let Some((path, form)) = output else { return print(&csv()) };
+        let Some((path, existing, form)) = output else { return print(&csv()) };
         let bytes = match form {
             Form::Csv => csv().into_bytes(),
             Form::Array => array(&answers, args.bound),
@@ -182,8 +176,7 @@ enum Form {
 impl Form {
     /// The form of the extension of `path`.
     fn from_path(path: &Path) -> Outcome<Self> {
-        let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
-        match extension.as_deref().and_then(|extension| extension.to_str()) {
+        match extension(path).as_deref() {
             Some("csv") => Ok(Self::Csv),
             Some("npy") => Ok(Self::Array),
             _ if path.as_os_str() == "-" => usage("omit -o to write CSV to standard output"),

@@ -3,9 +3,9 @@
 
 use super::console::Console;
 use super::outcome::{Outcome, check_output, print, usage, write_output};
+use crate::reflectance::anisotropic_table;
 use clap::{Args as ClapArgs, ValueEnum};
-use octagloss_core::files::io::output::Existing;
-use octagloss_core::files::io::pyramid_write::{anisotropic_table, check_size};
+use octagloss_core::files::io::pyramid_write::check_size;
 use octagloss_shaders::reader;
 use std::path::{Path, PathBuf};
 
@@ -74,8 +74,7 @@ fn write_rows(args: &ReaderArgs, path: &Path) -> Outcome {
     if let Err(error) = check_size(size) {
         return usage(format!("--size: {error}"));
     }
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
-    check_output(path, existing)?;
+    let existing = check_output(path, args.force)?;
     let bytes = anisotropic_table(size)?;
     write_output(path, existing, &bytes)?;
     Console::new(args.quiet).note(&format!(

@@ -2,11 +2,10 @@
 
 use super::console;
 use super::shell::listed;
+use crate::Map;
+use crate::files::Container;
+use crate::recipes::{BakePlan, Report};
 use octagloss_core::common::percent::percent;
-use octagloss_core::files::export::report::Report;
-use octagloss_core::files::format::container::Container;
-use octagloss_core::files::recipe::plan::BakePlan;
-use octagloss_core::light::environment::Map;
 use std::path::Path;
 
 /// Outputs of a bake.

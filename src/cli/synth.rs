@@ -4,7 +4,6 @@ use super::args::SynthArgs;
 use super::console::{self, Console};
 use super::outcome::{Outcome, check_output, print, usage, write_output};
 use octagloss_core::files::io::environment_write::environment_bytes;
-use octagloss_core::files::io::output::Existing;
 use octagloss_core::light::synth::{RECIPES, synth};
 use std::path::{Path, PathBuf};
 
@@ -29,8 +28,7 @@ pub(super) fn run(args: SynthArgs) -> Outcome {
     if !extension.is_some_and(|extension| extension == "exr" || extension == "hdr") {
         return usage(format!("-o {} must end in .exr or .hdr", path.display()));
     }
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
-    check_output(&path, existing)?;
+    let existing = check_output(&path, args.force)?;
     let bytes = environment_bytes(named, &synth(recipe.name)?, recipe.purpose)?;
     write_output(&path, existing, &bytes)?;
     Console::new(args.quiet).note(&format!("{}: {}", path.display(), console::bytes(bytes.len() as u64)));

@@ -1,8 +1,8 @@
 //! Option values: choices, their meanings, and parsers.
 
+use crate::MAX_DEGREES;
 use clap::ValueEnum;
 use octagloss_core::files::recipe::text::number;
-use octagloss_core::light::environment::MAX_DEGREES;
 pub(super) use octagloss_core::lobe::filter::parsed as filter;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -6,12 +6,11 @@ use super::console::Console;
 use super::input::InputFiles;
 use super::measures::Measures;
 use super::outcome::{Failure, Outcome, usage};
+use crate::files::OutputLayout;
+use crate::recipes::{BakePlan, InputOptions};
+use crate::targets::Content;
 use anyhow::anyhow;
 use octagloss_core::common::percent::percent;
-use octagloss_core::files::format::OutputLayout;
-use octagloss_core::files::recipe::InputOptions;
-use octagloss_core::files::recipe::plan::BakePlan;
-use octagloss_core::files::target::Content;
 use std::path::PathBuf;
 
 /// Required content of the outputs.

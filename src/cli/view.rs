@@ -1,29 +1,24 @@
 //! `octagloss view`: renders objects lit by an environment, in a window or to a picture.
 
 use super::console::Console;
-use super::input;
-use super::outcome::{Outcome, usage, write_output};
+use super::outcome::{Outcome, or_usage, usage, write_output};
 use super::view_args::ViewArgs;
-use super::view_scene;
-use crate::{Environment, Layout};
-use octagloss_core::cpu::reflector::ReflectorSettings;
+use super::{input, view_scene};
+use crate::{Environment, Layout, ReflectorSettings};
 use octagloss_core::files::io::LoadedChain;
 use octagloss_core::files::io::ldr::write::png_bytes;
 use octagloss_core::light::synth::synth;
 use octagloss_core::pyramid::Octaves;
 use octagloss_gpu::block_on;
-use octagloss_view::screenshot;
-use octagloss_view::{Levels, Mesh, Renderer, Screenshot, Start, Technique, Truth, run as run_window};
+use octagloss_view::{
+    Levels, Mesh, Renderer, Screenshot, Start, Technique, Truth, run as run_window, screenshot,
+};
 use std::sync::Arc;
 
 pub(super) fn run(args: ViewArgs) -> Outcome {
     let mut look = args.look.look();
-    if let Err(error) = look.check() {
-        return usage(error.to_string());
-    }
-    if let Some(Err(error)) = args.oem_size.map(Octaves::over) {
-        return usage(error.to_string());
-    }
+    or_usage(look.check())?;
+    or_usage(args.oem_size.map(Octaves::over).transpose())?;
     if args.scene.scene.is_some() {
         return view_scene::run(args);
     }

@@ -4,12 +4,10 @@ use super::console::Console;
 use super::engine;
 use super::outcome::{Outcome, check_not_input, check_output, check_png};
 use super::values::{roughness, turn, within};
-use crate::Rgb;
+use crate::files::Existing;
+use crate::recipes::{Exposure, InputOptions};
+use crate::{Rgb, Scan};
 use clap::Args as ClapArgs;
-use octagloss_core::files::image::exposure::Exposure;
-use octagloss_core::files::io::output::Existing;
-use octagloss_core::files::recipe::InputOptions;
-use octagloss_core::light::sat::Scan;
 use octagloss_core::lobe::filter::FITTED;
 use octagloss_gpu::direct::Method;
 use octagloss_gpu::{Context, block_on};
@@ -212,12 +210,11 @@ impl ViewArgs {
         inputs: impl Iterator<Item = &'a PathBuf>,
         console: &Console,
     ) -> Outcome<(Existing, Context)> {
-        let existing = if self.force { Existing::Replace } else { Existing::Keep };
         if path.as_os_str() != "-" {
             check_png("--screenshot", path)?;
         }
         check_not_input(path, inputs)?;
-        check_output(path, existing)?;
+        let existing = check_output(path, self.force)?;
         let adapter = engine::any_adapter(self.adapter.as_deref())?;
         let context = block_on(None, Context::new(&adapter))??;
         console.note(&format!("adapter: {}", context.describe()));

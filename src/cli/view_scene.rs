@@ -1,9 +1,9 @@
 //! `octagloss view --scene`: a moving scene that reflects itself through probes.
 
 use super::console::Console;
-use super::outcome::{Outcome, usage, write_output};
+use super::outcome::{Outcome, or_usage, write_output};
 use super::view_args::ViewArgs;
-use octagloss_core::files::image::exposure::Exposure;
+use crate::recipes::Exposure;
 use octagloss_core::files::io::ldr::write::png_bytes;
 use octagloss_gpu::block_on;
 use octagloss_gpu::device::context::may_have_hardware;
@@ -18,9 +18,7 @@ use std::time::Instant;
 const SLOW: f64 = 5.0;
 
 pub(super) fn run(args: ViewArgs) -> Outcome {
-    if let Some(Err(error)) = args.look.filter.map(check_scene_filter) {
-        return usage(error.to_string());
-    }
+    or_usage(args.look.filter.map(check_scene_filter).transpose())?;
     let file = args.scene.scene.clone().flatten();
     let console = Console::new(args.quiet);
     let scene = match &file {

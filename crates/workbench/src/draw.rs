@@ -18,7 +18,7 @@ pub(super) fn run(args: &FigureArgs) -> Outcome {
     let entries = chosen(args)?;
     check_options(args, &entries)?;
     let content = content(args, &console)?;
-    let existing = if args.force { Existing::Replace } else { Existing::Keep };
+    let existing = Existing::by_force(args.force);
     // Check the outputs before drawing.
     output::recover(folder);
     let is_new = !folder.exists();

@@ -1,22 +1,24 @@
 //! The error sheet marks the wrong texel, in colours that its bar explains.
 
 use octagloss_core::analysis::channels::Relative;
-use octagloss_core::files::image::error_sheet::{LevelErrors, error_sheet};
+use octagloss_core::analysis::compare::{LevelErrors, errors_against_texels};
+use octagloss_core::files::image::error_sheet::error_sheet;
 use octagloss_core::light::chain::Level;
 use octagloss_drawing::scale::RELATIVE_ERROR;
 use octagloss_drawing::scene::Scene;
 use octagloss_fixtures::files::written::chain;
 
 fn sheet(pairs: &[(&Level, &Level)]) -> octagloss_core::common::error::Result<Scene> {
-    let levels: Vec<_> = (pairs.iter().enumerate())
+    let errors: Vec<LevelErrors> = (pairs.iter().enumerate())
         .map(|(number, (level, reference))| LevelErrors {
-            number,
             size: 64,
             rmse: Relative { luminance: 0.0123, channels: [0.0123; 3] },
-            level,
-            reference,
+            reference: Some(Level::clone(reference)),
+            ..errors_against_texels(number, level, level)
         })
         .collect();
+    let levels: Vec<_> =
+        errors.iter().zip(pairs).map(|(errors, (level, _))| (errors, Level::clone(level))).collect();
     error_sheet("Errors of \u{5929}.ktx2", "a.exr", &levels)
 }
 

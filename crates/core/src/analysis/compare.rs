@@ -10,10 +10,9 @@ use crate::geometry::footprints::footprints_over;
 use crate::light::chain::{Chain, Level};
 use crate::light::environment::{Environment, Layout, exact_luminance};
 use crate::lobe::{Lobe, full_width_at_half_maximum};
-use crate::sphere::cube::{Face, cube_point};
-use crate::sphere::equirect::direction_from_equirect;
+use crate::sphere::cube::Face;
 use crate::sphere::octahedral;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -243,7 +242,7 @@ pub fn errors_against_source(
 /// Mean of `radiance` over the footprint of texel `at`: a point if the texel is narrower than a third of the
 /// lobe's full width at half maximum, the whole texel from a half on.
 fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3) -> [f64; 3]) -> [f64; 3] {
-    let (image, i, j) = place(level.layout, at);
+    let (image, i, j) = level.layout.place(at);
     let share = texel_edge(level.layout, i, j) / lobe_width(level, lobe);
     let fade = (share - 1.0 / 3.0) * 6.0;
     if fade <= 0.0 {
@@ -258,33 +257,13 @@ fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3)
     };
     let (mut sum, mut whole) = ([0.0; 3], 0.0);
     for (a, b) in (0..count).flat_map(|b| (0..count).map(move |a| (a, b))) {
-        let (direction, weight) = direction_within(level.layout, image, coordinate(i, a), coordinate(j, b));
+        let (direction, weight) = level.layout.direction_within(image, coordinate(i, a), coordinate(j, b));
         whole += weight;
         for (sum, value) in sum.iter_mut().zip(radiance(direction)) {
             *sum += weight * value;
         }
     }
     sum.map(|c| c / whole)
-}
-
-/// Unit direction of the point (`x`, `y`), in texels from the corner of an image, and the solid angle there
-/// per area, up to a factor.
-pub(crate) fn direction_within(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) {
-    let signed = |x: f64, size: u32| x * 2.0 / f64::from(size) - 1.0;
-    match layout {
-        Layout::Cube { size } => {
-            let point = cube_point(Face::ALL[image as usize], signed(x, size), signed(y, size));
-            (point.normalize(), point.length_squared().powf(-1.5))
-        }
-        Layout::Panorama { width, height } => {
-            let direction = direction_from_equirect(x / f64::from(width), y / f64::from(height));
-            (direction, direction.x.hypot(direction.z))
-        }
-        Layout::Octahedral { size } => {
-            let uv = DVec2::new(signed(x, size), signed(y, size));
-            (octahedral::direction_from_oct(uv), octahedral::solid_angle_density(uv))
-        }
-    }
 }
 
 /// Edge of the texel (`i`, `j`) in radians, at its centre as in a bake; for a panorama the longer one.
@@ -326,8 +305,7 @@ fn level_errors(
     for (pick, (at, expected)) in picks.iter().zip(&references).enumerate() {
         let got = level.texels[*at].map(f64::from);
         // A cube's texels are nearly alike; a panorama's shrink to nothing.
-        let (_, i, j) = place(level.layout, *at);
-        let weight = if is_cube { 1.0 } else { level.layout.texel_solid_angle(i, j) };
+        let weight = if is_cube { 1.0 } else { level.layout.solid_angle_at(*at) };
         sums.add(weight, got, *expected);
         let here = relative_to(differences(got, *expected), *expected).greatest();
         if here.error > worst.1.error {
@@ -336,7 +314,7 @@ fn level_errors(
     }
     let l1 = sums.l1();
     let at = picks[worst.0];
-    let (image, i, j) = place(level.layout, at);
+    let (image, i, j) = level.layout.place(at);
     let bake = |at: usize| exact_luminance(level.texels[at]);
     // Reuse the integrals if all texels are compared.
     let all = picks.len() == level.texels.len();
@@ -368,22 +346,9 @@ fn level_errors(
     }
 }
 
-/// Image (a cube's face, otherwise 0), column and row of texel `at`.
-fn place(layout: Layout, at: usize) -> (u32, u32, u32) {
-    let (width, height) = layout.sides();
-    let (width, height) = (width as usize, height as usize);
-    ((at / (width * height)) as u32, (at % width) as u32, (at / width % height) as u32)
-}
-
-/// Direction of texel `at` of a cube of `size`.
-fn direction(size: u32, at: usize) -> DVec3 {
-    let layout = Layout::Cube { size };
-    let (face, i, j) = place(layout, at);
-    layout.direction_from_texel(face, i, j)
-}
-
 /// Mean step across cube edges over mean step within faces.
 fn seam(size: u32, texels: Option<usize>, value: &(dyn Fn(usize) -> f64 + Sync)) -> Option<f64> {
+    let layout = Layout::Cube { size };
     let mean = |count: usize, step: fn(u32, usize) -> (usize, usize)| {
         // Together as many integrations as for the texels.
         let picks = sample(count, texels.map(|count| count.div_ceil(4)));
@@ -391,7 +356,7 @@ fn seam(size: u32, texels: Option<usize>, value: &(dyn Fn(usize) -> f64 + Sync))
             .par_iter()
             .map(|pick| {
                 let (a, b) = step(size, *pick);
-                let angle = direction(size, a).angle_between(direction(size, b));
+                let angle = layout.direction_at(a).angle_between(layout.direction_at(b));
                 (value(a) - value(b)).abs() / angle
             })
             .collect();
@@ -477,7 +442,8 @@ mod tests {
 
     fn level(size: u32, value: impl Fn(DVec3) -> f32) -> Level {
         let count = 6 * size as usize * size as usize;
-        let texels: Vec<Rgb> = (0..count).map(|at| [value(direction(size, at)); 3]).collect();
+        let texels: Vec<Rgb> =
+            (0..count).map(|at| [value(Layout::Cube { size }.direction_at(at)); 3]).collect();
         Level::cube(size, 0.5, texels)
     }
 
@@ -531,7 +497,7 @@ mod tests {
             let (width, _) = layout.sides();
             for (i, j) in [(0, 0), (5, 3), (8, 7)] {
                 let centre = layout.direction_from_texel(0, i, j);
-                let (found, _) = direction_within(layout, 0, f64::from(i) + 0.5, f64::from(j) + 0.5);
+                let (found, _) = layout.direction_within(0, f64::from(i) + 0.5, f64::from(j) + 0.5);
                 assert!(found.distance(centre) < 1e-12, "{layout:?} ({i}, {j}): {found} is not {centre}");
                 // The mean of 1 over the texel, weighted, and of y, against the texel's own.
                 let count = 400;
@@ -539,7 +505,7 @@ mod tests {
                 for k in 0..count * count {
                     let offset = |k: u32| (f64::from(k) + 0.5) / f64::from(count);
                     let (x, y) = (f64::from(i) + offset(k % count), f64::from(j) + offset(k / count));
-                    let (direction, weight) = direction_within(layout, 0, x, y);
+                    let (direction, weight) = layout.direction_within(0, x, y);
                     area += weight / f64::from(count * count);
                     height += weight * direction.y / f64::from(count * count);
                 }
@@ -575,7 +541,8 @@ mod tests {
             let step = PI / 2.0 / f64::from(size);
             let within = (0..steps_within(size)).map(|k| step_within(size, k));
             for (a, b) in within.chain((0..steps_across(size)).map(|k| step_across(size, k))) {
-                let angle = direction(size, a).angle_between(direction(size, b));
+                let layout = Layout::Cube { size };
+                let angle = layout.direction_at(a).angle_between(layout.direction_at(b));
                 assert!(a != b && angle < 1.5 * step, "{size}: {a} to {b} is {angle}");
             }
             let pairs: BTreeSet<_> = (0..steps_within(size)).map(|k| step_within(size, k)).collect();
@@ -591,7 +558,10 @@ mod tests {
         let mean = footprint_mean(&wide, Lobe::Ggx, 0, &|d| [d.x, 1.0, d.y]);
         assert!((mean[0] - 0.831).abs() < 2e-3 && mean[1] == 1.0 && mean[2].abs() < 1e-9, "{mean:?}");
         let narrow = level(64, |_| 0.0);
-        assert_eq!(footprint_mean(&narrow, Lobe::Ggx, 9, &|d| d.to_array()), direction(64, 9).to_array());
+        assert_eq!(
+            footprint_mean(&narrow, Lobe::Ggx, 9, &|d| d.to_array()),
+            Layout::Cube { size: 64 }.direction_at(9).to_array()
+        );
     }
 
     #[test]

@@ -1,12 +1,10 @@
 //! Extraction of suns: parts an environment into lamps, which directional lights replace, and the rest.
 
 use crate::analysis::delivered::even_directions;
-use crate::analysis::sun::{
-    Brightest, LayoutTexels, Peak, SUN_CONTRAST, SUN_SOLID_ANGLE, Sun, disc_radius, largest,
-};
+use crate::analysis::sun::{Brightest, Peak, SUN_CONTRAST, SUN_SOLID_ANGLE, Sun, disc_radius, largest};
 use crate::common::direction::units;
 use crate::common::error::Result;
-use crate::light::environment::{Environment, Rgb, exact_luminance};
+use crate::light::environment::{Environment, Layout, Rgb, exact_luminance};
 use crate::light::sh::scale::{ShScale, scaled};
 use crate::light::sh::{MAX_ORDER, basis, spherical_harmonics};
 use glam::DVec3;
@@ -173,7 +171,7 @@ struct Light {
 /// An environment while lamps are extracted.
 struct Parting<'a> {
     environment: &'a Environment,
-    grid: LayoutTexels,
+    grid: Layout,
     luminances: Vec<f64>,
     energy: f64,
     /// Greatest irradiance of each channel.
@@ -189,10 +187,10 @@ struct Parting<'a> {
 
 impl<'a> Parting<'a> {
     fn new(environment: &'a Environment) -> Self {
-        let grid = LayoutTexels(environment.layout());
+        let grid = environment.layout();
         let luminances: Vec<f64> =
             environment.texels().par_iter().map(|texel| exact_luminance(*texel)).collect();
-        let energy = (0..luminances.len()).map(|at| grid.solid_angle(at) * luminances[at]).sum();
+        let energy = (0..luminances.len()).map(|at| grid.solid_angle_at(at) * luminances[at]).sum();
         let irradiance =
             scaled(&spherical_harmonics(environment, MAX_ORDER).expect("the highest"), ShScale::Irradiance);
         let mut greatest = [0.0; 3];
@@ -281,7 +279,7 @@ impl<'a> Parting<'a> {
         let towards = self.environment.source_from_world() * direction;
         let nearest = TOWARDS_DEGREES.to_radians().cos();
         let mut order: Vec<usize> = (0..self.luminances.len())
-            .filter(|at| self.luminances[*at] > 0.0 && self.grid.direction(*at).dot(towards) >= nearest)
+            .filter(|at| self.luminances[*at] > 0.0 && self.grid.direction_at(*at).dot(towards) >= nearest)
             .collect();
         order.sort_unstable_by_key(|at| (Reverse(self.luminances[*at].to_bits()), *at));
         // Peaks so near to each other have similar surroundings: what is this dim is no sun.
@@ -305,11 +303,11 @@ impl<'a> Parting<'a> {
     fn texels_of(&self, peak: &Peak) -> (Vec<usize>, f64) {
         let (edge, glow, luminances) = (peak.edge(), peak.glow(), &self.luminances);
         let largest = largest(self.environment.layout());
-        let middle = self.grid.direction(peak.at);
+        let middle = self.grid.direction_at(peak.at);
         let [near, far] = [1.0, 2.0].map(|times| (times * disc_radius(largest)).cos());
         // Beyond the light's own radius, its glow does not climb to another light.
         let belongs = |at: usize| {
-            let (luminance, cosine) = (luminances[at], self.grid.direction(at).dot(middle));
+            let (luminance, cosine) = (luminances[at], self.grid.direction_at(at).dot(middle));
             let is_glow = luminance > glow && cosine > far && (luminance < edge || cosine > near);
             luminance <= peak.luminance && is_glow
         };
@@ -317,11 +315,11 @@ impl<'a> Parting<'a> {
         let mut heap = BinaryHeap::from([(peak.luminance.to_bits(), peak.at)]);
         let (mut texels, mut solid_angle, mut beyond) = (Vec::new(), 0.0, 0.0);
         while let Some((_, at)) = heap.pop() {
-            solid_angle += self.grid.solid_angle(at);
+            solid_angle += self.grid.solid_angle_at(at);
             if solid_angle <= largest || at == peak.at {
                 texels.push(at);
             } else {
-                beyond += self.grid.solid_angle(at) * luminances[at];
+                beyond += self.grid.solid_angle_at(at) * luminances[at];
             }
             for next in self.grid.around(at) {
                 if (luminances[next] >= edge || belongs(next)) && seen.insert(next) {
@@ -389,11 +387,11 @@ impl<'a> Parting<'a> {
     /// Adds the brightest texels around `texels`, which are sorted, as far as a sun may reach.
     fn with_margin(&self, mut texels: Vec<usize>) -> Vec<usize> {
         let largest = largest(self.environment.layout());
-        let mut solid_angle: f64 = texels.iter().map(|at| self.grid.solid_angle(*at)).sum();
+        let mut solid_angle: f64 = texels.iter().map(|at| self.grid.solid_angle_at(*at)).sum();
         let mut rim = self.grid.rim(&texels);
         rim.sort_by_key(|at| (Reverse(self.luminances[*at].to_bits()), *at));
         texels.extend(rim.into_iter().take_while(|at| {
-            solid_angle += self.grid.solid_angle(*at);
+            solid_angle += self.grid.solid_angle_at(*at);
             solid_angle <= largest
         }));
         texels.sort_unstable();
@@ -406,10 +404,10 @@ impl<'a> Parting<'a> {
         let rim: Vec<(DVec3, f64, Rgb)> = rim
             .iter()
             .step_by(rim.len().div_ceil(RIM).max(1))
-            .map(|&at| (self.grid.direction(at), self.grid.solid_angle(at), self.rest[at]))
+            .map(|&at| (self.grid.direction_at(at), self.grid.solid_angle_at(at), self.rest[at]))
             .collect();
         let continued = |&at: &usize| {
-            let direction = self.grid.direction(at);
+            let direction = self.grid.direction_at(at);
             let (mut sum, mut total) = ([0.0; 3], f64::MIN_POSITIVE);
             for (place, solid_angle, radiance) in &rim {
                 let weight = solid_angle / place.distance_squared(direction);
@@ -431,7 +429,7 @@ impl<'a> Parting<'a> {
         let points: Vec<(DVec3, [f64; 3])> = removed
             .iter()
             .flat_map(|(at, radiance)| {
-                let (middle, solid_angle) = (self.grid.direction(*at), self.grid.solid_angle(*at));
+                let (middle, solid_angle) = (self.grid.direction_at(*at), self.grid.solid_angle_at(*at));
                 let (u, v) = middle.any_orthonormal_pair();
                 let quarter = solid_angle.sqrt() / 4.0;
                 [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| {

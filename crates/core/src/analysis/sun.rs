@@ -2,7 +2,7 @@
 
 use crate::common::names::named;
 use crate::light::environment::{Environment, Layout, Rgb, exact_luminance};
-use crate::sphere::{cube, equirect, octahedral};
+use crate::sphere::{cube, octahedral};
 use glam::DVec3;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -136,7 +136,7 @@ impl Peak {
     /// The texels around it that are at least as bright as its edge.
     pub(super) fn region(&self, environment: &Environment) -> Vec<usize> {
         let texels = environment.texels();
-        LayoutTexels(environment.layout()).region(self.at, |at| exact_luminance(texels[at]) >= self.edge())
+        environment.layout().region(self.at, |at| exact_luminance(texels[at]) >= self.edge())
     }
 }
 
@@ -161,19 +161,19 @@ impl Sun {
         region: &[usize],
         radiance: impl Fn(usize) -> [f64; 3],
     ) -> Self {
-        let grid = LayoutTexels(environment.layout());
+        let grid = environment.layout();
         let (mut irradiance, mut solid_angle, mut centre) = ([0.0; 3], 0.0, DVec3::ZERO);
         for &at in region {
-            let (w, radiance) = (grid.solid_angle(at), radiance(at));
+            let (w, radiance) = (grid.solid_angle_at(at), radiance(at));
             solid_angle += w;
-            centre += grid.direction(at) * w * exact_luminance(radiance);
+            centre += grid.direction_at(at) * w * exact_luminance(radiance);
             for (sum, value) in irradiance.iter_mut().zip(radiance) {
                 *sum += value * w;
             }
         }
         let world_from_source = environment.source_from_world().transpose();
-        let direction = centre.try_normalize().unwrap_or_else(|| grid.direction(peak.at));
-        let radius = |radius: f64, at: &usize| radius.max(grid.direction(*at).angle_between(direction));
+        let direction = centre.try_normalize().unwrap_or_else(|| grid.direction_at(peak.at));
+        let radius = |radius: f64, at: &usize| radius.max(grid.direction_at(*at).angle_between(direction));
         let radius = region.iter().fold(0.0, radius);
         Self {
             kind: Brightest::classify(environment.layout(), peak, solid_angle, radius),
@@ -208,15 +208,15 @@ impl Sun {
 /// Median luminance of the texels around texel `peak`, or of all texels if none is in range. Of large
 /// pictures an even selection.
 fn surroundings(environment: &Environment, peak: usize) -> f64 {
-    let grid = LayoutTexels(environment.layout());
+    let grid = environment.layout();
     let begin = SURROUNDINGS_DEGREES.to_radians().max(2.0 * texel_width(environment.layout()));
     let [inner, outer] = [begin, SURROUNDINGS_REACH * begin].map(|angle| angle.min(PI).cos());
-    let peak = grid.direction(peak);
+    let peak = grid.direction_at(peak);
     let texels = environment.texels();
     // An odd step visits all columns of a width that is a power of two.
     let selected = || (0..texels.len()).step_by((texels.len() / SELECTION).max(1) | 1);
     let is_around = |at: &usize| {
-        let cosine = grid.direction(*at).dot(peak);
+        let cosine = grid.direction_at(*at).dot(peak);
         outer < cosine && cosine < inner
     };
     let luminance = |at: usize| exact_luminance(texels[at]);
@@ -237,56 +237,22 @@ pub(crate) fn texel_width(layout: Layout) -> f64 {
     }
 }
 
-/// The texels of a layout by index, in the source's space.
-#[derive(Clone, Copy)]
-pub(super) struct LayoutTexels(pub(super) Layout);
-
-impl LayoutTexels {
-    /// (column, row, face) of texel `at`.
-    fn place(self, at: usize) -> (u32, u32, usize) {
-        let (width, area) = match self.0 {
-            Layout::Panorama { width, height } => (width as usize, width as usize * height as usize),
-            Layout::Cube { size } | Layout::Octahedral { size } => {
-                (size as usize, size as usize * size as usize)
-            }
-        };
-        let inside = at % area;
-        ((inside % width) as u32, (inside / width) as u32, at / area)
-    }
-
-    pub(super) fn direction(self, at: usize) -> DVec3 {
-        let (i, j, face) = self.place(at);
-        match self.0 {
-            Layout::Panorama { width, height } => equirect::direction_from_equirect(
-                (f64::from(i) + 0.5) / f64::from(width),
-                (f64::from(j) + 0.5) / f64::from(height),
-            ),
-            Layout::Cube { size } => cube::direction_from_texel(cube::Face::ALL[face], size, i, j),
-            Layout::Octahedral { size } => {
-                octahedral::direction_from_oct(octahedral::texel_centre(size, i, j))
-            }
-        }
-    }
-
-    pub(super) fn solid_angle(self, at: usize) -> f64 {
-        let (i, j, _) = self.place(at);
-        self.0.texel_solid_angle(i, j)
-    }
-
+/// Neighbours of texels by index, in the source's space.
+impl Layout {
     /// The texel at offset (`right`, `down`) from texel `at`, also across edges.
     fn neighbour(self, at: usize, right: i64, down: i64) -> usize {
-        let (i, j, face) = self.place(at);
+        let (face, i, j) = self.place(at);
         let (x, y) = (i64::from(i) + right, i64::from(j) + down);
-        match self.0 {
-            Layout::Panorama { width, height } => {
+        match self {
+            Self::Panorama { width, height } => {
                 let (width, height) = (i64::from(width), i64::from(height));
                 // Across a pole the meridian continues half a turn away.
                 let over = y < 0 || y >= height;
                 let column = (x + if over { width / 2 } else { 0 }).rem_euclid(width);
                 (y.clamp(0, height - 1) * width + column) as usize
             }
-            Layout::Cube { size } => neighbour(size, cube::Face::ALL[face], x, y),
-            Layout::Octahedral { size } => {
+            Self::Cube { size } => neighbour(size, cube::Face::ALL[face as usize], x, y),
+            Self::Octahedral { size } => {
                 let (x, y) = octahedral::wrap_texel(size, x, y);
                 y as usize * size as usize + x as usize
             }
@@ -310,7 +276,7 @@ impl LayoutTexels {
 
     /// The texels connected to `seed` for which `belongs` holds.
     pub(super) fn region(self, seed: usize, belongs: impl Fn(usize) -> bool) -> Vec<usize> {
-        let mut seen = vec![false; self.0.texel_count()];
+        let mut seen = vec![false; self.texel_count()];
         let mut region = Vec::new();
         let mut queue = VecDeque::from([seed]);
         seen[seed] = true;
@@ -353,8 +319,7 @@ mod tests {
 
     /// Sky of 1 with a sun of 1000 where `direction` is within `degrees` of `centre`.
     fn sky(layout: Layout, centre: DVec3, degrees: f64) -> Environment {
-        let grid = LayoutTexels(layout);
-        let lit = |at| grid.direction(at).dot(centre) > degrees.to_radians().cos();
+        let lit = |at| layout.direction_at(at).dot(centre) > degrees.to_radians().cos();
         let texels = (0..layout.texel_count()).map(|at| if lit(at) { [1000.0; 3] } else { [1.0; 3] });
         Environment::new(layout, texels.collect()).expect("valid")
     }

@@ -4,7 +4,7 @@
 //! chosen where the error is: half of them evenly over the sphere, half in proportion to the light, so that
 //! small suns are hit. Each counts by the solid angle that it stands for.
 
-use super::compare::{direction_within, is_measurable};
+use super::compare::is_measurable;
 use super::delivered::default_roughnesses;
 use crate::geometry::quadrant::Quadrant;
 use crate::light::chain::{Chain, Level};
@@ -128,20 +128,18 @@ impl Lights {
 
     /// Directions at equal steps of the distribution, and their weights.
     fn directions(&self, layout: Layout) -> (Vec<DVec3>, Vec<f64>) {
-        let (width, height) = layout.sides();
-        let area = width as usize * height as usize;
         let total = self.texels.last().map_or(0.0, |(_, sum)| *sum);
         let of = |k: usize| {
             let place = (k as f64 + 0.5) / DIRECTIONS as f64 * total;
             let at = self.texels.partition_point(|(_, sum)| *sum < place).min(self.texels.len() - 1);
             let (weight, sum) = self.texels[at];
             let share = sum - at.checked_sub(1).map_or(0.0, |before| self.texels[before].1);
-            let inside = (at % area) as u32;
+            let (image, i, j) = layout.place(at);
             // A plane sequence of low discrepancy (Roberts 2018): any place within the texel.
             let fraction = |step: f64| (0.5 + step * k as f64).fract();
-            let x = f64::from(inside % width) + fraction(0.754_877_666_246_693);
-            let y = f64::from(inside / width) + fraction(0.569_840_290_998_053);
-            let (direction, _) = direction_within(layout, (at / area) as u32, x, y);
+            let x = f64::from(i) + fraction(0.754_877_666_246_693);
+            let y = f64::from(j) + fraction(0.569_840_290_998_053);
+            let (direction, _) = layout.direction_within(image, x, y);
             (direction, weight / share)
         };
         (0..DIRECTIONS).map(of).unzip()

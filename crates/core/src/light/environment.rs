@@ -2,7 +2,7 @@
 
 use crate::common::error::{Result, wrong};
 use crate::sphere::{cube, equirect, octahedral};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// Linear radiance, red, green, blue.
 pub type Rgb = [f32; 3];
@@ -149,6 +149,47 @@ impl Layout {
                 cube::direction_from_texel(cube::Face::ALL[image.min(5) as usize], size, i, j)
             }
             Self::Octahedral { size } => octahedral::direction_from_oct(octahedral::texel_centre(size, i, j)),
+        }
+    }
+
+    /// Image (a cube's face, otherwise 0), column and row of texel `at`.
+    pub(crate) const fn place(self, at: usize) -> (u32, u32, u32) {
+        let (width, height) = self.sides();
+        let (width, height) = (width as usize, height as usize);
+        ((at / (width * height)) as u32, (at % width) as u32, (at / width % height) as u32)
+    }
+
+    /// [`Self::direction_from_texel`] of texel `at`.
+    pub(crate) fn direction_at(self, at: usize) -> DVec3 {
+        let (image, i, j) = self.place(at);
+        self.direction_from_texel(image, i, j)
+    }
+
+    /// [`Self::texel_solid_angle`] of texel `at`.
+    pub fn solid_angle_at(self, at: usize) -> f64 {
+        let (_, i, j) = self.place(at);
+        self.texel_solid_angle(i, j)
+    }
+
+    /// Unit direction of the point (`x`, `y`), in texels from the corner of an image, and the solid angle
+    /// there per area, up to a factor.
+    pub(crate) fn direction_within(self, image: u32, x: f64, y: f64) -> (DVec3, f64) {
+        let signed = |x: f64, size: u32| x * 2.0 / f64::from(size) - 1.0;
+        match self {
+            Self::Cube { size } => {
+                let point =
+                    cube::cube_point(cube::Face::ALL[image as usize], signed(x, size), signed(y, size));
+                (point.normalize(), point.length_squared().powf(-1.5))
+            }
+            Self::Panorama { width, height } => {
+                let direction =
+                    equirect::direction_from_equirect(x / f64::from(width), y / f64::from(height));
+                (direction, direction.x.hypot(direction.z))
+            }
+            Self::Octahedral { size } => {
+                let uv = DVec2::new(signed(x, size), signed(y, size));
+                (octahedral::direction_from_oct(uv), octahedral::solid_angle_density(uv))
+            }
         }
     }
 }

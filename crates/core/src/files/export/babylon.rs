@@ -47,12 +47,7 @@ pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<Cu
     bytes.extend(manifest.to_string().as_bytes());
     bytes.push(0);
     bytes.extend(images.concat());
-    Ok(CubeFile { bytes, clamped: clamped(chain) })
-}
-
-/// Number of texels that RGBD clamps, per level.
-pub(crate) fn clamped(chain: &Chain) -> Vec<u64> {
-    chain.levels.iter().map(|level| Pixel::Rgbd.clamped(&level.texels)).collect()
+    Ok(CubeFile::new(bytes, &chain.levels, Pixel::Rgbd))
 }
 
 /// Encodes every face of every level as PNG, rows upwards.

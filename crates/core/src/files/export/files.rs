@@ -98,16 +98,13 @@ fn file_of(
     let cubes = |chain: &Chain, sh: bool| flipped_cube(&flipped_chain(chain, plan.flip), sh);
     let cube = |level: &Level| flipped_cube(&Chain { levels: vec![flipped(level, plan.flip)] }, false);
     let levels = &bake.chain.levels[..];
-    let text = |text: String| CubeFile { bytes: text.into_bytes(), clamped: Vec::new() };
+    let text = |text: String| CubeFile::plain(text.into_bytes());
     Ok(match content {
         Content::ShJson => text(sh_json(plan, bake)),
         Content::ShText => text(sh_text(bake)),
         Content::Specular => cubes(&bake.chain, plan.diffuse.has_sh())?,
         Content::Skybox => cube(skybox(bake)?)?,
-        Content::SkyboxPanorama => {
-            let bytes = panorama(plan, skybox(bake)?, path, metadata)?;
-            CubeFile { bytes, clamped: Vec::new() }
-        }
+        Content::SkyboxPanorama => CubeFile::plain(panorama(plan, skybox(bake)?, path, metadata)?),
         Content::Sheen => {
             let sheen = bake.sheen.as_ref().ok_or_else(|| missing("a sheen cube"))?;
             cubes(sheen, false)?
@@ -127,7 +124,7 @@ fn file_of(
         Content::Reader => text(readers(path).expect("a reader of that name").into_owned()),
         Content::Panorama => {
             let level = levels.first().ok_or_else(|| missing("a panorama"))?;
-            CubeFile { bytes: panorama(plan, level, path, metadata)?, clamped: Vec::new() }
+            CubeFile::plain(panorama(plan, level, path, metadata)?)
         }
         Content::Env => babylon::env_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, plan.flip)?,
         Content::Glb => gltf::glb_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, name)?,
@@ -135,10 +132,7 @@ fn file_of(
             &flipped_chain(&bake.chain, plan.flip),
             &flipped(irradiance(bake)?, plan.flip),
         )?,
-        Content::Mips => CubeFile {
-            bytes: mips_bytes(levels, plan.pixel, metadata)?,
-            clamped: levels.iter().map(|level| plan.pixel.clamped(&level.texels)).collect(),
-        },
+        Content::Mips => CubeFile::new(mips_bytes(levels, plan.pixel, metadata)?, levels, plan.pixel),
         Content::Image(image) => image_file(plan, bake, metadata, image)?,
     })
 }
@@ -190,7 +184,7 @@ fn image_file(
         } else {
             exr_bytes(size, size, samples, Pixel::F32, &[])?
         };
-        return Ok(CubeFile { bytes, clamped: Vec::new() });
+        return Ok(CubeFile::plain(bytes));
     }
     let (width, texels) = match name.face {
         Some(face) => (size, Cow::Borrowed(level.face(face))),

@@ -8,8 +8,9 @@
 //! text in three points, which `docs/engines.md` mends: it takes the decoded light for sRGB, selects levels
 //! by the logarithm of alpha, and gives the coefficients the signs of the Condon-Shortley phase.
 
-use super::babylon::{clamped, png_faces};
+use super::babylon::png_faces;
 use crate::common::error::{Error, Result};
+use crate::files::format::Pixel;
 use crate::files::io::cube_file::CubeFile;
 use crate::files::io::exr::write::SOFTWARE;
 use crate::files::target::sizes::{EXTENSION, check_glb};
@@ -57,7 +58,7 @@ pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<Cu
         "bufferViews": views,
         "buffers": [{ "byteLength": binary.len() }],
     });
-    Ok(CubeFile { bytes: glb(&root, &binary)?, clamped: clamped(chain) })
+    Ok(CubeFile::new(glb(&root, &binary)?, &chain.levels, Pixel::Rgbd))
 }
 
 /// glTF 2.0, section 4.4: header, JSON chunk padded by spaces, binary chunk.

@@ -63,8 +63,7 @@ pub(crate) fn atlas_bytes(chain: &Chain, irradiance: &Level) -> Result<CubeFile>
     }
     atlas.draw(AMBIENT, irradiance, 1);
     let codes: Vec<[u8; 4]> = atlas.texels.iter().map(|texel| rgbp_from_rgb(*texel)).collect();
-    let clamped = chain.levels.iter().map(|level| Pixel::Rgbp.clamped(&level.texels)).collect();
-    Ok(CubeFile { bytes: png_bytes(atlas.edge, &codes)?, clamped })
+    Ok(CubeFile::new(png_bytes(atlas.edge, &codes)?, &chain.levels, Pixel::Rgbp))
 }
 
 struct AtlasImage {

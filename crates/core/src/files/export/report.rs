@@ -23,7 +23,7 @@ pub const SCHEMA_VERSION: u32 = 2;
 
 /// A bake's report; its fields are the keys of `report.json`. [`crate::files::io::side_report`] reads those of all
 /// versions.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
     /// [`SCHEMA_VERSION`].
     pub schema_version: u32,
@@ -94,7 +94,7 @@ pub struct OutputFileReport {
 }
 
 /// Size of an octahedral environment map.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct OemReport {
     /// Texels along an edge, without the border.
     pub size: u32,
@@ -141,7 +141,7 @@ pub struct LevelReport {
 }
 
 /// Total energy: radiance times solid angle, over the sphere.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct EnergyReport {
     /// Red, green and blue of the source.
     #[serde(serialize_with = "finite")]
@@ -158,7 +158,7 @@ pub struct EnergyReport {
 }
 
 /// Spherical harmonics.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ShReport {
     /// Nine coefficients, or as many as requested; red, green and blue each.
     #[serde(serialize_with = "finite")]
@@ -225,7 +225,6 @@ impl Report {
             input_files: source.files.clone(),
             layout: source.layout.to_owned(),
             engine: "cpu".to_owned(),
-            adapter: None,
             oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
             levels: reports(&bake.chain.levels, &bake.stats),
             sheen: bake.sheen.iter().flat_map(|sheen| reports(&sheen.levels, &bake.sheen_stats)).collect(),
@@ -248,16 +247,9 @@ impl Report {
             sun: source.suns.first().cloned(),
             suns: source.suns.clone(),
             repaired: source.repaired,
-            clamped: 0,
-            clamped_energy_share: 0.0,
-            compressed: 0,
-            warnings: Vec::new(),
             recipe,
             conventions: CONVENTIONS.into(),
-            target: None,
-            outputs: Vec::new(),
-            fingerprint: None,
-            seconds: 0.0,
+            ..Self::default()
         }
     }
 }

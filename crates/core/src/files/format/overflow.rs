@@ -43,11 +43,8 @@ pub fn clamped_share(level: &Level, pixel: Pixel) -> f64 {
         return 0.0;
     }
     let (mut lost, mut whole) = (0.0, 0.0);
-    let images = texels.len() / (layout.sides().0 as usize * layout.sides().1 as usize);
-    let (columns, rows) = layout.sides();
-    let positions = (0..images).flat_map(|_| (0..rows).flat_map(move |j| (0..columns).map(move |i| (i, j))));
-    for (texel, (i, j)) in texels.iter().zip(positions) {
-        let solid_angle = layout.texel_solid_angle(i, j);
+    for (at, texel) in texels.iter().enumerate() {
+        let solid_angle = layout.solid_angle_at(at);
         for (value, weight) in texel.iter().zip(LUMINANCE) {
             let energy = solid_angle * f64::from(weight);
             whole += energy * f64::from(*value);
@@ -67,14 +64,15 @@ impl Overflow {
     /// # Errors
     /// [`crate::common::error::Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.
     pub(crate) fn apply(self, index: usize, level: &mut Level, pixel: Pixel) -> Result<u64> {
-        let (width, height) = level.layout.sides();
-        let (width, area) = (width as usize, width as usize * height as usize);
-        let face = |at: usize| match level.layout {
-            Layout::Cube { .. } => format!("face {} ", Face::ALL[at / area].short_name()),
-            Layout::Panorama { .. } | Layout::Octahedral { .. } => String::new(),
+        let layout = level.layout;
+        let place = |at: usize| {
+            let (image, i, j) = layout.place(at);
+            let face = match layout {
+                Layout::Cube { .. } => format!("face {} ", Face::ALL[image as usize].short_name()),
+                Layout::Panorama { .. } | Layout::Octahedral { .. } => String::new(),
+            };
+            format!("level {index} {face}pixel ({i}, {j})")
         };
-        let place =
-            |at: usize| format!("level {index} {}pixel ({}, {})", face(at), at % width, at % area / width);
         self.apply_to(&mut level.texels, pixel, place)
     }
 

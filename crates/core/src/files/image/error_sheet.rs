@@ -1,7 +1,8 @@
 //! A sheet of the errors of levels in false colour.
 
 use super::faces::draw_cross;
-use crate::analysis::channels::{Relative, shown_errors};
+use crate::analysis::channels::shown_errors;
+use crate::analysis::compare::LevelErrors;
 use crate::common::error::{Result, wrong};
 use crate::common::percent::percent;
 use crate::light::chain::Level;
@@ -13,21 +14,6 @@ use octagloss_drawing::scale::RELATIVE_ERROR;
 use octagloss_drawing::scene::{Anchor, Scene};
 use octagloss_drawing::style::{GAP, INK, LABEL, LINE, MARGIN, SMALL, SOFT};
 
-/// A level of an error sheet.
-#[derive(Clone, Copy, Debug)]
-pub struct LevelErrors<'a> {
-    /// Its place among the levels.
-    pub number: usize,
-    /// Texels along an edge of its faces; those shown can be fewer.
-    pub size: u32,
-    /// RMS errors divided by the mean.
-    pub rmse: Relative,
-    /// The texels shown.
-    pub level: &'a Level,
-    /// The reference, of the same size.
-    pub reference: &'a Level,
-}
-
 /// Edge of a face in pixels.
 const FACE: f64 = 96.0;
 
@@ -37,13 +23,14 @@ const BAR_HEIGHT: f64 = 400.0;
 /// Pixels above a cross for its labels.
 const LABELS: f64 = 48.0;
 
-/// Draws the relative error of each texel of `levels`, as unfolded crosses in false colour beside a colour
+/// Draws the relative error of each texel of levels, which are given with their errors and the reference in
+/// these, as unfolded crosses in false colour beside a colour
 /// bar: |difference| / (reference + 0.001 of its mean), of luminance or the channel where it is greatest.
 ///
 /// # Errors
 /// [`crate::common::error::Error::Parameter`] if a level and its reference differ in size or are no cubes, or there is no
 /// level.
-pub fn error_sheet(title: &str, against: &str, levels: &[LevelErrors<'_>]) -> Result<Scene> {
+pub fn error_sheet(title: &str, against: &str, levels: &[(&LevelErrors, Level)]) -> Result<Scene> {
     let errors = levels.iter().map(relative_errors).collect::<Result<Vec<_>>>()?;
     if errors.is_empty() {
         return wrong("an error sheet needs at least one level");
@@ -65,10 +52,10 @@ pub fn error_sheet(title: &str, against: &str, levels: &[LevelErrors<'_>]) -> Re
     bar.low.y += LABELS;
     bar.high.y = bar.high.y.min(bar.low.y + BAR_HEIGHT);
     colour_bar(&mut scene, &bar, &RELATIVE_ERROR, "relative error", [RELATIVE_ERROR.range()[0], most]);
-    for (index, (level, errors)) in levels.iter().zip(&errors).enumerate() {
+    for (index, ((level, shown), errors)) in levels.iter().zip(&errors).enumerate() {
         let place = DVec2::new((index % columns) as f64, (index / columns) as f64);
         let low = body.low + DVec2::new(BAR_WIDTH, 0.0) + place * cell;
-        let head = format!("level {}: roughness {:.3}", level.number, level.level.roughness);
+        let head = format!("level {}: roughness {:.3}", level.level, level.roughness);
         scene.text(low + DVec2::new(0.0, LABEL), &head, LABEL, Anchor::Start, INK);
         let greatest = errors.texels.iter().map(|texel| f64::from(texel[0])).fold(0.0, f64::max);
         let worst = level.rmse.worst_channel();
@@ -76,7 +63,7 @@ pub fn error_sheet(title: &str, against: &str, levels: &[LevelErrors<'_>]) -> Re
         let text = format!("relRMSE {luminance}, {} {channel}; greatest {}", worst.of, percent(greatest));
         let second = low.y + LABEL + LINE * SMALL;
         scene.text(DVec2::new(low.x, second), &text, SMALL, Anchor::Start, INK);
-        let (size, shown) = (level.size, level.level.size());
+        let (size, shown) = (level.size, shown.size());
         let sides =
             if shown == size { format!("{size}\u{b2}") } else { format!("{shown}\u{b2} of {size}\u{b2}") };
         let text = format!("6 \u{d7} {sides} texels");
@@ -89,8 +76,10 @@ pub fn error_sheet(title: &str, against: &str, levels: &[LevelErrors<'_>]) -> Re
 }
 
 /// The relative error of each texel, in all channels.
-fn relative_errors(errors: &LevelErrors<'_>) -> Result<Level> {
-    let LevelErrors { level, reference, .. } = errors;
+fn relative_errors((errors, level): &(&LevelErrors, Level)) -> Result<Level> {
+    let Some(reference) = &errors.reference else {
+        return wrong(format!("level {} was compared with no whole level", errors.level));
+    };
     let is_cube = matches!(level.layout, Layout::Cube { size: 1.. });
     if !is_cube || level.layout != reference.layout || level.texels.len() != reference.texels.len() {
         return wrong(format!(
@@ -100,5 +89,5 @@ fn relative_errors(errors: &LevelErrors<'_>) -> Result<Level> {
     }
     let got = level.texels.iter().map(|texel| texel.map(f64::from));
     let texels = shown_errors(got, &reference.texels).into_iter().map(|error| [error as f32; 3]).collect();
-    Ok(Level { texels, ..Level::clone(level) })
+    Ok(Level { texels, ..level.clone() })
 }

@@ -2,7 +2,7 @@
 
 use crate::common::error::{Result, wrong};
 use crate::files::format::Pixel;
-use crate::light::chain::Chain;
+use crate::light::chain::{Chain, Level};
 
 /// A file in memory.
 #[derive(Clone, Debug)]
@@ -14,9 +14,15 @@ pub struct CubeFile {
 }
 
 impl CubeFile {
-    pub(super) fn new(bytes: Vec<u8>, chain: &Chain, pixel: Pixel) -> Self {
-        let clamped = chain.levels.iter().map(|level| pixel.clamped(&level.texels)).collect();
+    /// A file of `levels` in `pixel`.
+    pub(in crate::files) fn new(bytes: Vec<u8>, levels: &[Level], pixel: Pixel) -> Self {
+        let clamped = levels.iter().map(|level| pixel.clamped(&level.texels)).collect();
         Self { bytes, clamped }
+    }
+
+    /// A file without texels that are counted.
+    pub(in crate::files) const fn plain(bytes: Vec<u8>) -> Self {
+        Self { bytes, clamped: Vec::new() }
     }
 }
 

@@ -52,5 +52,5 @@ fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Resu
             attributes: attributes(Some(level.roughness), metadata.iter().cloned()),
         })
         .collect();
-    Ok(CubeFile::new(exr_parts_bytes(&parts, pixel)?, chain, pixel))
+    Ok(CubeFile::new(exr_parts_bytes(&parts, pixel)?, &chain.levels, pixel))
 }

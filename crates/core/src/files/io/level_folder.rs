@@ -3,20 +3,16 @@
 //! instead) the roughness comes from the files' headers. Faces whose headers have none are taken for those of
 //! Filament's cmgen.
 
-use super::LoadedChain;
-use super::cmgen;
 use super::decode::Format;
 use super::layout::{InputLayout, arrangement};
 use super::panics::catching_panics;
 use super::picture::{LevelHeader, Picture, check_finite};
 use super::picture_map::settled;
 use super::provenance::Provenance;
-use super::regular::open_regular;
-use super::regular::read_regular;
-use super::side_report::MAX_REPORT_BYTES;
-use super::side_report::{REPORT, ReportLevel, SideReport};
+use super::regular::{open_regular, read_regular};
+use super::side_report::{MAX_REPORT_BYTES, REPORT, ReportLevel, SideReport};
 use super::source::Source;
-use super::{exr, hdr};
+use super::{LoadedChain, cmgen, decoded, exr, hdr};
 use crate::common::error::{Error, Result};
 use crate::files::format::LevelName;
 use crate::light::chain::{Chain, Level};
@@ -104,19 +100,22 @@ impl Listing {
             });
         }
         let bytes = read_regular(&path, memory_limit.min(MAX_REPORT_BYTES))?;
-        let source = Source { path: &path, bytes: &bytes, memory_limit };
-        let report: SideReport = serde_json::from_slice(source.bytes)
-            .map_err(|error| source.error(format!("not a bake's report: {error}")))?;
-        check_levels(&source, &report.levels)?;
+        let report: SideReport = serde_json::from_slice(&bytes)
+            .map_err(|error| Error::input(&path, format!("not a bake's report: {error}")))?;
+        check_levels(&path, &report.levels)?;
         let files = Self::from_headers(folder)?.map_or_else(Vec::new, |files| files.levels);
         let differ = |(said, found): &(&ReportLevel, &ReportLevel)| {
             (said.roughness - found.roughness).abs() > SAME_ROUGHNESS
         };
         if let Some((said, found)) = report.levels.iter().zip(&files).find(differ) {
-            return Err(source.error(format!(
-                "it has roughness {} for level {}, the files {}: it belongs to another bake; remove it",
-                said.roughness, said.level, found.roughness
-            )));
+            let (ReportLevel { level, roughness, .. }, found) = (said, found.roughness);
+            return Err(Error::input(
+                &path,
+                format!(
+                    "it has roughness {roughness} for level {level}, the files {found}: it belongs to another \
+                     bake; remove it"
+                ),
+            ));
         }
         Ok(Self { provenance: report.provenance(), levels: report.levels, warnings: Vec::new() })
     }
@@ -129,12 +128,8 @@ impl Listing {
             let Some(path) = image.clone().or_else(|| face_file(folder, level, Face::PosX).ok()) else {
                 break;
             };
-            let bytes = header_bytes(&path)?;
-            let source = Source { path: &path, bytes: &bytes, memory_limit: MAX_HEADER_BYTES };
-            let Some(LevelHeader { width, height, roughness: Some(roughness) }) = level_header(&source)?
-            else {
-                break;
-            };
+            let header = level_header(&path)?;
+            let Some(LevelHeader { width, height, roughness: Some(roughness) }) = header else { break };
             let size = match image {
                 Some(_) => {
                     let place = arrangement(&path, width, height, false, InputLayout::Auto)?;
@@ -143,7 +138,7 @@ impl Listing {
                 None => width,
             };
             levels.push(ReportLevel { level, size, roughness });
-            check_levels(&source, &levels)?;
+            check_levels(&path, &levels)?;
         }
         let (provenance, warnings) = (Provenance::default(), Vec::new());
         Ok((!levels.is_empty()).then_some(Self { levels, provenance, warnings }))
@@ -155,11 +150,9 @@ impl Listing {
         let mut levels = Vec::new();
         for level in 0u32.. {
             let Ok(path) = face_file(folder, level, Face::PosX) else { break };
-            let bytes = header_bytes(&path)?;
-            let source = Source { path: &path, bytes: &bytes, memory_limit: MAX_HEADER_BYTES };
-            let Some(LevelHeader { width: size, .. }) = level_header(&source)? else { break };
+            let Some(LevelHeader { width: size, .. }) = level_header(&path)? else { break };
             levels.push(ReportLevel { level, size, roughness: 0.0 });
-            if check_levels(&source, &levels).is_err() {
+            if check_levels(&path, &levels).is_err() {
                 return Ok(None);
             }
         }
@@ -173,37 +166,37 @@ impl Listing {
     }
 }
 
-/// Reads the start of the file `path`, including its header.
-fn header_bytes(path: &Path) -> Result<Vec<u8>> {
+/// Header of a level's image at `path`; `None` for other formats.
+fn level_header(path: &Path) -> Result<Option<LevelHeader>> {
     let mut bytes = Vec::new();
-    let file = open_regular(path)?.take(MAX_HEADER_BYTES).read_to_end(&mut bytes);
-    file.map_err(|error| Error::io(path, error))?;
-    Ok(bytes)
-}
-
-/// Header of a level's image; `None` for other formats.
-fn level_header(source: &Source<'_>) -> Result<Option<LevelHeader>> {
-    catching_panics(source.path, || match Format::sniff(source.bytes) {
-        Some(Format::OpenExr) => exr::read::level_header(source),
-        Some(Format::Radiance) => hdr::read::level_header(source).map(Some),
+    let start = open_regular(path)?.take(MAX_HEADER_BYTES).read_to_end(&mut bytes);
+    start.map_err(|error| Error::io(path, error))?;
+    let source = Source { path, bytes: &bytes, memory_limit: MAX_HEADER_BYTES };
+    catching_panics(path, || match Format::sniff(&bytes) {
+        Some(Format::OpenExr) => exr::read::level_header(&source),
+        Some(Format::Radiance) => hdr::read::level_header(&source).map(Some),
         _ => Ok(None),
     })
 }
 
 /// Checks that levels are numbered from 0 and halve in size.
-fn check_levels(source: &Source<'_>, levels: &[ReportLevel]) -> Result<()> {
-    let Some(first) = levels.first() else { return Err(source.error("it lists no levels")) };
+fn check_levels(path: &Path, levels: &[ReportLevel]) -> Result<()> {
+    let Some(first) = levels.first() else { return Err(Error::input(path, "it lists no levels")) };
     for (expected, level) in (0u32..).zip(levels) {
         let size = first.size.checked_shr(expected).unwrap_or(0).max(1);
         if level.level != expected || level.size != size || !(0.0..=1.0).contains(&level.roughness) {
-            return Err(source.error(format!(
-                "its entry {expected} is level {} of size {} and roughness {}; level {expected} of size \
-                 {size} and a roughness in [0, 1] is needed",
-                level.level, level.size, level.roughness
-            )));
+            let ReportLevel { level, size: own, roughness } = level;
+            return Err(Error::input(
+                path,
+                format!(
+                    "its entry {expected} is level {level} of size {own} and roughness {roughness}; level \
+                     {expected} of size {size} and a roughness in [0, 1] is needed"
+                ),
+            ));
         }
         if expected > 31 {
-            return Err(source.error(format!("{} levels; 32 are the most there can be", levels.len())));
+            let message = format!("{} levels; 32 are the most there can be", levels.len());
+            return Err(Error::input(path, message));
         }
     }
     Ok(())
@@ -217,27 +210,21 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
     let mut cube: Option<Picture> = None;
     for face in Face::ALL {
         let path = face_file(folder, level.level, face)?;
-        let bytes = read_regular(&path, memory_limit)?;
-        let source = Source { path: &path, bytes: &bytes, memory_limit };
-        let mut picture = catching_panics(&path, || super::decode::decode(&source))?;
-        if (picture.width, picture.height) != (level.size, level.size) {
-            return Err(source.error(format!(
-                "{}x{}, but report.json says that level {} is {size}x{size}",
-                picture.width,
-                picture.height,
-                level.level,
-                size = level.size
-            )));
+        let picture = decoded(&path, &read_regular(&path, memory_limit)?, memory_limit)?;
+        let (Picture { width, height, .. }, ReportLevel { level, size, .. }) = (&picture, level);
+        if (*width, *height) != (size, size) {
+            return Err(Error::input(
+                &path,
+                format!("{width}x{height}, but report.json says that level {level} is {size}x{size}"),
+            ));
         }
         match &mut cube {
             None => cube = Some(picture),
-            Some(cube) => cube.texels.append(&mut picture.texels),
+            Some(cube) => cube.texels.extend(picture.texels),
         }
     }
-    let mut cube = cube.expect("there are six faces");
-    cube.height = 6 * cube.width;
-    cube.is_cube = true;
-    Ok(cube)
+    let cube = cube.expect("there are six faces");
+    Ok(Picture { height: 6 * cube.width, is_cube: true, ..cube })
 }
 
 /// File of a level stored as one image.
@@ -252,18 +239,19 @@ fn stored(folder: &Path, stem: &str) -> Option<PathBuf> {
 
 /// Reads a level stored as one image; cuts faces out of crosses and strips.
 fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Picture> {
-    let bytes = read_regular(path, memory_limit)?;
-    let source = Source { path, bytes: &bytes, memory_limit };
-    let mut picture = catching_panics(path, || super::decode::decode(&source))?;
+    let mut picture = decoded(path, &read_regular(path, memory_limit)?, memory_limit)?;
     let (width, height) = (picture.width, picture.height);
     let layout = settled(path, InputLayout::Auto, picture.map.as_ref())?;
     let arrangement = arrangement(path, width, height, picture.is_cube, layout)?;
     let (_, rows) = arrangement.layout.sides();
     if rows != level.size {
-        return Err(source.error(format!(
-            "{width}x{height}, but report.json says that level {} has {} rows a face or image",
-            level.level, level.size
-        )));
+        let ReportLevel { level, size, .. } = level;
+        return Err(Error::input(
+            path,
+            format!(
+                "{width}x{height}, but report.json says that level {level} has {size} rows a face or image"
+            ),
+        ));
     }
     if matches!(arrangement.layout, Layout::Cube { .. }) {
         picture.texels = arrangement.arrange(picture.texels, width);

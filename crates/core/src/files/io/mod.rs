@@ -213,8 +213,7 @@ fn read_picture(path: &Path, memory_limit: u64) -> Result<(PathBuf, Picture)> {
         return Ok((path.to_owned(), level_folder::read_environment(path, memory_limit)?));
     };
     let bytes = read_regular(&file, memory_limit)?;
-    let source = Source { path: &file, bytes: &bytes, memory_limit };
-    let mut picture = catching_panics(&file, || decode(&source))?;
+    let mut picture = decoded(&file, &bytes, memory_limit)?;
     if picture.provenance.is_partial()
         && let Some(described) = side_report::of_file(&file, || blake3::hash(&bytes))
     {
@@ -223,15 +222,19 @@ fn read_picture(path: &Path, memory_limit: u64) -> Result<(PathBuf, Picture)> {
     Ok((file, picture))
 }
 
+/// Decodes the `bytes` of the file `path` to a picture.
+fn decoded(path: &Path, bytes: &[u8], memory_limit: u64) -> Result<Picture> {
+    let source = Source { path, bytes, memory_limit };
+    catching_panics(path, || decode(&source))
+}
+
 /// Reads a file already in memory, as [`read`]; `path` names it in messages, and its extension is checked
 /// against the content. Reports are not searched.
 ///
 /// # Errors
 /// As [`read`].
 pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Loaded> {
-    let source = Source { path, bytes, memory_limit: options.memory_limit };
-    let picture = catching_panics(path, || decode(&source))?;
-    finish(path, picture, options)
+    finish(path, decoded(path, bytes, options.memory_limit)?, options)
 }
 
 /// Reads six square images of equal size as one cube: by name if the stems end in face names (`px`, `posx`,

@@ -106,7 +106,7 @@ pub fn oem_bytes(
             return wrong(format!("an octahedral map is written as ktx2 or exr, not {}", container.name()));
         }
     };
-    Ok(CubeFile { bytes, clamped: levels.iter().map(|level| pixel.clamped(&level.texels)).collect() })
+    Ok(CubeFile::new(bytes, levels, pixel))
 }
 
 /// Adds the border to the texels of a square.

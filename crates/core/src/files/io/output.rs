@@ -26,6 +26,14 @@ pub enum Existing {
     Replace,
 }
 
+impl Existing {
+    /// Replaces it by `force`.
+    #[must_use]
+    pub const fn by_force(force: bool) -> Self {
+        if force { Self::Replace } else { Self::Keep }
+    }
+}
+
 /// A complete output that is not yet committed; removed when dropped.
 #[derive(Debug)]
 pub struct Staged {

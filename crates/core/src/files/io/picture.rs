@@ -3,12 +3,12 @@
 use super::map_header::MapHeader;
 use super::provenance::Provenance;
 use crate::common::error::{Error, Result};
-use crate::light::environment::Rgb;
+use crate::light::environment::{Layout, Rgb};
 use crate::sphere::cube::Face;
 use std::path::Path;
 
 /// Decoded pixels: linear RGB, Rec. 709 primaries, unchecked.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Picture {
     pub(super) width: u32,
     pub(super) height: u32,
@@ -37,15 +37,12 @@ pub(super) fn check_finite(path: &Path, level: u32, size: u32, texels: &[Rgb]) -
     let Some(at) = texels.iter().position(|texel| texel.iter().any(|value| !value.is_finite())) else {
         return Ok(());
     };
-    let (size, face) = (size as usize, at / (size as usize * size as usize));
-    let place = at % (size * size);
+    let (face, i, j) = Layout::Cube { size }.place(at);
     Err(Error::input(
         path,
         format!(
-            "level {level} face {} pixel ({}, {}) is {:?}; bake it again",
-            Face::ALL[face].short_name(),
-            place % size,
-            place / size,
+            "level {level} face {} pixel ({i}, {j}) is {:?}; bake it again",
+            Face::ALL[face as usize].short_name(),
             texels[at]
         ),
     ))

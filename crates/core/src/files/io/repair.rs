@@ -3,7 +3,6 @@
 use crate::common::error::{Error, Result};
 use crate::common::percent::share_matters;
 use crate::light::environment::{LUMINANCE, Layout, Rgb};
-use crate::sphere::{equirect, octahedral};
 use std::path::Path;
 
 /// Repairs made to a file.
@@ -113,18 +112,13 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
     repairs.nan += nan as u64;
     repairs.infinite += (infinite.len() + dark.len() - nan) as u64;
 
+    let around = |at: usize| {
+        let span = |k: usize, count: usize| k.saturating_sub(1)..=(k + 1).min(count - 1);
+        let columns = span(at % width, width);
+        span(at / width, height).flat_map(move |row| columns.clone().map(move |column| row * width + column))
+    };
     let largest_around = |texels: &[Rgb], at: usize| {
-        let (x, y) = (at % width, at / width);
-        let mut largest: Option<f32> = None;
-        for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
-            for column in x.saturating_sub(1)..=(x + 1).min(width - 1) {
-                let value = texels[row * width + column][channel];
-                if value.is_finite() {
-                    largest = Some(largest.map_or(value, |largest| largest.max(value)));
-                }
-            }
-        }
-        largest
+        around(at).map(|near| texels[near][channel]).filter(|value| value.is_finite()).reduce(f32::max)
     };
     // Each round visits only the rim: its cost is that of the texels it sets and their neighbours, not of the
     // region.
@@ -146,17 +140,8 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
         for &(at, value) in &settled {
             texels[at][channel] = value;
         }
-        for &(at, _) in &settled {
-            let (x, y) = (at % width, at / width);
-            for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
-                for column in x.saturating_sub(1)..=(x + 1).min(width - 1) {
-                    let near = row * width + column;
-                    if !texels[near][channel].is_finite() {
-                        rim.push(near);
-                    }
-                }
-            }
-        }
+        let near = settled.iter().flat_map(|(at, _)| around(*at));
+        rim.extend(near.filter(|near| !texels[*near][channel].is_finite()));
         rim.sort_unstable();
         rim.dedup();
         if rim.is_empty() {
@@ -198,23 +183,8 @@ pub(super) fn negative(texels: &mut [Rgb], mut density: impl FnMut(usize) -> f64
 
 /// Approximate relative solid angle of texel `index` of an environment, evaluated at its centre.
 pub(super) fn density(layout: Layout, index: usize) -> f64 {
-    let columns = layout.sides().0 as usize;
-    let (i, j) = ((index % columns) as u32, (index / columns) as u32);
-    match layout {
-        Layout::Panorama { width, height } => equirect::texel_solid_angle(width, height, j),
-        Layout::Cube { size } => {
-            // Rows of all faces are numbered on.
-            let centre = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(size) - 1.0;
-            let (s, t) = (centre(i), centre(j % size));
-            (1.0 + s * s + t * t).powf(-1.5)
-        }
-        Layout::Octahedral { size } => {
-            let uv = octahedral::texel_centre(size, i, j);
-            // With p on the octahedron and d = p/|p|: |p| = 1/(|d.x| + |d.y| + |d.z|).
-            let d = octahedral::direction_from_oct(uv).abs();
-            (d.x + d.y + d.z).powi(3)
-        }
-    }
+    let (image, i, j) = layout.place(index);
+    layout.direction_within(image, f64::from(i) + 0.5, f64::from(j) + 0.5).1
 }
 
 #[cfg(test)]

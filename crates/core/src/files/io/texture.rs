@@ -70,8 +70,8 @@ impl Texture<'_> {
             is_cube: *is_cube,
             map: if *is_cube { None } else { MapHeader::of_texts(source, &self.text)? },
             format: self.format(),
-            warnings: Vec::new(),
             provenance: self.provenance()?,
+            ..Picture::default()
         })
     }
 

@@ -45,7 +45,7 @@ pub(crate) fn dds_bytes(chain: &Chain, pixel: Pixel) -> Result<CubeFile> {
     }
     let mut bytes = Vec::with_capacity(dds.data.len() + 148);
     dds.write(&mut bytes).map_err(failed)?;
-    Ok(CubeFile::new(bytes, chain, pixel))
+    Ok(CubeFile::new(bytes, &chain.levels, pixel))
 }
 
 /// Offset of `dwReserved1`, eleven words that no reader uses, after the magic number and seven words.

@@ -38,11 +38,8 @@ pub(in crate::files::io) fn level_header(source: &Source<'_>) -> Result<LevelHea
     let header = read_header(source)?;
     let (width, height) = header.scan.sides();
     let roughness = header.text(ROUGHNESS_KEY).and_then(|text| text.parse().ok());
-    Ok(LevelHeader {
-        width,
-        height,
-        roughness: roughness.filter(|roughness| (0.0..=1.0).contains(roughness)),
-    })
+    let roughness = roughness.filter(|roughness| (0.0..=1.0).contains(roughness));
+    Ok(LevelHeader { width, height, roughness })
 }
 
 /// Pixel order: `lines` scanlines of `length` pixels.
@@ -100,7 +97,7 @@ pub(in crate::files::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     let provenance =
         Provenance::of_texts(&|key| header.text(key)).map_err(|message| source.error(message))?;
     let map = MapHeader::of_texts(source, &|key| header.text(key))?;
-    Ok(Picture { width, height, texels, is_cube: false, map, format, warnings, provenance })
+    Ok(Picture { width, height, texels, map, format, warnings, provenance, ..Picture::default() })
 }
 
 impl PixelOrder {

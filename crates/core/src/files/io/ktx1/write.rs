@@ -60,5 +60,5 @@ pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) ->
         bytes.extend(face.to_le_bytes());
         bytes.extend(texels);
     }
-    Ok(CubeFile::new(bytes, chain, pixel))
+    Ok(CubeFile::new(bytes, &chain.levels, pixel))
 }

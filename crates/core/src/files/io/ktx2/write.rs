@@ -28,7 +28,7 @@ pub fn ktx2_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) ->
         let level = &chain.levels[index];
         texel_bytes(level.size(), &level.texels, pixel)
     })?;
-    Ok(CubeFile::new(bytes, chain, pixel))
+    Ok(CubeFile::new(bytes, &chain.levels, pixel))
 }
 
 /// The value of [`ROUGHNESS_KEY`].

@@ -2,7 +2,6 @@
 
 use crate::common::error::Result;
 use crate::files::io::picture::Picture;
-use crate::files::io::provenance::Provenance;
 use crate::files::io::source::{Source, TEXEL_BYTES};
 use crate::light::environment::Rgb;
 use image::codecs::jpeg::JpegDecoder;
@@ -81,11 +80,9 @@ fn picture(name: &str, bits: u32, (width, height): (u32, u32), texels: Vec<Rgb>)
         width,
         height,
         texels,
-        is_cube: false,
-        map: None,
         format: format!("{name}, {bits} bits a channel, sRGB"),
         warnings: vec![format!("a {name} is not HDR: radiance above its white is clipped")],
-        provenance: Provenance::default(),
+        ..Picture::default()
     }
 }
 

@@ -6,6 +6,7 @@ mod select;
 mod window;
 
 use crate::common::error::Result;
+use crate::files::format::LevelName;
 use crate::files::io::LoadedChain;
 use crate::files::io::color::{self, Primaries};
 use crate::files::io::map_header::{BORDER_KEY, MapHeader};
@@ -35,17 +36,16 @@ pub(in crate::files::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     let reader =
         ::exr::block::read(Cursor::new(source.bytes), false).map_err(|error| exr_error(source, &error))?;
     let metadata: MetaData = reader.meta_data().clone();
-    if part_named(&metadata, &part_name(0, Face::PosX)).is_some() {
+    if part_named(&metadata, LevelName::face(0, Face::PosX)).is_some() {
         let (size, texels) = cube_of_parts(source, &metadata, 0)?;
         return Ok(Picture {
             width: size,
             height: 6 * size,
             texels,
             is_cube: true,
-            map: None,
             format: parts_format(&metadata),
-            warnings: Vec::new(),
             provenance: provenance(source, &metadata.headers[0])?,
+            ..Picture::default()
         });
     }
     let selection = select::select(source, &metadata.headers)?;
@@ -72,11 +72,11 @@ pub(in crate::files::io) fn decode(source: &Source<'_>) -> Result<Picture> {
         width: window.width,
         height: window.height,
         texels,
-        is_cube: false,
         map: MapHeader::of_texts(source, &|key| header_text(header, key))?,
         format: describe(header, &selection),
         warnings,
         provenance: provenance(source, header)?,
+        ..Picture::default()
     })
 }
 
@@ -86,7 +86,7 @@ pub(in crate::files::io) fn decode_chain(source: &Source<'_>) -> Result<LoadedCh
         .map_err(|error| exr_error(source, &error))?;
     let mut levels = Vec::new();
     for level in 0u32..32 {
-        let Some(first) = part_named(&metadata, &part_name(level, Face::PosX)) else { break };
+        let Some(first) = part_named(&metadata, LevelName::face(level, Face::PosX)) else { break };
         let (size, texels) = cube_of_parts(source, &metadata, level)?;
         let Some(roughness) = header_roughness(&metadata.headers[first]).filter(|r| (0.0..=1.0).contains(r))
         else {
@@ -123,16 +123,11 @@ fn provenance(source: &Source<'_>, header: &Header) -> Result<Provenance> {
     Provenance::of_texts(&|key| header_text(header, key)).map_err(|message| source.error(message))
 }
 
-/// Part name of a face of a level.
-fn part_name(level: u32, face: Face) -> String {
-    format!("m{level}_{}", face.short_name())
-}
-
-fn part_named(metadata: &MetaData, name: &str) -> Option<usize> {
-    metadata
-        .headers
-        .iter()
-        .position(|header| header.own_attributes.layer_name.as_ref().is_some_and(|own| *own == *name))
+fn part_named(metadata: &MetaData, name: LevelName) -> Option<usize> {
+    let name = name.to_string();
+    let is_called =
+        |header: &Header| header.own_attributes.layer_name.as_ref().is_some_and(|own| *own == *name);
+    metadata.headers.iter().position(is_called)
 }
 
 /// Size and texels of a level whose faces are parts.
@@ -140,9 +135,9 @@ fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result
     let mut texels = Vec::new();
     let mut size = 0;
     for face in Face::ALL {
-        let name = part_name(level, face);
+        let name = LevelName::face(level, face);
         let selected =
-            part_named(metadata, &name).and_then(|index| select::of_part(index, &metadata.headers[index]));
+            part_named(metadata, name).and_then(|index| select::of_part(index, &metadata.headers[index]));
         let Some(selection) = selected else {
             return Err(source.error(format!("its part {name} is missing or not RGB; bake it again")));
         };
@@ -193,12 +188,8 @@ pub(in crate::files::io) fn level_header(source: &Source<'_>) -> Result<Option<L
         .map_err(|error| exr_error(source, &error))?;
     Ok(metadata.headers.first().and_then(|header| {
         let (width, height) = (header.layer_size.x(), header.layer_size.y());
-        let roughness = header_roughness(header);
-        Some(LevelHeader {
-            width: u32::try_from(width).ok()?,
-            height: u32::try_from(height).ok()?,
-            roughness,
-        })
+        let (width, height) = (u32::try_from(width).ok()?, u32::try_from(height).ok()?);
+        Some(LevelHeader { width, height, roughness: header_roughness(header) })
     }))
 }
 
