@@ -84,6 +84,16 @@ fn lit(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
     return vec4<f32>(min(shaded(found, diffuse, pixel) * frame.exposure, vec3<f32>(GREATEST)), 1.0);
 }
 
+@fragment
+fn cover_picture(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return lit(ball_sample(at.xy), at.xy);
+}
+
+@fragment
+fn mesh_picture(surface: Surface) -> @location(0) vec4<f32> {
+    return lit(mesh_sample(surface), surface.clip.xy);
+}
+
 // Colour of a relative luminance error: black through blue and red to pale yellow, with lightness linear in
 // the logarithm from 1e-4 to 1. `RELATIVE_ERROR` of crates/drawing/src/scale.rs, linear.
 fn error_colour(error: f32) -> vec3<f32> {
@@ -114,29 +124,60 @@ fn off(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
     return vec4<f32>(error_colour(error), min(error, GREATEST));
 }
 
-// What is drawn, by its number in `Drawn` of crates/view/src/picture/renderer.rs: the picture, its error, or what
-// the certified tier is asked: world direction and roughness, then of a surface normal and anisotropy, tangent,
-// and reflectance.
-override DRAWN: u32 = 0u;
-
-fn drawn(found: Sample, pixel: vec2<f32>) -> vec4<f32> {
-    switch DRAWN {
-        case 0u: { return lit(found, pixel); }
-        case 1u: { return off(found, pixel); }
-        case 2u: { return vec4<f32>(found.direction, found.roughness); }
-        // Zero for the backdrop.
-        case 3u: { return vec4<f32>(found.normal, found.finish.anisotropy) * found.surface; }
-        case 4u: { return vec4<f32>(found.finish.tangent, 0.0); }
-        default: { return vec4<f32>(found.f0, 0.0); }
-    }
+@fragment
+fn cover_error(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return off(ball_sample(at.xy), at.xy);
 }
 
 @fragment
-fn cover_pixel(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-    return drawn(ball_sample(at.xy), at.xy);
+fn mesh_error(surface: Surface) -> @location(0) vec4<f32> {
+    return off(mesh_sample(surface), surface.clip.xy);
+}
+
+// Writes world direction and roughness.
+@fragment
+fn cover_samples(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    let found = ball_sample(at.xy);
+    return vec4<f32>(found.direction, found.roughness);
 }
 
 @fragment
-fn mesh_pixel(surface: Surface) -> @location(0) vec4<f32> {
-    return drawn(mesh_sample(surface), surface.clip.xy);
+fn mesh_samples(surface: Surface) -> @location(0) vec4<f32> {
+    let found = mesh_sample(surface);
+    return vec4<f32>(found.direction, found.roughness);
+}
+
+// Normal and anisotropy of a surface; zero for the backdrop.
+fn normal_texel(found: Sample) -> vec4<f32> {
+    return vec4<f32>(found.normal, found.finish.anisotropy) * found.surface;
+}
+
+@fragment
+fn cover_normals(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return normal_texel(ball_sample(at.xy));
+}
+
+@fragment
+fn mesh_normals(surface: Surface) -> @location(0) vec4<f32> {
+    return normal_texel(mesh_sample(surface));
+}
+
+@fragment
+fn cover_tangents(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return vec4<f32>(ball_sample(at.xy).finish.tangent, 0.0);
+}
+
+@fragment
+fn mesh_tangents(surface: Surface) -> @location(0) vec4<f32> {
+    return vec4<f32>(mesh_sample(surface).finish.tangent, 0.0);
+}
+
+@fragment
+fn cover_reflectances(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return vec4<f32>(ball_sample(at.xy).f0, 0.0);
+}
+
+@fragment
+fn mesh_reflectances(surface: Surface) -> @location(0) vec4<f32> {
+    return vec4<f32>(mesh_sample(surface).f0, 0.0);
 }

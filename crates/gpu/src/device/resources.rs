@@ -95,8 +95,6 @@ pub struct Draw<'a> {
     pub file: &'a str,
     /// Entry points of the vertex and the fragment shader.
     pub entries: [&'a str; 2],
-    /// Values of the fragment shader's `override` declarations.
-    pub constants: &'a [(&'a str, f64)],
     /// Layouts of its groups from 0 on; none for those of the shaders.
     pub groups: &'a [&'a wgpu::BindGroupLayout],
     /// Vertices; `None` if the shader makes them.
@@ -110,7 +108,7 @@ pub struct Draw<'a> {
 impl Draw<'_> {
     /// Compiles it.
     pub fn pipeline(self, context: &Context) -> wgpu::RenderPipeline {
-        let Self { file, entries: [vertex, fragment], constants, groups, corners, target, depth } = self;
+        let Self { file, entries: [vertex, fragment], groups, corners, target, depth } = self;
         let module = &context.module(file);
         let layout = (!groups.is_empty()).then(|| pipeline_layout(context, file, groups.iter().copied()));
         let corners = corners.map(|corners| [Some(corners)]);
@@ -135,7 +133,7 @@ impl Draw<'_> {
             fragment: Some(wgpu::FragmentState {
                 module,
                 entry_point: Some(fragment),
-                compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
                 targets: &[Some(target)],
             }),
             multiview_mask: None,

@@ -144,7 +144,6 @@ impl Direct {
             Draw {
                 file: "direct/draw.wgsl",
                 entries: [vertex, fragment],
-                constants: &[],
                 groups: &[&group],
                 corners: Some(corners.clone()),
                 target: wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL },

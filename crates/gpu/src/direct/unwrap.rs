@@ -67,7 +67,6 @@ impl Unwrap {
         let draw = Draw {
             file: "direct/unwrap.wgsl",
             entries: ["unwrap_corner", "unwrapped_pixel"],
-            constants: &[],
             groups: &[],
             corners: None,
             target: format.into(),

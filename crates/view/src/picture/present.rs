@@ -62,7 +62,6 @@ impl Presenter {
             let draw = Draw {
                 file: "view/present.wgsl",
                 entries: ["cover", "show"],
-                constants: &[],
                 groups: &[],
                 corners: None,
                 target: format.into(),

@@ -34,7 +34,7 @@ const SPLIT_SUM: u32 = 64;
 
 const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// What a pass draws into each pixel; of a scene, by its number in `shaders/common/view_draw.wgsl`.
+/// What a pass draws into each pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Drawn {
     /// The picture.
@@ -77,14 +77,19 @@ impl Drawn {
         }
     }
 
-    /// Entry points, of meshes or of the triangle that covers the picture.
+    /// Entry points of the vertex and the fragment shader, of meshes or of the triangle that covers the picture.
     const fn entry_points(self, of_mesh: bool) -> [&'static str; 2] {
-        match self {
-            Self::Oem => ["cover", "oem"],
-            Self::Sat => ["cover", "sat"],
-            _ if of_mesh => ["transform", "mesh_pixel"],
-            _ => ["cover", "cover_pixel"],
-        }
+        let pixels = match self {
+            Self::Picture => ["cover_picture", "mesh_picture"],
+            Self::Error => ["cover_error", "mesh_error"],
+            Self::Lobe => ["cover_samples", "mesh_samples"],
+            Self::Normal => ["cover_normals", "mesh_normals"],
+            Self::Tangent => ["cover_tangents", "mesh_tangents"],
+            Self::Reflectance => ["cover_reflectances", "mesh_reflectances"],
+            Self::Oem => ["oem"; 2],
+            Self::Sat => ["sat"; 2],
+        };
+        [if of_mesh { "transform" } else { "cover" }, pixels[of_mesh as usize]]
     }
 }
 
@@ -427,7 +432,6 @@ impl Renderer {
         let draw = Draw {
             file: source.file(),
             entries: drawn.entry_points(of_mesh),
-            constants: &[("DRAWN", f64::from(drawn as u32))],
             groups: &groups,
             corners: of_mesh.then_some(corners),
             target: drawn.format().into(),

@@ -133,7 +133,6 @@ fn pipeline(
     Draw {
         file: "view/scene.wgsl",
         entries,
-        constants: &[],
         groups,
         corners: Some(corners),
         target: wgpu::ColorTargetState { format: PICTURE, blend, write_mask: wgpu::ColorWrites::ALL },
