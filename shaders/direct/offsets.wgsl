@@ -16,14 +16,11 @@ struct Offsets {
 // indices read the first three and a zero.
 @group(0) @binding(2) var<storage, read_write> draws: array<u32>;
 
-struct Scanned {
-    count: u32,
-}
-
+alias Scanned = u32;
 const SCAN_SIZE = GROUP_SIZE;
 
 fn add_scanned(a: Scanned, b: Scanned) -> Scanned {
-    return Scanned(a.count + b.count);
+    return a + b;
 }
 
 #include "common/scan.wgsl"
@@ -35,15 +32,15 @@ fn sum_chunks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     for (var first = 0u; first < offsets.chunks; first += GROUP_SIZE) {
         let at = list * offsets.chunks + first + lane;
         let is_chunk = first + lane < offsets.chunks;
-        var own = Scanned();
+        var own = 0u;
         if is_chunk {
-            own.count = counts[at];
+            own = counts[at];
         }
         let earlier = sum_before(own, lane);
         if is_chunk {
-            counts[at] = before + earlier.count;
+            counts[at] = before + earlier;
         }
-        before += scanned[GROUP_SIZE - 1u].count;
+        before += scanned[GROUP_SIZE - 1u];
         // The next turn overwrites the sums.
         workgroupBarrier();
     }

@@ -30,14 +30,11 @@ struct Split {
 // Three corners per triangle of a piece.
 @group(0) @binding(4) var<storage, read_write> pieces: array<Corner>;
 
-struct Scanned {
-    count: u32,
-}
-
+alias Scanned = u32;
 const SCAN_SIZE = GROUP_SIZE;
 
 fn add_scanned(a: Scanned, b: Scanned) -> Scanned {
-    return Scanned(a.count + b.count);
+    return a + b;
 }
 
 #include "common/scan.wgsl"
@@ -257,12 +254,12 @@ fn count_pieces(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
 fn write_pieces(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let chunk = index_in_rows(group);
     let triangle = chunk * GROUP_SIZE + lane;
-    var own = Scanned();
+    var own = 0u;
     if triangle < split.triangles {
-        own.count = split_triangle(triangle, 0u, false);
+        own = split_triangle(triangle, 0u, false);
     }
     let before = sum_before(own, lane);
     if triangle < split.triangles {
-        split_triangle(triangle, counts[chunk] + before.count, true);
+        split_triangle(triangle, counts[chunk] + before, true);
     }
 }

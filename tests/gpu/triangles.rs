@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 use octagloss_core::sphere::map::SphereMap as _;
-use octagloss_core::sphere::octahedral::{Octahedral, texel_centre};
+use octagloss_core::sphere::octahedral::texel_centre;
+use octagloss_core::sphere::octahedral_perspective::PLANAR;
 use octagloss_core::sphere::octahedral_rectangular::OctahedralRectangular;
 use octagloss_fixtures::common::Random;
 use octagloss_fixtures::meshes::{closed, mesh};
@@ -24,7 +25,7 @@ fn pixels(map: DirectMap) -> impl Iterator<Item = (u32, u32)> {
 /// The direction of a pixel's centre.
 fn ray(map: DirectMap, x: u32, y: u32) -> DVec3 {
     if map.squares() == 1 {
-        return Octahedral.direction(0, texel_centre(map.size(), x, y));
+        return PLANAR.direction(0, texel_centre(map.size(), x, y));
     }
     // A pixel spans as much in both layouts; the rectangle begins at u = -2.
     OctahedralRectangular.direction(0, texel_centre(map.size(), x, y) - DVec2::X)

@@ -30,15 +30,15 @@ fn chart() -> Chart {
 #[test]
 fn a_chart_names_its_axes_and_series() {
     let figure = chart().figure().expect("a chart");
-    let texts: Vec<String> = figure.texts().into_iter().map(|(text, _)| text).collect();
+    let texts: Vec<String> = figure.scene.labels().into_iter().map(|(text, _)| text).collect();
     for text in
         ["Error over roughness", "roughness", "relative error", "boxes", "fitted", "adaptive", "0.01", "0.4"]
     {
         assert!(texts.contains(&text.to_owned()), "{text}: {texts:?}");
     }
-    for (k, (text, own)) in figure.texts().iter().enumerate() {
-        assert!(figure.frame().holds(own), "{text:?} is cut off");
-        for (other, others) in &figure.texts()[..k] {
+    for (k, (text, own)) in figure.scene.labels().iter().enumerate() {
+        assert!(figure.scene.frame().holds(own), "{text:?} is cut off");
+        for (other, others) in &figure.scene.labels()[..k] {
             assert!(!own.overlaps(others), "{text:?} covers {other:?}");
         }
     }
@@ -54,7 +54,8 @@ fn a_chart_is_written_as_its_extension_says() {
     chart().write(&png, Existing::Keep).expect("written");
     chart().write(&svg, Existing::Keep).expect("written");
     let picture = image::load_from_memory(&fs::read(&png).expect("there")).expect("a PNG");
-    assert_eq!([picture.width(), picture.height()], chart().figure().expect("a chart").sides());
+    let scene = chart().figure().expect("a chart").scene;
+    assert_eq!([picture.width(), picture.height()], [scene.width, scene.height]);
     elements(&fs::read_to_string(&svg).expect("there"));
     let error = chart().write(&png, Existing::Keep).expect_err("it exists");
     assert!(error.to_string().contains("already exists"), "{error}");
@@ -74,7 +75,7 @@ fn what_an_axis_cannot_show_is_named() {
         assert!(error.contains(words) && error.contains("relative error"), "{error}");
     }
     let figure = with(f64::INFINITY).figure().expect("a lane for infinity");
-    assert!(figure.texts().iter().any(|(text, _)| text == "\u{221e}"));
+    assert!(figure.scene.labels().iter().any(|(text, _)| text == "\u{221e}"));
     let mut reversed = chart();
     reversed.x.range = Some([1.0, 0.0]);
     let error = reversed.figure().expect_err("reversed").to_string();
@@ -84,9 +85,9 @@ fn what_an_axis_cannot_show_is_named() {
         let mut decades = chart();
         decades.series.clear();
         decades.y.range = Some([10_f64.powi(low), 10_f64.powi(low + 3)]);
-        let ticks = decades.figure().expect("a chart").texts().len();
+        let ticks = decades.figure().expect("a chart").scene.labels().len();
         decades.y.range = Some([10_f64.powi(low) * 0.999, 10_f64.powi(low + 3) * 1.001]);
-        assert_eq!(ticks, decades.figure().expect("a chart").texts().len(), "both ends from 10^{low}");
+        assert_eq!(ticks, decades.figure().expect("a chart").scene.labels().len(), "both ends from 10^{low}");
     }
     let empty = Chart { series: Vec::new(), ..chart() };
     empty.figure().expect("axes alone");

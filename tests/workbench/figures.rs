@@ -103,7 +103,7 @@ fn no_text_is_cut_off_or_covers_another() {
     let figures: Vec<(String, Figure)> =
         drawn.par_iter().map(|entry| (entry.name(), entry.draw(&content).expect("a figure"))).collect();
     for (name, figure) in figures {
-        let (texts, frame) = (figure.texts(), figure.frame());
+        let (texts, frame) = (figure.scene.labels(), figure.scene.frame());
         for (k, (text, own)) in texts.iter().enumerate() {
             assert!(frame.holds(own), "{name}: {text:?} is cut off");
             for (other, others) in &texts[..k] {
@@ -121,7 +121,7 @@ fn figures_are_the_same_every_time_in_both_forms() {
         let png = figure.bytes(Form::Png);
         assert!(png == again.bytes(Form::Png), "{name}");
         let picture = image::load_from_memory(&png).expect("a PNG").to_rgb8();
-        assert_eq!([picture.width(), picture.height()], figure.sides(), "{name}");
+        assert_eq!([picture.width(), picture.height()], [figure.scene.width, figure.scene.height], "{name}");
         assert!(picture.pixels().any(|pixel| pixel.0 == [32, 36, 44]), "{name}: ink");
 
         let svg = figure.bytes(Form::Svg);
@@ -133,10 +133,10 @@ fn figures_are_the_same_every_time_in_both_forms() {
         assert!(elements.contains(&"text") && elements.contains(&"polyline"), "{name}");
         assert_eq!(elements.contains(&"image"), name != "border", "{name}");
         let plain = svg.replace("&apos;", "\'").replace("&amp;", "&");
-        for (text, _) in figure.texts() {
+        for (text, _) in figure.scene.labels() {
             assert!(plain.contains(&format!(">\n{text}\n<")), "{name} lacks {text:?}");
         }
-        assert!(plain.contains(figure.caption()), "{name}");
+        assert!(plain.contains(&figure.caption), "{name}");
     }
 }
 
@@ -144,7 +144,14 @@ fn figures_are_the_same_every_time_in_both_forms() {
 fn axes_and_captions_are_told() {
     let content = content();
     let texts = |name: &str| -> Vec<String> {
-        entry(name).draw(&content).expect("a figure").texts().into_iter().map(|(text, _)| text).collect()
+        entry(name)
+            .draw(&content)
+            .expect("a figure")
+            .scene
+            .labels()
+            .into_iter()
+            .map(|(text, _)| text)
+            .collect()
     };
     let layout = texts("layout-tennis-ball");
     for text in ["Tennis-ball: layout", "u", "v", "3\u{3c0}/4", "C\u{2081}", "+Z", "\u{2212}Y"] {
@@ -193,8 +200,8 @@ fn heat_maps_show_the_value_of_the_direction() {
 #[test]
 fn sizes_and_borders_that_cannot_be_drawn_are_named() {
     for (size, border, words) in [
-        (0, 0, "`size` is 0"),
-        (13, 0, "`size` is 13"),
+        (0, 0, "`size` 0 must be 1 to 12 texels"),
+        (13, 0, "`size` 13 must be 1 to 12 texels"),
         (4, 5, "`border` 5 exceeds the map's side of 4 texels"),
     ] {
         let error = entry("border").draw(&FigureContent { size, border, ..content() }).expect_err(words);
@@ -202,17 +209,17 @@ fn sizes_and_borders_that_cannot_be_drawn_are_named() {
     }
     for (size, border) in [(1, 0), (1, 1), (12, 0), (12, 1), (12, 12), (11, 11), (10, 10)] {
         let figure = entry("border").draw(&FigureContent { size, border, ..content() }).expect("a figure");
-        let texts = figure.texts();
+        let texts = figure.scene.labels();
         let side = (size + 2 * border) as usize;
         assert!(texts.len() > side * side, "a name for every texel");
         for (k, (text, own)) in texts.iter().enumerate() {
-            assert!(figure.frame().holds(own), "{size}, {border}: {text:?} is cut off");
+            assert!(figure.scene.frame().holds(own), "{size}, {border}: {text:?} is cut off");
             let covered = texts[..k].iter().find(|(_, others)| own.overlaps(others));
             assert!(covered.is_none(), "{size}, {border}: {text:?} covers {covered:?}");
         }
     }
     let one = entry("border").draw(&FigureContent { size: 1, border: 1, ..content() }).expect("a figure");
-    assert!(one.texts().iter().any(|(text, _)| text.contains("square of 1 texel with")), "one texel");
+    assert!(one.scene.labels().iter().any(|(text, _)| text.contains("square of 1 texel with")), "one texel");
 }
 
 /// Pixels of coarse pictures whose centres lie beyond the rim show the nearest one inside, not paper.

@@ -433,9 +433,9 @@ fn settings_that_cannot_be_measured_are_named() {
         assert!(error.contains(words), "{error} lacks {words:?}");
         error_field(&settings, &environment).expect_err(words);
     };
-    refused(Settings { size: 0, ..small() }, "`size` 0; choose 8 to 1024");
+    refused(Settings { size: 0, ..small() }, "`size` 0 must be 8 to 1024 texels");
     refused(Settings { size: 4096, ..small() }, "`size` 4096");
-    refused(Settings { roughnesses: vec![0.5, 0.0], ..small() }, "roughness 0;");
+    refused(Settings { roughnesses: vec![0.5, 0.0], ..small() }, "`roughness` 0 must be 0.1 to 1");
     refused(Settings { roughnesses: vec![], ..small() }, "no `roughnesses`");
     refused(Settings { methods: vec![], ..small() }, "no `methods`");
     refused(Settings { turns: 0, ..small() }, "no `turns`");

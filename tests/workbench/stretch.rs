@@ -168,8 +168,7 @@ fn the_table_matches_the_printed_digits_or_has_a_note() {
     let mut met = 0;
     for Row { title, printed, metrics, note, .. } in ROWS.iter() {
         let Some(printed) = printed else { continue };
-        let components =
-            if metrics.components == u32::MAX { "inf".to_owned() } else { metrics.components.to_string() };
+        let components = metrics.components.map_or_else(|| "inf".to_owned(), |count| count.to_string());
         assert_eq!(components, printed.components, "{title}");
         if prints_as(metrics.sampling, printed.sampling) && prints_as(metrics.anisotropy, printed.anisotropy)
         {

@@ -362,6 +362,6 @@ fn layout_of(size: wgpu::Extent3d) -> Result<Layout> {
 }
 
 /// A matrix as uniforms hold it: columns of four floats.
-fn columns(matrix: DMat3) -> [[f32; 4]; 3] {
+pub fn columns(matrix: DMat3) -> [[f32; 4]; 3] {
     [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|column| column.as_vec3().extend(0.0).to_array())
 }

@@ -150,13 +150,7 @@ impl Mesh {
             return Err(Error::input(path, "no triangles; export surfaces, not points or lines"));
         }
         let place = |vertex: &Vertex| DVec3::from_array(vertex.position.map(f64::from));
-        let (low, high) = self
-            .vertices
-            .iter()
-            .map(place)
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), place| {
-                (low.min(place), high.max(place))
-            });
+        let (low, high) = box_around(self.vertices.iter().map(place));
         let centre = 0.5 * (low + high);
         let radius = self.vertices.iter().map(|vertex| place(vertex).distance(centre)).fold(0.0, f64::max);
         if !(radius.is_finite() && radius > 0.0) {
@@ -167,6 +161,11 @@ impl Mesh {
         }
         Ok(self)
     }
+}
+
+/// Least and greatest coordinates of `points`.
+pub fn box_around(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)))
 }
 
 /// A mesh format.

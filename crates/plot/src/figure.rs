@@ -4,7 +4,7 @@ use super::png::png;
 use super::svg::svg;
 use octagloss_core::common::error::{Error, Result};
 use octagloss_core::common::names::named;
-use octagloss_drawing::scene::{Frame, Scene};
+use octagloss_drawing::scene::Scene;
 use std::path::Path;
 
 /// A file format.
@@ -34,33 +34,15 @@ impl Form {
 #[derive(Clone, Debug)]
 pub struct Figure {
     title: String,
-    caption: String,
-    scene: Scene,
+    /// Caption below the figure.
+    pub caption: String,
+    /// The drawing.
+    pub scene: Scene,
 }
 
 impl Figure {
     pub fn new(title: String, caption: String, scene: Scene) -> Self {
         Self { title, caption, scene }
-    }
-
-    /// Caption below the figure.
-    pub fn caption(&self) -> &str {
-        &self.caption
-    }
-
-    /// Width and height in pixels.
-    pub fn sides(&self) -> [u32; 2] {
-        [self.scene.width, self.scene.height]
-    }
-
-    /// Every line of text and its rectangle.
-    pub fn texts(&self) -> Vec<(String, Frame)> {
-        self.scene.labels()
-    }
-
-    /// The figure's rectangle.
-    pub fn frame(&self) -> Frame {
-        self.scene.frame()
     }
 
     /// Encodes the figure in memory.

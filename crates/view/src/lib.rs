@@ -23,7 +23,6 @@ pub mod scene;
 #[cfg(target_arch = "wasm32")]
 pub mod web;
 
-pub use interface::viewer::Viewer;
 #[cfg(not(target_arch = "wasm32"))]
 pub use interface::viewer::run;
 pub use interface::window::Start;

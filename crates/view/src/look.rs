@@ -89,22 +89,6 @@ impl Show {
         (Self::Error, "error"),
     ];
 
-    /// Entry points of `shaders/common/view_draw.wgsl`: of the triangle that covers the picture and, if this
-    /// content shows the scene, of meshes.
-    pub(super) const fn entry_points(self) -> (&'static str, Option<&'static str>) {
-        match self {
-            Self::Scene => ("cover_picture", Some("mesh_picture")),
-            Self::Error => ("cover_error", Some("mesh_error")),
-            Self::Oem => ("oem", None),
-            Self::Sat => ("sat", None),
-        }
-    }
-
-    /// Whether it shows the scene by the chosen technique, not the table itself.
-    pub(super) const fn is_of_scene(self) -> bool {
-        self.entry_points().1.is_some()
-    }
-
     /// Whether its colours are display colours, which tone mapping must not change.
     pub(super) const fn is_false_colour(self) -> bool {
         matches!(self, Self::Error)

@@ -3,9 +3,9 @@
 use crate::args::AnalyzeArgs;
 use crate::draw;
 use crate::lobes;
-use octagloss::cli::outcome::{Outcome, csv_text, print, usage};
+use octagloss::cli::outcome::{Outcome, csv_text, print, print_json, usage};
 use octagloss_workbench::map_table::{Row, rows};
-use serde_json::{Value, json};
+use serde_json::json;
 
 pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
     if !(args.table || args.csv || args.json || args.lobes || args.figures.plot) {
@@ -20,8 +20,7 @@ pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
     }
     let rows = rows();
     if args.json {
-        let rows: Vec<Value> = rows.iter().map(json_row).collect();
-        return print(&format!("{}\n", json!({ "maps": rows })));
+        return print_json(&json!({ "maps": rows }));
     }
     if args.csv {
         return print(&csv_table(&rows)?);
@@ -35,7 +34,7 @@ fn fixed(value: f64, digits: usize) -> String {
 }
 
 fn components(row: &Row) -> String {
-    if row.metrics.components == u32::MAX { "inf".to_owned() } else { row.metrics.components.to_string() }
+    row.metrics.components.map_or_else(|| "inf".to_owned(), |count| count.to_string())
 }
 
 fn text_table(rows: &[Row]) -> String {
@@ -102,25 +101,4 @@ fn csv_table(rows: &[Row]) -> Outcome<String> {
     let header = "name,title,source,sampling_printed,sampling,anisotropy_printed,anisotropy,\
                   components_printed,components,lattice,texel_least,texel_greatest,used,note";
     csv_text(header, rows.iter().map(record))
-}
-
-/// Converts a row to an object; infinite values become null.
-fn json_row(row: &Row) -> Value {
-    let metrics = &row.metrics;
-    let infinite = metrics.components == u32::MAX;
-    json!({
-        "name": row.name,
-        "title": row.title,
-        "source": row.source,
-        "printed": row.printed.map(|p| json!({
-            "sampling": p.sampling, "anisotropy": p.anisotropy, "components": p.components,
-        })),
-        "sampling": metrics.sampling,
-        "anisotropy": metrics.anisotropy,
-        "components": (!infinite).then_some(metrics.components),
-        "lattice": metrics.lattice,
-        "relative_solid_angle": metrics.relative_solid_angle,
-        "used": metrics.used,
-        "note": row.note,
-    })
 }

@@ -2,11 +2,11 @@
 
 use super::figures_args::FigureArgs;
 use octagloss::cli::console::{self, Console};
-use octagloss::cli::outcome::{Outcome, usage};
+use octagloss::cli::outcome::{Failure, Outcome, usage};
 use octagloss::cli::output::check_folder_name;
 use octagloss_core::files::io::output::{self, Existing, Output};
 use octagloss_plot::figure::Form;
-use octagloss_workbench::figures::catalogue::{Entry, FigureContent, Kind, MAX_SIZE, entries};
+use octagloss_workbench::figures::catalogue::{Entry, FigureContent, Kind, entries};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -110,16 +110,8 @@ fn check_options(args: &FigureArgs, entries: &[Entry]) -> Outcome {
 fn content(args: &FigureArgs, console: &Console) -> Outcome<FigureContent> {
     let mut content = FigureContent::new()?;
     content.size = args.size.unwrap_or(content.size);
-    if content.size == 0 || content.size > MAX_SIZE {
-        return usage(format!("--size {} must be 1 to {MAX_SIZE} texels", content.size));
-    }
     content.border = args.border.unwrap_or(content.border.min(content.size));
-    if content.border > content.size {
-        return usage(format!(
-            "--border {} exceeds the map's side of {} texels",
-            content.border, content.size
-        ));
-    }
+    content.check().map_err(|error| Failure::Usage(error.to_string()))?;
     if let Some((path, environment)) = args.panorama.as_ref().zip(args.environment(console)?) {
         content.panorama = environment;
         content.panorama_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -2,10 +2,10 @@
 
 use crate::args::AnalyzeArgs;
 use octagloss::cli::console::Console;
-use octagloss::cli::outcome::{Failure, Outcome, csv_text, print, usage};
+use octagloss::cli::outcome::{Failure, Outcome, csv_text, print, print_json, usage};
 use octagloss_core::common::error::Error;
 use octagloss_workbench::laboratory::measure::{
-    ErrorAt, MAX_SIZE, Region, Row, STACK, Settings, check_light, default_environment, measure,
+    ErrorAt, Region, Row, STACK, Settings, check_light, default_environment, measure,
 };
 use octagloss_workbench::laboratory::subject::SUBJECTS;
 use serde_json::{Value, json};
@@ -28,7 +28,7 @@ pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
     if args.json {
         let rows: Vec<Value> = rows.iter().map(json_row).collect();
         let head = json!({ "size": settings.size, "stack": STACK, "adaptive_error": settings.error });
-        return print(&format!("{}\n", json!({ "settings": head, "rows": rows })));
+        return print_json(&json!({ "settings": head, "rows": rows }));
     }
     if args.csv {
         return print(&csv_table(&rows)?);
@@ -38,15 +38,7 @@ pub(super) fn run(args: &AnalyzeArgs) -> Outcome {
 
 fn settings(args: &AnalyzeArgs) -> Outcome<Settings> {
     let mut settings = Settings::default();
-    if let Some(size) = args.figures.size {
-        if !(8..=MAX_SIZE).contains(&size) {
-            return usage(format!("--size {size} must be 8 to {MAX_SIZE} texels with --lobes"));
-        }
-        settings.size = size;
-    }
-    if let Some(roughness) = args.roughness.iter().find(|r| !(0.1..=1.0).contains(*r)) {
-        return usage(format!("--roughness {roughness} must be 0.1 to 1"));
-    }
+    settings.size = args.figures.size.unwrap_or(settings.size);
     if !args.roughness.is_empty() {
         settings.roughnesses.clone_from(&args.roughness);
     }

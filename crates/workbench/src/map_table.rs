@@ -3,10 +3,11 @@
 use super::stretch::{Metrics, Stretch, measure};
 use glam::DVec3;
 use octagloss_core::sphere::registry::{MAPS, NamedMap};
+use serde::Serialize;
 use std::f64::consts::PI;
 
 /// Values printed in the paper.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Printed {
     /// Sampling requirement.
     pub sampling: &'static str,
@@ -17,7 +18,7 @@ pub struct Printed {
 }
 
 /// A row of the table.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Name on the command line; none for the theoretical rows.
     pub name: Option<&'static str>,
@@ -28,6 +29,7 @@ pub struct Row {
     /// The paper's row, if it has one.
     pub printed: Option<Printed>,
     /// Measured metrics.
+    #[serde(flatten)]
     pub metrics: Metrics,
     /// Explanation of a deviation from the printed value.
     pub note: Option<&'static str>,
@@ -122,7 +124,7 @@ fn limit(stretch: Stretch) -> Metrics {
     Metrics {
         sampling: area * stretch.greatest.powi(2),
         anisotropy: stretch.anisotropy(),
-        components: u32::MAX,
+        components: None,
         lattice: area * stretch.spacing.powi(2),
         relative_solid_angle: [1.0; 2],
         used: 1.0,

@@ -6,6 +6,7 @@
 use glam::{DVec2, DVec3};
 use octagloss_core::sphere::map::SphereMap;
 use rayon::prelude::*;
+use serde::Serialize;
 use std::f64::consts::PI;
 
 /// Stretch of a map at a point.
@@ -70,14 +71,14 @@ fn shortest_vector_squared(mut a: f64, mut b: f64, mut c: f64) -> f64 {
 }
 
 /// Metrics of a map over its whole domain. Infinite if the stretch is unbounded.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Metrics {
     /// Equation 6, summed over components: area of the rectangle times the square of the greatest stretch.
     pub sampling: f64,
     /// Maximum ratio of the singular values.
     pub anisotropy: f64,
-    /// Number of components.
-    pub components: u32,
+    /// Number of components; `None` for infinitely many.
+    pub components: Option<u32>,
     /// As `sampling`, with [`Stretch::spacing`] instead of the greatest stretch: the requirement of ideal,
     /// possibly anisotropic reconstruction. At most `sampling`.
     pub lattice: f64,
@@ -101,6 +102,24 @@ struct Extremes {
     area: [f64; 2],
 }
 
+impl Extremes {
+    const NONE: Self = Self { greatest: 0.0, spacing: 0.0, anisotropy: 1.0, area: [f64::INFINITY, 0.0] };
+
+    fn of(stretch: Stretch) -> Self {
+        let Stretch { greatest, spacing, .. } = stretch;
+        Self { greatest, spacing, anisotropy: stretch.anisotropy(), area: [stretch.area(); 2] }
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            greatest: self.greatest.max(other.greatest),
+            spacing: self.spacing.max(other.spacing),
+            anisotropy: self.anisotropy.max(other.anisotropy),
+            area: [self.area[0].min(other.area[0]), self.area[1].max(other.area[1])],
+        }
+    }
+}
+
 /// Metrics of `map`.
 ///
 /// Extremes lie in cell centres, on folds and on rims. Points are sampled near every grid corner, at two
@@ -112,7 +131,7 @@ pub fn measure(map: &dyn SphereMap) -> Metrics {
     let mut metrics = Metrics {
         sampling: 0.0,
         anisotropy: 1.0,
-        components: map.components(),
+        components: Some(map.components()),
         lattice: 0.0,
         relative_solid_angle: [f64::INFINITY, 0.0],
         used: 0.0,
@@ -156,7 +175,7 @@ fn extremes(map: &dyn SphereMap, component: u32, inset: f64) -> Extremes {
         (across, along, step / 5.0),
     ];
     let row = |y: u32| {
-        let mut row = Extremes { greatest: 0.0, spacing: 0.0, anisotropy: 1.0, area: [f64::INFINITY, 0.0] };
+        let mut row = Extremes::NONE;
         for x in 0..CELLS {
             for (right, down, step) in offsets {
                 let at = DVec2::new(f64::from(x) + right, f64::from(y) + down);
@@ -164,26 +183,12 @@ fn extremes(map: &dyn SphereMap, component: u32, inset: f64) -> Extremes {
                 if !map.contains(component, uv) {
                     continue;
                 }
-                let stretch = Stretch::at(map, component, uv, step);
-                row.greatest = row.greatest.max(stretch.greatest);
-                row.spacing = row.spacing.max(stretch.spacing);
-                row.anisotropy = row.anisotropy.max(stretch.anisotropy());
-                row.area = [row.area[0].min(stretch.area()), row.area[1].max(stretch.area())];
+                row = row.and(Extremes::of(Stretch::at(map, component, uv, step)));
             }
         }
         row
     };
-    let all = (0..CELLS).into_par_iter().map(row);
-    let neutral = Extremes { greatest: 0.0, spacing: 0.0, anisotropy: 1.0, area: [f64::INFINITY, 0.0] };
-    all.reduce(
-        || neutral,
-        |p, q| Extremes {
-            greatest: p.greatest.max(q.greatest),
-            spacing: p.spacing.max(q.spacing),
-            anisotropy: p.anisotropy.max(q.anisotropy),
-            area: [p.area[0].min(q.area[0]), p.area[1].max(q.area[1])],
-        },
-    )
+    (0..CELLS).into_par_iter().map(row).reduce(|| Extremes::NONE, Extremes::and)
 }
 
 /// Share of the rectangle of `component` in its domain, counted over 1024 x 1024 points.

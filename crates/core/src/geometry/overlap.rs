@@ -34,6 +34,20 @@ struct Entry {
     solid_angle: f32,
 }
 
+/// A line as chords, and where its corners are among their ends.
+#[derive(Default)]
+struct Chords<P> {
+    points: Vec<P>,
+    starts: Vec<usize>,
+}
+
+impl<P> Chords<P> {
+    /// The chords between corner `i` and the next, both included.
+    fn arc(&self, i: u32) -> &[P] {
+        &self.points[self.starts[i as usize]..=self.starts[i as usize + 1]]
+    }
+}
+
 /// Space in which a target's directions lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Space {

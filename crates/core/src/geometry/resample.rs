@@ -52,6 +52,14 @@ struct Share {
     solid_angle: f32,
 }
 
+/// Scales `shares` to the sum `solid_angle`. Returns whether they have a sum to scale.
+fn scale_to(solid_angle: f64, shares: &mut [Share]) -> bool {
+    let sum: f64 = shares.iter().map(|share| f64::from(share.solid_angle)).sum();
+    let scale = (solid_angle / sum) as f32;
+    shares.iter_mut().for_each(|share| share.solid_angle *= scale);
+    sum > 0.0
+}
+
 /// The radiance of `light` over every texel of `target`: the mean over the overlaps with the part of the
 /// target texel in its domain. Texels outside the domain follow the target's continuation.
 ///

@@ -23,10 +23,29 @@ pub mod polar_capped;
 pub mod quadrature;
 pub mod registry;
 pub mod rhombic_dodecahedron;
-pub mod sphere_map;
 pub mod tennis_ball;
 
 use glam::DVec3;
+use std::ops::{Add, Mul};
+
+/// Sutherland and Hodgman 1974: the part of a convex polygon where `depth` is not negative.
+pub(crate) fn clip<P>(corners: &[P], depth: impl Fn(P) -> f64, part: &mut Vec<P>)
+where
+    P: Copy + Add<Output = P> + Mul<f64, Output = P>,
+{
+    part.clear();
+    for (k, &a) in corners.iter().enumerate() {
+        let b = corners[(k + 1) % corners.len()];
+        let (depth_a, depth_b) = (depth(a), depth(b));
+        if depth_a >= 0.0 {
+            part.push(a);
+        }
+        if (depth_a > 0.0 && depth_b < 0.0) || (depth_a < 0.0 && depth_b > 0.0) {
+            let share = depth_a / (depth_a - depth_b);
+            part.push(a * (1.0 - share) + b * share);
+        }
+    }
+}
 
 /// Signed solid angle of the spherical triangle `a b c` (unit vectors), positive when they run
 /// counter-clockwise seen from outside.

@@ -8,41 +8,12 @@
 //! Unfolded over the plane the square repeats as wallpaper group p2: tile (i, j) is the square itself
 //! where i + j is even, and the square turned by 180 degrees where it is odd. [`wrap_oct`] and [`wrap_texel`]
 //! bring any point and any texel of that plane back to the square.
+//!
+//! The map itself is [`super::octahedral_perspective::PLANAR`], the perspective projection with the octahedron's
+//! faces as image planes.
 
-use super::map::{Place, SphereMap, Texel};
-use super::projected_solid_angle;
+use super::{clip, projected_solid_angle};
 use glam::{DVec2, DVec3};
-
-/// The map.
-#[derive(Clone, Copy, Debug)]
-pub struct Octahedral;
-
-impl SphereMap for Octahedral {
-    fn direction(&self, _: u32, uv: DVec2) -> DVec3 {
-        direction_from_oct(wrap_oct(uv))
-    }
-
-    fn locate(&self, direction: DVec3) -> Place {
-        Place { component: 0, uv: oct_from_direction(direction) }
-    }
-
-    fn density(&self, _: u32, uv: DVec2) -> f64 {
-        solid_angle_density(uv)
-    }
-
-    fn solid_angle(&self, _: u32, low: DVec2, high: DVec2) -> f64 {
-        rectangle_solid_angle(low, high, |p| p)
-    }
-
-    fn wrap_texel(&self, size: u32, component: u32, x: i64, y: i64) -> Option<Texel> {
-        let (x, y) = wrap_texel(size, x, y);
-        Some(Texel { component, x, y })
-    }
-
-    fn mirrored(&self, place: Place, axis: usize) -> Option<Place> {
-        Some(Place { uv: mirrored_oct(place.uv, axis), ..place })
-    }
-}
 
 /// Point on the octahedron |x| + |y| + |z| = 1 at `uv` in [-1, 1]^2.
 pub fn octahedron_from_oct(uv: DVec2) -> DVec3 {
@@ -160,18 +131,10 @@ fn fold_span(low: f64, high: f64) -> [Option<(f64, f64)>; 2] {
 pub(crate) fn for_each_face_piece(corners: [DVec2; 4], mut visit: impl FnMut(&[DVec3])) {
     for sign in [1.0, -1.0] {
         let depth = |c: DVec2| sign * (1.0 - c.x.abs() - c.y.abs());
-        let mut piece = Vec::with_capacity(6);
-        for k in 0..4 {
-            let (a, b) = (corners[k], corners[(k + 1) % 4]);
-            let (depth_a, depth_b) = (depth(a), depth(b));
-            if depth_a >= 0.0 {
-                piece.push(octahedron_from_oct(a));
-            }
-            if (depth_a > 0.0 && depth_b < 0.0) || (depth_a < 0.0 && depth_b > 0.0) {
-                piece.push(octahedron_from_oct(a.lerp(b, depth_a / (depth_a - depth_b))));
-            }
-        }
-        if piece.len() >= 3 {
+        let mut part = Vec::with_capacity(6);
+        clip(&corners, depth, &mut part);
+        if part.len() >= 3 {
+            let piece: Vec<DVec3> = part.into_iter().map(octahedron_from_oct).collect();
             visit(&piece);
         }
     }

@@ -19,8 +19,8 @@ pub struct OctahedralPerspective {
     normal: DVec3,
 }
 
-/// With the faces as image planes.
-pub const ON_FACES: OctahedralPerspective = OctahedralPerspective::with_image_plane(DVec3::ONE);
+/// With the faces as image planes: the planar projection, in [`super::octahedral`]'s layout.
+pub const PLANAR: OctahedralPerspective = OctahedralPerspective::with_image_plane(DVec3::ONE);
 
 impl OctahedralPerspective {
     /// The map whose image plane in the octant x, y, z >= 0 has the normal `normal`, of any length.

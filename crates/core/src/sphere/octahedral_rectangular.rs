@@ -8,7 +8,7 @@
 
 use super::map::{Component, Place, SphereMap, Texel};
 use super::octahedral::octahedron_from_oct;
-use super::projected_solid_angle;
+use super::{clip, projected_solid_angle};
 use glam::{DVec2, DVec3};
 
 /// The map.
@@ -88,7 +88,9 @@ impl SphereMap for OctahedralRectangular {
                     };
                     *corner = DVec2::new(x, z) / 2.0;
                 }
-                let piece = clip(&clip(&corners, |c| sx * c.x), |c| sz * c.y);
+                let [mut half, mut piece] = [const { Vec::new() }; 2];
+                clip(&corners, |c| sx * c.x, &mut half);
+                clip(&half, |c| sz * c.y, &mut piece);
                 if piece.len() >= 3 {
                     let on_face: Vec<DVec3> =
                         piece.iter().map(|c| DVec3::new(c.x, 1.0 - c.x.abs() - c.y.abs(), c.y)).collect();
@@ -119,20 +121,4 @@ impl SphereMap for OctahedralRectangular {
         let uv = middle + if is_falling { DVec2::new(-off.y, -off.x) } else { DVec2::new(off.y, off.x) };
         Some(Place { uv, ..place })
     }
-}
-
-/// The part of a convex polygon where `depth` is not negative.
-fn clip(corners: &[DVec2], depth: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
-    let mut part = Vec::with_capacity(6);
-    for (k, &a) in corners.iter().enumerate() {
-        let b = corners[(k + 1) % corners.len()];
-        let (depth_a, depth_b) = (depth(a), depth(b));
-        if depth_a >= 0.0 {
-            part.push(a);
-        }
-        if (depth_a > 0.0 && depth_b < 0.0) || (depth_a < 0.0 && depth_b > 0.0) {
-            part.push(a.lerp(b, depth_a / (depth_a - depth_b)));
-        }
-    }
-    part
 }

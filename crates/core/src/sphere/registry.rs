@@ -6,12 +6,10 @@ use super::equirect::Equirect;
 use super::healpix::Healpix;
 use super::low_distortion::LowDistortion;
 use super::map::{Component, Place, SphereMap};
-use super::octahedral::Octahedral;
-use super::octahedral_perspective;
+use super::octahedral_perspective::PLANAR;
 use super::octahedral_rectangular::OctahedralRectangular;
 use super::polar_capped;
 use super::rhombic_dodecahedron::RhombicDodecahedron;
-use super::sphere_map::MirrorBall;
 use super::tennis_ball::TennisBall;
 use crate::common::direction::units;
 use crate::common::error::{Result, wrong};
@@ -92,87 +90,57 @@ impl NamedMap {
     }
 }
 
+/// A row of [`MAPS`].
+const fn row(
+    name: &'static str,
+    title: &'static str,
+    source: &'static str,
+    map: &'static dyn SphereMap,
+) -> NamedMap {
+    NamedMap { name, title, source, map }
+}
+
 /// All maps.
 pub static MAPS: [NamedMap; 14] = [
-    NamedMap {
-        name: "octahedral",
-        title: "Octahedral",
-        source: "Engelhardt and Dachsbacher 2008, equations 1 and 2",
-        map: &Octahedral,
-    },
-    NamedMap {
-        name: "octahedral-rectangular",
-        title: "Octahedral (rectangular)",
-        source: "Engelhardt and Dachsbacher 2008, equation 3",
-        map: &OctahedralRectangular,
-    },
-    NamedMap {
-        name: "octahedral-perspective",
-        title: "Octahedral (perspective)",
-        source: "Engelhardt and Dachsbacher 2008, section 3.2",
-        map: &octahedral_perspective::ON_FACES,
-    },
-    NamedMap {
-        name: "tennis-ball",
-        title: "Tennis-ball",
-        source: "Herron, equations 1 to 3",
-        map: &TennisBall,
-    },
-    NamedMap {
-        name: "polar-capped",
-        title: "Polar-capped (stretch-invariant)",
-        source: "Snyder and Mitchell 2001",
-        map: &polar_capped::STRETCH_INVARIANT,
-    },
-    NamedMap {
-        name: "polar-capped-conformal",
-        title: "Polar-capped (conformal)",
-        source: "Snyder and Mitchell 2001",
-        map: &polar_capped::CONFORMAL,
-    },
-    NamedMap {
-        name: "dual-equidistant",
-        title: "Dual equidistant",
-        source: "Snyder and Mitchell 2001",
-        map: &dual::EQUIDISTANT,
-    },
-    NamedMap {
-        name: "low-distortion",
-        title: "Low-distortion equal-area",
-        source: "Snyder and Mitchell 2001; Shirley and Chiu 1997; Clarberg 2008",
-        map: &LowDistortion,
-    },
-    NamedMap {
-        name: "equirect",
-        title: "Latitude-longitude",
-        source: "Blinn and Newell 1976",
-        map: &Equirect,
-    },
-    NamedMap { name: "cube", title: "Cube", source: "Greene 1986; OpenGL 1.3, table 3.19", map: &Cube },
-    NamedMap {
-        name: "dual-paraboloid",
-        title: "Dual paraboloid",
-        source: "Heidrich and Seidel 1998",
-        map: &dual::PARABOLOID,
-    },
-    NamedMap {
-        name: "sphere-map",
-        title: "OpenGL sphere map",
-        source: "OpenGL 1.1, section 2.10.4",
-        map: &MirrorBall,
-    },
-    NamedMap {
-        name: "healpix",
-        title: "HEALPix",
-        source: "Gorski et al. 2005; Calabretta and Roukema 2007",
-        map: &Healpix,
-    },
-    NamedMap {
-        name: "rhombic-dodecahedron",
-        title: "Rhombic dodecahedron",
-        source: "Fu et al. 2009",
-        map: &RhombicDodecahedron,
-    },
+    row("octahedral", "Octahedral", "Engelhardt and Dachsbacher 2008, equations 1 and 2", &PLANAR),
+    row(
+        "octahedral-rectangular",
+        "Octahedral (rectangular)",
+        "Engelhardt and Dachsbacher 2008, equation 3",
+        &OctahedralRectangular,
+    ),
+    row(
+        "octahedral-perspective",
+        "Octahedral (perspective)",
+        "Engelhardt and Dachsbacher 2008, section 3.2",
+        &PLANAR,
+    ),
+    row("tennis-ball", "Tennis-ball", "Herron, equations 1 to 3", &TennisBall),
+    row(
+        "polar-capped",
+        "Polar-capped (stretch-invariant)",
+        "Snyder and Mitchell 2001",
+        &polar_capped::STRETCH_INVARIANT,
+    ),
+    row(
+        "polar-capped-conformal",
+        "Polar-capped (conformal)",
+        "Snyder and Mitchell 2001",
+        &polar_capped::CONFORMAL,
+    ),
+    row("dual-equidistant", "Dual equidistant", "Snyder and Mitchell 2001", &dual::EQUIDISTANT),
+    row(
+        "low-distortion",
+        "Low-distortion equal-area",
+        "Snyder and Mitchell 2001; Shirley and Chiu 1997; Clarberg 2008",
+        &LowDistortion,
+    ),
+    row("equirect", "Latitude-longitude", "Blinn and Newell 1976", &Equirect),
+    row("cube", "Cube", "Greene 1986; OpenGL 1.3, table 3.19", &Cube),
+    row("dual-paraboloid", "Dual paraboloid", "Heidrich and Seidel 1998", &dual::PARABOLOID),
+    row("sphere-map", "OpenGL sphere map", "OpenGL 1.1, section 2.10.4", &dual::MIRROR_BALL),
+    row("healpix", "HEALPix", "Gorski et al. 2005; Calabretta and Roukema 2007", &Healpix),
+    row("rhombic-dodecahedron", "Rhombic dodecahedron", "Fu et al. 2009", &RhombicDodecahedron),
 ];
 
 /// The map called `name`, one of [`MAPS`].

@@ -91,12 +91,12 @@ pub fn added() -> wgpu::BlendState {
 
 /// A pipeline that draws triangles.
 pub struct Draw<'a> {
-    /// Its shaders.
-    pub module: &'a wgpu::ShaderModule,
+    /// The file of its shaders.
+    pub file: &'a str,
     /// Entry points of the vertex and the fragment shader.
     pub entries: [&'a str; 2],
-    /// `None` for that of the shaders.
-    pub layout: Option<&'a wgpu::PipelineLayout>,
+    /// Layouts of its groups from 0 on; none for those of the shaders.
+    pub groups: &'a [&'a wgpu::BindGroupLayout],
     /// Vertices; `None` if the shader makes them.
     pub corners: Option<wgpu::VertexBufferLayout<'a>>,
     /// Format and blending of the colour.
@@ -108,11 +108,13 @@ pub struct Draw<'a> {
 impl Draw<'_> {
     /// Compiles it.
     pub fn pipeline(self, context: &Context) -> wgpu::RenderPipeline {
-        let Self { module, entries: [vertex, fragment], layout, corners, target, depth } = self;
+        let Self { file, entries: [vertex, fragment], groups, corners, target, depth } = self;
+        let module = &context.module(file);
+        let layout = (!groups.is_empty()).then(|| pipeline_layout(context, file, groups.iter().copied()));
         let corners = corners.map(|corners| [Some(corners)]);
         context.device().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(fragment),
-            layout,
+            layout: layout.as_ref(),
             vertex: wgpu::VertexState {
                 module,
                 entry_point: Some(vertex),

@@ -25,7 +25,7 @@ pub use target::DirectTarget;
 
 use super::Context;
 use super::device::readback;
-use super::device::resources::{Draw, UNIFORM, added, group, group_layout, pipeline_layout};
+use super::device::resources::{Draw, UNIFORM, added, group, group_layout};
 use super::device::timer::Timer;
 use crate::triangles::{Corner, check_near};
 use list::{Cut, List};
@@ -131,8 +131,6 @@ impl Direct {
             return wrong(format!("{format:?} cannot be blended on every device; choose Rgba16Float"));
         }
         let group = view_layout(context);
-        let layout = pipeline_layout(context, "direct", [&group]);
-        let module = context.module("direct/draw.wgsl");
         let corners = wgpu::VertexBufferLayout {
             array_stride: size_of::<Corner>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
@@ -144,9 +142,9 @@ impl Direct {
         };
         let pipeline = |vertex, fragment| {
             Draw {
-                module: &module,
+                file: "direct/draw.wgsl",
                 entries: [vertex, fragment],
-                layout: Some(&layout),
+                groups: &[&group],
                 corners: Some(corners.clone()),
                 target: wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL },
                 depth,

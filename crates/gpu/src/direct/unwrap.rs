@@ -64,11 +64,15 @@ impl Unwrap {
     /// [`octagloss_core::common::error::Error::Parameter`] for formats other than `Rgba16Float` and `Rgba32Float`.
     pub fn new(context: &Context, format: wgpu::TextureFormat) -> Result<Self> {
         check_format(format)?;
-        let module = &context.module("direct/unwrap.wgsl");
-        let entries = ["unwrap_corner", "unwrapped_pixel"];
-        let (target, depth) = (format.into(), Some(NEAREST));
-        let pipeline = Draw { module, entries, layout: None, corners: None, target, depth }.pipeline(context);
-        Ok(Self { context: context.clone(), format, pipeline })
+        let draw = Draw {
+            file: "direct/unwrap.wgsl",
+            entries: ["unwrap_corner", "unwrapped_pixel"],
+            groups: &[],
+            corners: None,
+            target: format.into(),
+            depth: Some(NEAREST),
+        };
+        Ok(Self { context: context.clone(), format, pipeline: draw.pipeline(context) })
     }
 
     /// Binds the triangles of `mesh`, which span less than pi / 2 each, to `target`. Points nearer than

@@ -155,7 +155,7 @@ mod tests {
     use glam::{DVec2, DVec3};
     use octagloss_core::sphere::cube::{Face, direction_from_cube};
     use octagloss_core::sphere::map::SphereMap;
-    use octagloss_core::sphere::octahedral::Octahedral;
+    use octagloss_core::sphere::octahedral_perspective::PLANAR;
     use octagloss_core::sphere::octahedral_rectangular::OctahedralRectangular;
 
     /// Clip coordinates of `position`.
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn matrices_of_octants_are_the_maps_of_the_sphere() {
         let maps: [(DirectMap, &dyn SphereMap); 2] = [
-            (DirectMap::Octahedral { size: 64 }, &Octahedral),
+            (DirectMap::Octahedral { size: 64 }, &PLANAR),
             (DirectMap::Rectangular { size: 64 }, &OctahedralRectangular),
         ];
         for (map, of_sphere) in maps {

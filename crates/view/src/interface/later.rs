@@ -30,3 +30,10 @@ pub(crate) fn later<T: 'static>(
     }
     slot
 }
+
+/// Takes the result out of `slot` and empties it, once there is one.
+pub(crate) fn taken<T>(slot: &mut Option<Later<T>>) -> Option<Result<T>> {
+    let found = slot.as_ref()?.borrow_mut().take()?;
+    *slot = None;
+    Some(found)
+}

@@ -2,5 +2,6 @@
 
 pub(crate) mod later;
 pub(crate) mod panel;
+mod view_panel;
 pub(crate) mod viewer;
 pub(crate) mod window;

@@ -1,196 +1,142 @@
-//! The panel of controls.
+//! What the panels of all content share.
 
-use crate::look::camera::MAX_PITCH;
-use crate::look::{Ground, Look, Object, Paint, Show, Technique, Tone};
-use egui::{ComboBox, DragValue, Grid, Rect, RichText, ScrollArea, Slider, SliderClamping, Ui};
-use octagloss_core::files::image::exposure::{self, Exposure};
+use super::later::{Later, later, taken};
+use crate::picture::present::Viewport;
+use egui::{ComboBox, Grid, RichText, ScrollArea, Ui};
+use octagloss_core::common::error::Result;
+use octagloss_gpu::Context;
+use std::path::Path;
+use std::time::Duration;
+use web_time::Instant;
 
-/// Settings of the panel outside the look.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Motion {
-    /// Rotate the environment about +Y.
-    pub(super) turning: bool,
-    /// Move a lamp and rebuild the tables every frame.
-    pub(super) lamp: bool,
-    /// Measure the times of the passes.
-    pub(super) timing: bool,
-}
+/// Passes and their seconds.
+pub(crate) type Times = Vec<(&'static str, f64)>;
 
-/// Information that the panel displays.
-#[derive(Debug)]
-pub(super) struct Status<'a> {
-    pub(super) environment: &'a str,
-    pub(super) adapter: &'a str,
-    pub(super) message: Option<&'a str>,
-    pub(super) has_mesh: bool,
-    /// Whether the mesh has materials of its own.
-    pub(super) has_materials: bool,
-    /// Whether the environment is a bake with its own levels.
-    pub(super) has_levels: bool,
-    /// The automatic exposure, in powers of two.
-    pub(super) exposure: f64,
-    /// The automatic roughness of the backdrop.
-    pub(super) backdrop: f64,
-    /// Size of the picture in samples, and the certified tier's progress.
-    pub(super) size: (u32, u32),
-    pub(super) progress: Option<f64>,
-    /// Passes and their times in seconds.
-    pub(super) times: &'a [(&'static str, f64)],
-}
+/// Interval between measurements of the passes' times.
+const INTERVAL: Duration = Duration::from_millis(500);
 
 /// Width in points.
-pub(crate) const WIDTH: f32 = 250.0;
+const WIDTH: f32 = 250.0;
 
 /// Length of a slider in points.
 pub(crate) const SLIDER: f32 = 130.0;
 
-/// Shows the panel's contents; returns the position of the roughness slider.
-pub(super) fn panel(ui: &mut Ui, look: &mut Look, motion: &mut Motion, status: &Status<'_>) -> Rect {
-    let scrolled = ScrollArea::vertical().show(ui, |ui| {
+/// State of a panel, whatever its controls.
+#[derive(Debug)]
+pub(crate) struct PanelState {
+    /// Name of the content.
+    pub(crate) name: String,
+    adapter: String,
+    /// The message to the user, if any.
+    pub(crate) message: Option<String>,
+    pub(crate) is_hidden: bool,
+    /// Passes and their times, as last measured.
+    pub(crate) times: Times,
+    pending: Option<Later<Times>>,
+    measured: Option<Instant>,
+}
+
+impl PanelState {
+    pub(crate) fn new(context: &Context, name: String) -> Self {
+        Self {
+            name,
+            adapter: context.describe(),
+            message: None,
+            is_hidden: false,
+            times: Times::new(),
+            pending: None,
+            measured: None,
+        }
+    }
+
+    /// Names the content after the file `path`.
+    pub(crate) fn set_name(&mut self, path: &Path) {
+        self.name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    }
+
+    /// Shows the error of `outcome`, or no message.
+    pub(crate) fn report(&mut self, outcome: Result<()>) {
+        self.message = outcome.err().map(|error| error.to_string());
+    }
+
+    /// Starts a measurement, whose times [`Self::poll`] takes.
+    pub(crate) fn measure(
+        &mut self,
+        context: &Context,
+        times: impl Future<Output = Result<Times>> + 'static,
+    ) {
+        self.pending = Some(later(context, times));
+    }
+
+    /// Takes the times of a finished measurement; returns whether there is one.
+    pub(crate) fn poll(&mut self) -> Result<bool> {
+        let Some(times) = taken(&mut self.pending) else { return Ok(false) };
+        self.times = times?;
+        Ok(true)
+    }
+
+    /// Whether it is time to measure; at most once an interval.
+    pub(crate) fn is_due(&mut self, now: Instant) -> bool {
+        let is_due = self.pending.is_none() && self.measured.is_none_or(|measured| now - measured > INTERVAL);
+        if is_due {
+            self.measured = Some(now);
+        }
+        is_due
+    }
+
+    /// Shows the panel's head: name and message.
+    pub(crate) fn show_head(&self, ui: &mut Ui) {
         ui.add_space(6.0);
         ui.label(RichText::new("octagloss").heading());
-        ui.label(status.environment);
-        if let Some(message) = status.message {
+        ui.label(&self.name);
+        if let Some(message) = &self.message {
             ui.label(RichText::new(message).color(egui::Color32::from_rgb(255, 140, 120)));
         }
         ui.separator();
         ui.spacing_mut().slider_width = SLIDER;
-        let painted = look.shows_materials() && status.has_materials;
-        ui.label(if painted { "Roughness, times the mesh's" } else { "Roughness" });
-        let value = if painted { &mut look.roughness_factor } else { &mut look.roughness };
-        let roughness = Slider::new(value, 0.0..=1.0).max_decimals(3);
-        let roughness = ui.add_enabled(look.object != Object::Row, roughness).rect;
-        ui.add_enabled(!painted, egui::Checkbox::new(&mut look.textured, "vary over the surface"));
-        if look.object == Object::Mesh && status.has_materials {
-            let mut own = look.paint == Paint::File;
-            if ui.checkbox(&mut own, "the mesh's own materials").changed() {
-                look.paint = if own { Paint::File } else { Paint::Plain };
-            }
-        }
-        ui.separator();
-        Grid::new("look").num_columns(2).show(ui, |ui| {
-            choice(
-                ui,
-                "Object",
-                &mut look.object,
-                &[(Object::Sphere, "sphere"), (Object::Row, "row of spheres"), (Object::Knot, "torus knot")],
-                status.has_mesh.then_some((Object::Mesh, "mesh")),
-            );
-            choice(
-                ui,
-                "Filter",
-                &mut look.filter,
-                &[
-                    (Technique::Box, "box"),
-                    (Technique::Pyramid, "N = V = R, pyramid"),
-                    (Technique::Reflect, "true reflection"),
-                    (
-                        Technique::Levels,
-                        if status.has_levels {
-                            "the bake's own levels"
-                        } else {
-                            "split sum of prefiltered levels"
-                        },
-                    ),
-                    (Technique::Adaptive, "adaptive"),
-                ],
-                None,
-            );
-            choice(ui, "Show", &mut look.show, &Show::ALL, None);
-            choice(ui, "Tone", &mut look.tone, &Tone::ALL.map(|value| (value, value.name())), None);
-            ui.label(if painted { "Tint" } else { "Metal" });
-            ui.color_edit_button_rgb(if painted { &mut look.tint } else { &mut look.metal });
-            ui.end_row();
-        });
-        if look.filter == Technique::Reflect {
-            ui.separator();
-            let finish = &mut look.finish;
-            ui.add_enabled_ui(!painted, |ui| {
-                ui.label("Anisotropy");
-                ui.add(Slider::new(&mut finish.anisotropy, 0.0..=1.0).max_decimals(3));
-                let direction = Slider::new(&mut finish.direction, 0.0..=180.0).step_by(1.0);
-                ui.add_enabled(finish.anisotropy > 0.0, direction.suffix("\u{b0}"));
-                ui.label("Clear coat");
-                ui.add(Slider::new(&mut finish.clearcoat, 0.0..=1.0).max_decimals(3));
-                let roughness = Slider::new(&mut finish.coat_roughness, 0.0..=1.0).max_decimals(3);
-                ui.add_enabled(finish.clearcoat > 0.0, roughness.text("roughness"));
+    }
+
+    /// Shows a box that switches measuring on, and below it the passes with their times in seconds.
+    pub(crate) fn show_times(&self, ui: &mut Ui, timing: &mut bool, label: &str) {
+        ui.checkbox(timing, label);
+        if *timing {
+            Grid::new("times").num_columns(2).show(ui, |ui| {
+                for (pass, seconds) in &self.times {
+                    ui.label(*pass);
+                    ui.label(format!("{:.3} ms", 1e3 * seconds));
+                    ui.end_row();
+                }
             });
         }
-        ui.separator();
-        ui.label("Exposure");
-        let mut automatic = look.exposure == Exposure::Auto;
-        let mut ev = look.exposure.ev(status.exposure);
-        let slider = Slider::new(&mut ev, -8.0..=8.0);
-        let slider = slider.clamping(SliderClamping::Never).step_by(0.01).suffix(" EV");
-        if ui.add(slider).changed() {
-            look.exposure = Exposure::Ev(ev.clamp(*exposure::RANGE.start(), *exposure::RANGE.end()));
-        } else if ui.checkbox(&mut automatic, "automatic").changed() {
-            let fixed = ev.clamp(*exposure::RANGE.start(), *exposure::RANGE.end());
-            look.exposure = if automatic { Exposure::Auto } else { Exposure::Ev(fixed) };
-        }
-        ui.label("Backdrop roughness");
-        let mut automatic = look.backdrop.is_none();
-        let mut backdrop = look.backdrop.unwrap_or(status.backdrop);
-        // Other clampings round the automatic value, which counts as a change.
-        let slider = Slider::new(&mut backdrop, 0.0..=1.0).clamping(SliderClamping::Edits).max_decimals(3);
-        if ui.add(slider).changed() {
-            look.backdrop = Some(backdrop);
-        } else if ui.checkbox(&mut automatic, "hide the environment's texels").changed() {
-            look.backdrop = (!automatic).then_some(backdrop);
-        }
-        let mut shadow = look.ground == Ground::Shadow;
-        if ui.checkbox(&mut shadow, "shadow of spheres on the ground").changed() {
-            look.ground = if shadow { Ground::Shadow } else { Ground::None };
-        }
-        ui.label("Environment rotation");
-        look.turn = look.turn.rem_euclid(360.0);
-        ui.add(Slider::new(&mut look.turn, 0.0..=360.0).step_by(0.1).suffix("\u{b0}"));
-        ui.checkbox(&mut motion.turning, "rotate continuously");
-        let lamp = egui::Checkbox::new(&mut motion.lamp, "moving lamp (tables every frame)");
-        ui.add_enabled(look.follows_lamp(), lamp);
-        ui.separator();
-        ui.collapsing("Camera", |ui| {
-            Grid::new("camera").num_columns(2).show(ui, |ui| {
-                degrees(ui, "Yaw", &mut look.camera.yaw, f64::INFINITY);
-                degrees(ui, "Pitch", &mut look.camera.pitch, MAX_PITCH);
-                ui.label("Distance");
-                ui.add(DragValue::new(&mut look.camera.distance).range(1.05..=100.0).speed(0.02));
-                ui.end_row();
-            });
-        });
-        ui.separator();
-        show_times(ui, &mut motion.timing, "GPU times", status.times);
-        let (width, height) = status.size;
-        ui.label(RichText::new(format!("{width} x {height} samples")).weak());
-        if let Some(progress) = status.progress {
-            ui.label(RichText::new(format!("adaptive: {:.0} %", 100.0 * progress)).weak());
-        }
-        ui.label(RichText::new(status.adapter).weak());
-        ui.label(
-            RichText::new(
-                "Drag to turn, scroll or pinch to zoom; drop an environment or a mesh. H \
-                                hides the panel.",
-            )
-            .weak(),
-        );
-        // Exclude the slider's number field.
-        roughness.with_max_x(roughness.left() + SLIDER)
-    });
-    scrolled.inner
+    }
+
+    /// Shows the panel's foot: the adapter and what `input` does.
+    pub(crate) fn show_foot(&self, ui: &mut Ui, input: &str) {
+        weak(ui, &self.adapter);
+        weak(ui, input);
+    }
 }
 
-/// A box that switches measuring on, and below it the passes with their times in seconds.
-pub(crate) fn show_times(ui: &mut Ui, timing: &mut bool, label: &str, times: &[(&'static str, f64)]) {
-    ui.checkbox(timing, label);
-    if *timing {
-        Grid::new("times").num_columns(2).show(ui, |ui| {
-            for (pass, seconds) in times {
-                ui.label(*pass);
-                ui.label(format!("{:.3} ms", 1e3 * seconds));
-                ui.end_row();
-            }
-        });
-    }
+/// Shows a panel with `contents`; returns what they do, the panel's right edge in points, and the viewport beside
+/// it in a target of these sides.
+pub(crate) fn beside_panel<T>(
+    ui: &mut Ui,
+    (width, height): (u32, u32),
+    contents: impl FnOnce(&mut Ui) -> T,
+) -> (T, f32, Viewport) {
+    let shown = egui::Panel::left("panel")
+        .exact_size(WIDTH)
+        .resizable(false)
+        .show(ui, |ui| ScrollArea::vertical().show(ui, contents).inner);
+    let right = shown.response.rect.right();
+    let edge = (right * ui.ctx().pixels_per_point()).round() as u32;
+    let x = edge.min(width.saturating_sub(1));
+    (shown.inner, right, Viewport { x, y: 0, width: width - x, height })
+}
+
+/// Shows a line of weak text.
+pub(crate) fn weak(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).weak());
 }
 
 pub(crate) fn choice<T: Copy + PartialEq>(
@@ -208,15 +154,5 @@ pub(crate) fn choice<T: Copy + PartialEq>(
             ui.selectable_value(value, choice, name);
         }
     });
-    ui.end_row();
-}
-
-fn degrees(ui: &mut Ui, label: &str, radians: &mut f64, most: f64) {
-    ui.label(label);
-    let mut value = radians.to_degrees();
-    let limit = most.to_degrees();
-    if ui.add(DragValue::new(&mut value).range(-limit..=limit).speed(0.5).suffix("\u{b0}")).changed() {
-        *radians = value.to_radians();
-    }
     ui.end_row();
 }

@@ -1,10 +1,11 @@
 //! The viewer without its window: progressive drawing of the picture, and opening of files.
 
-use super::later::{Later, later};
-use super::panel::{Motion, Status, panel};
+use super::later::{Later, later, taken};
+use super::panel::{PanelState, beside_panel};
+use super::view_panel::{Motion, Status, show_controls};
 #[cfg(not(target_arch = "wasm32"))]
 use super::window;
-use super::window::{FromStart, Start, WindowContent, beside_panel};
+use super::window::{FromStart, Start, WindowContent};
 use crate::look::camera::Camera;
 use crate::look::legend::{self, INSET};
 use crate::look::{Look, Object, Show, Technique};
@@ -33,13 +34,13 @@ use web_time::Instant;
 const IDLE: Duration = Duration::from_millis(250);
 
 /// Target time of a frame during changes.
-const FRAME: Duration = Duration::from_millis(40);
+pub(crate) const FRAME: Duration = Duration::from_millis(40);
 
 /// Time per frame for the certified tier.
 const SLICE: Duration = Duration::from_millis(60);
 
 /// Greatest pixels per sample along an edge.
-const COARSEST: f64 = 10.0;
+pub(crate) const COARSEST: f64 = 10.0;
 
 /// Most bands of a full picture.
 const MAX_BANDS: f64 = 16.0;
@@ -49,9 +50,6 @@ const STEPS: [u32; 4] = [8, 4, 2, 1];
 
 /// Rotation of the environment in degrees per second.
 const TURN: f64 = 24.0;
-
-/// Interval between measurements of the passes' times.
-const TIMES: Duration = Duration::from_millis(500);
 
 /// Progress of the certified tier on one picture.
 #[derive(Debug)]
@@ -105,21 +103,18 @@ impl fmt::Debug for Note {
 
 /// State of the viewer.
 #[derive(Debug)]
-pub struct Viewer {
+pub(crate) struct Viewer {
+    pub(crate) panel: PanelState,
     renderer: Renderer,
     /// Border and scan of the tables.
     table: ReflectorSettings,
     light: Light,
     truth: Option<Truth>,
-    look: Look,
+    pub(crate) look: Look,
     motion: Motion,
-    name: String,
-    adapter: String,
-    message: Option<String>,
-    has_mesh: bool,
-    panel_hidden: bool,
+    pub(crate) has_mesh: bool,
     /// Position of the roughness slider in the panel.
-    slider: Option<egui::Rect>,
+    pub(crate) slider: Option<egui::Rect>,
     /// Look and samples of the current picture.
     drawn: Option<(Look, (u32, u32))>,
     /// Pixels available for it.
@@ -141,14 +136,11 @@ pub struct Viewer {
     bare: Option<Duration>,
     work: Option<Refinement>,
     note: Option<Note>,
-    times: Vec<(&'static str, f64)>,
-    pending_times: Option<Later<Vec<(&'static str, f64)>>>,
-    timed: Instant,
 }
 
 impl Viewer {
     /// Samples of the current picture, columns and rows.
-    pub fn picture_size(&self) -> (u32, u32) {
+    pub(crate) fn picture_size(&self) -> (u32, u32) {
         self.drawn.as_ref().map_or((0, 0), |(_, size)| *size)
     }
 
@@ -180,7 +172,7 @@ impl Viewer {
             self.look.filter = Look::default().filter;
         }
         self.light = light;
-        self.name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        self.panel.set_name(path);
         self.truth = None;
         self.work = None;
         self.drawn = None;
@@ -212,9 +204,7 @@ impl Viewer {
     /// Shows the legend in the lower left corner of the picture, which begins at `left` points.
     fn show_note(&mut self, context: &egui::Context, left: f32) -> Result<()> {
         let Some(note) = &mut self.note else { return Ok(()) };
-        let values = note.values.as_ref().and_then(|values| values.borrow_mut().take());
-        if let Some(values) = values {
-            note.values = None;
+        if let Some(values) = taken(&mut note.values) {
             let (look, (width, height)) = &note.of;
             let shown = legend::shown(look, &values?, look.exposure.ev(self.light.exposure()));
             note.legend = legend::legend(look, &self.light, [*width, *height], shown).map(|legend| {
@@ -372,31 +362,15 @@ impl Viewer {
         if !self.motion.timing {
             return Ok(());
         }
-        if let Some(pending) = &self.pending_times {
-            let taken = pending.borrow_mut().take();
-            match taken {
-                None => return Ok(()),
-                Some(times) => {
-                    self.times = times?;
-                    self.pending_times = None;
-                }
-            }
-        }
-        if now - self.timed > TIMES {
-            self.timed = now;
+        self.panel.poll()?;
+        if self.panel.is_due(now) {
             let (width, height) = self.full;
-            match self.renderer.times(&self.look, &self.light, width, height) {
-                Ok(times) => {
-                    self.pending_times = Some(later(self.renderer.context(), times));
-                    // The measurement drew a full picture.
-                    self.drawn = Some((self.look.clone(), self.full));
-                    self.bands = None;
-                }
-                Err(error) => {
-                    self.motion.timing = false;
-                    return Err(error);
-                }
-            }
+            let times = self.renderer.times(&self.look, &self.light, width, height);
+            self.motion.timing = times.is_ok();
+            self.panel.measure(self.renderer.context(), times?);
+            // The measurement drew a full picture.
+            self.drawn = Some((self.look.clone(), self.full));
+            self.bands = None;
         }
         Ok(())
     }
@@ -404,7 +378,7 @@ impl Viewer {
     /// [`Viewer::show_note`]; errors become messages.
     fn note_or_message(&mut self, context: &egui::Context, left: f32) {
         if let Err(error) = self.show_note(context, left) {
-            self.message = Some(error.to_string());
+            self.panel.message = Some(error.to_string());
         }
     }
 }
@@ -416,7 +390,7 @@ impl WindowContent for Viewer {
 
     fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport {
         let (width, height) = size;
-        if self.panel_hidden {
+        if self.panel.is_hidden {
             self.slider = None;
             self.note_or_message(ui.ctx(), 0.0);
             return Viewport { x: 0, y: 0, width, height };
@@ -434,28 +408,15 @@ impl WindowContent for Viewer {
             self.look.camera.frame(f64::from(width) / f64::from(height), self.look.field()).up.length();
         let automatic = Look { backdrop: None, ..self.look.clone() };
         let backdrop = automatic.backdrop_roughness(self.light.texel_angle(), half_height);
-        let Self { look, motion, name, adapter, message, has_mesh, times, .. } = self;
-        let status = Status {
-            environment: name,
-            adapter,
-            message: message.as_deref(),
-            has_mesh: *has_mesh,
-            has_materials,
-            has_levels,
-            exposure,
-            backdrop,
-            size,
-            progress,
-            times,
-        };
-        let shown = egui::Panel::left("panel")
-            .exact_size(super::panel::WIDTH)
-            .resizable(false)
-            .show(ui, |ui| panel(ui, look, motion, &status));
-        self.slider = Some(shown.inner);
-        let right = shown.response.rect.right();
+        let Self { panel, look, motion, has_mesh, .. } = self;
+        let has_mesh = *has_mesh;
+        let status =
+            Status { panel, has_mesh, has_materials, has_levels, exposure, backdrop, size, progress };
+        let (slider, right, viewport) =
+            beside_panel(ui, (width, height), |ui| show_controls(ui, look, motion, &status));
+        self.slider = Some(slider);
         self.note_or_message(ui.ctx(), right);
-        beside_panel(ui, right, (width, height))
+        viewport
     }
 
     fn draw(&mut self, full: (u32, u32)) {
@@ -465,7 +426,7 @@ impl WindowContent for Viewer {
             // Do not retry before something changes.
             self.drawn = Some((self.look.clone(), full));
             self.work = None;
-            self.message = Some(error.to_string());
+            self.panel.message = Some(error.to_string());
         }
         // Measure consecutive frames only.
         if !self.is_busy() {
@@ -483,7 +444,7 @@ impl WindowContent for Viewer {
         let settled = self.drawn.as_ref().is_some_and(|(look, _)| *look == self.look);
         let Motion { turning, lamp, timing } = self.motion;
         // The panel shows the picture's size.
-        let size_shown = self.panel_hidden || self.reported_size == self.picture_size();
+        let size_shown = self.panel.is_hidden || self.reported_size == self.picture_size();
         !settled
             || !size_shown
             || turning
@@ -494,31 +455,14 @@ impl WindowContent for Viewer {
             || self.is_noting()
     }
 
-    #[cfg(target_arch = "wasm32")]
-    fn open(&mut self, path: &Path, bytes: &[u8]) {
+    fn open(&mut self, path: &Path, bytes: Option<&[u8]>) {
         let outcome = if is_mesh(path) {
-            Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
+            read_mesh(path, bytes).and_then(|mesh| self.take_mesh(&mesh))
         } else {
-            let chain = if is_chain(bytes) {
-                io::read_chain_from_memory(path, bytes, options().memory_limit).ok()
-            } else {
-                None
-            };
-            io::read_from_memory(path, bytes, &options())
-                .and_then(|loaded| self.take_environment(&loaded.environment, chain, path))
+            read_environment(path, bytes)
+                .and_then(|(environment, chain)| self.take_environment(&environment, chain, path))
         };
-        self.message = outcome.err().map(|error| error.to_string());
-    }
-
-    fn open_file(&mut self, path: &Path) {
-        let outcome = if is_mesh(path) {
-            Mesh::read(path).and_then(|mesh| self.take_mesh(&mesh))
-        } else {
-            let chain = if path.is_dir() || starts_as_chain(path) { io::read_chain(path).ok() } else { None };
-            io::read(path, &options())
-                .and_then(|loaded| self.take_environment(&loaded.environment, chain, path))
-        };
-        self.message = outcome.err().map(|error| error.to_string());
+        self.panel.report(outcome);
     }
 
     fn camera(&mut self) -> &mut Camera {
@@ -529,20 +473,14 @@ impl WindowContent for Viewer {
         self.look.camera = self.look.first_camera();
     }
 
-    #[cfg(target_arch = "wasm32")]
-    fn has_panel(&self) -> bool {
-        !self.panel_hidden
+    fn panel(&mut self) -> &mut PanelState {
+        &mut self.panel
     }
 
     fn toggle_panel(&mut self) {
-        self.panel_hidden = !self.panel_hidden;
+        self.panel.is_hidden = !self.panel.is_hidden;
         // The picture's size changes.
         self.drawn = None;
-    }
-
-    #[cfg(target_arch = "wasm32")]
-    fn show_message(&mut self, message: String) {
-        self.message = Some(message);
     }
 }
 
@@ -565,7 +503,7 @@ impl FromStart for Viewer {
         }
         let now = Instant::now();
         Ok(Self {
-            adapter: renderer.context().describe(),
+            panel: PanelState::new(renderer.context(), name),
             has_mesh: look.object == Object::Mesh,
             renderer,
             // Other environments have other sizes.
@@ -574,9 +512,6 @@ impl FromStart for Viewer {
             truth: None,
             look,
             motion: Motion::default(),
-            name,
-            message: None,
-            panel_hidden: false,
             slider: None,
             drawn: None,
             full: (1, 1),
@@ -591,47 +526,11 @@ impl FromStart for Viewer {
             bare: None,
             work: None,
             note: None,
-            times: Vec::new(),
-            pending_times: None,
-            timed: now,
         })
     }
 
     fn content(&mut self) -> &mut dyn WindowContent {
         self
-    }
-}
-
-/// What the page asks.
-impl Viewer {
-    /// The current look, for changes.
-    pub const fn look_mut(&mut self) -> &mut Look {
-        &mut self.look
-    }
-
-    /// The current look.
-    pub const fn look(&self) -> &Look {
-        &self.look
-    }
-
-    /// The message to the user, if any.
-    pub fn message(&self) -> Option<&str> {
-        self.message.as_deref()
-    }
-
-    /// Whether a mesh is loaded.
-    pub const fn has_mesh(&self) -> bool {
-        self.has_mesh
-    }
-
-    /// Name of the environment.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Position of the roughness slider in the panel: left, top, right and bottom in points.
-    pub fn roughness_slider(&self) -> Option<[f32; 4]> {
-        self.slider.map(|slider| [slider.left(), slider.top(), slider.right(), slider.bottom()])
     }
 }
 
@@ -661,6 +560,25 @@ fn is_chain(bytes: &[u8]) -> bool {
 fn starts_as_chain(path: &Path) -> bool {
     let mut start = Vec::new();
     open_regular(path).is_ok_and(|file| file.take(12).read_to_end(&mut start).is_ok() && is_chain(&start))
+}
+
+/// Reads the environment in `path`, or in `bytes` of that name, and its levels if it is a bake.
+fn read_environment(path: &Path, bytes: Option<&[u8]>) -> Result<(Environment, Option<Chain>)> {
+    let options = options();
+    let (may_be_chain, loaded) = match bytes {
+        Some(bytes) => (is_chain(bytes), io::read_from_memory(path, bytes, &options)?),
+        None => (path.is_dir() || starts_as_chain(path), io::read(path, &options)?),
+    };
+    let chain = may_be_chain.then(|| match bytes {
+        Some(bytes) => io::read_chain_from_memory(path, bytes, options.memory_limit),
+        None => io::read_chain(path),
+    });
+    Ok((loaded.environment, chain.and_then(Result::ok)))
+}
+
+/// Reads the mesh in `path`, or in `bytes` of that name.
+pub(crate) fn read_mesh(path: &Path, bytes: Option<&[u8]>) -> Result<Mesh> {
+    bytes.map_or_else(|| Mesh::read(path), |bytes| Mesh::read_from_memory(path, bytes))
 }
 
 /// Opens a window and runs its event loop until it is closed.

@@ -1,5 +1,6 @@
 //! A window around a viewer: events, the surface, and the panel over the picture.
 
+use super::panel::PanelState;
 use crate::look::Look;
 use crate::look::camera::Camera;
 use crate::picture::levels::Levels;
@@ -73,12 +74,9 @@ pub(crate) trait WindowContent {
     /// Whether the next frame will differ from the last.
     fn is_busy(&self) -> bool;
 
-    /// Opens `bytes`, a file named `path`. On failure sets the message and keeps the current content.
-    #[cfg(target_arch = "wasm32")]
-    fn open(&mut self, path: &Path, bytes: &[u8]);
-
-    /// Opens the file `path`. On failure sets the message and keeps the current content.
-    fn open_file(&mut self, path: &Path);
+    /// Opens the file `path`, with the content `bytes` if it is in memory. On failure sets the message and keeps
+    /// the current content.
+    fn open(&mut self, path: &Path, bytes: Option<&[u8]>);
 
     /// The camera.
     fn camera(&mut self) -> &mut Camera;
@@ -86,23 +84,14 @@ pub(crate) trait WindowContent {
     /// Moves the camera back to its first place.
     fn reset_camera(&mut self);
 
-    /// Whether the panel is shown.
-    #[cfg(target_arch = "wasm32")]
-    fn has_panel(&self) -> bool;
+    /// The panel.
+    fn panel(&mut self) -> &mut PanelState;
 
     /// Shows or hides the panel.
-    fn toggle_panel(&mut self);
-
-    /// Sets the message to the user.
-    #[cfg(target_arch = "wasm32")]
-    fn show_message(&mut self, message: String);
-}
-
-/// The viewport right of a panel that ends at `right` points, in a target of these sides.
-pub(crate) fn beside_panel(ui: &egui::Ui, right: f32, (width, height): (u32, u32)) -> Viewport {
-    let edge = (right * ui.ctx().pixels_per_point()).round() as u32;
-    let x = edge.min(width.saturating_sub(1));
-    Viewport { x, y: 0, width: width - x, height }
+    fn toggle_panel(&mut self) {
+        let panel = self.panel();
+        panel.is_hidden = !panel.is_hidden;
+    }
 }
 
 /// Message to the event loop: the device, or why there is none.
@@ -295,7 +284,7 @@ impl<V: FromStart> OpenWindow<V> {
     /// Handles camera input, keys and dropped files.
     fn on_event(&mut self, event: &WindowEvent) {
         match event {
-            WindowEvent::DroppedFile(path) => self.viewer.content().open_file(path),
+            WindowEvent::DroppedFile(path) => self.viewer.content().open(path, None),
             WindowEvent::MouseInput { state, button: MouseButton::Left, .. } => {
                 self.dragging = *state == ElementState::Pressed;
             }

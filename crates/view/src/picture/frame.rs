@@ -5,6 +5,7 @@ use crate::look::{self, Ball, Look};
 use glam::{DMat3, DVec3};
 use octagloss_core::light::environment::Environment;
 use octagloss_core::light::sh;
+use octagloss_gpu::live::columns;
 use octagloss_gpu::stages::lamp::Lamp;
 use std::f64::consts::{PI, TAU};
 
@@ -74,13 +75,6 @@ impl Default for LadderUniform {
 
 fn three(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
-}
-
-fn columns(matrix: DMat3) -> [[f32; 4]; 3] {
-    [0, 1, 2].map(|c| {
-        let [x, y, z] = three(matrix.col(c));
-        [x, y, z, 0.0]
-    })
 }
 
 impl ViewFrame {

@@ -59,11 +59,15 @@ impl Presenter {
     pub(crate) fn present(&mut self, picture: &wgpu::TextureView, display: Display<'_>, look: &Look) {
         let Display { encoder, view, format, viewport } = display;
         let pipeline = self.pipelines.entry(format).or_insert_with(|| {
-            let module = self.context.module("view/present.wgsl");
-            let entries = ["cover", "show"];
-            let target = format.into();
-            Draw { module: &module, entries, layout: None, corners: None, target, depth: None }
-                .pipeline(&self.context)
+            let draw = Draw {
+                file: "view/present.wgsl",
+                entries: ["cover", "show"],
+                groups: &[],
+                corners: None,
+                target: format.into(),
+                depth: None,
+            };
+            draw.pipeline(&self.context)
         });
         let tone = match look.tone {
             _ if look.show.is_false_colour() => 3,

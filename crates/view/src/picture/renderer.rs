@@ -8,6 +8,7 @@ use super::present::{Display, Presenter};
 use super::resources::{PICTURE, Targets, draw_pass, target, texture_of};
 use super::roughness_map::{self, roughness_map};
 use super::truth::PixelQuery;
+use crate::interface::panel::Times;
 use crate::look::{Look, Object, Show, Technique};
 use bytemuck::Zeroable as _;
 use half::f16;
@@ -18,7 +19,7 @@ use octagloss_core::light::environment::Environment;
 use octagloss_gpu::Context;
 use octagloss_gpu::device::readback;
 use octagloss_gpu::device::resources::{
-    Draw, SAMPLER, UNIFORM, group, group_layout, pipeline_layout, texture_binding, trilinear,
+    Draw, SAMPLER, UNIFORM, group, group_layout, texture_binding, trilinear,
 };
 use octagloss_gpu::device::timer::Timer;
 use octagloss_gpu::stages::box_filter::SatTextures;
@@ -33,19 +34,14 @@ const SPLIT_SUM: u32 = 64;
 
 const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// Output of a pass per pixel.
+/// What a pass draws into each pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum PassOutput {
-    /// The content of a picture.
-    Shown(Show),
-    /// What is asked for.
-    Samples(Asked),
-}
-
-/// A texel of the query of a pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Asked {
-    /// World direction and roughness.
+enum Drawn {
+    /// The picture.
+    Picture,
+    /// The error of the picture, in false colour.
+    Error,
+    /// Of the pixel's query: world direction and roughness.
     Lobe,
     /// The surface's normal and anisotropy.
     Normal,
@@ -53,37 +49,47 @@ enum Asked {
     Tangent,
     /// Its reflectance at normal incidence.
     Reflectance,
+    /// The octahedral map.
+    Oem,
+    /// Its table.
+    Sat,
 }
 
-impl Asked {
-    /// Entry points of `shaders/common/view_draw.wgsl`.
-    const fn entry_points(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Lobe => ("cover_samples", "mesh_samples"),
-            Self::Normal => ("cover_normals", "mesh_normals"),
-            Self::Tangent => ("cover_tangents", "mesh_tangents"),
-            Self::Reflectance => ("cover_reflectances", "mesh_reflectances"),
+impl Drawn {
+    const fn of(show: Show) -> Self {
+        match show {
+            Show::Scene => Self::Picture,
+            Show::Error => Self::Error,
+            Show::Oem => Self::Oem,
+            Show::Sat => Self::Sat,
         }
     }
-}
 
-impl PassOutput {
+    /// Whether it is of a scene, by a technique, and not of tables.
+    const fn is_of_scene(self) -> bool {
+        !matches!(self, Self::Oem | Self::Sat)
+    }
+
     const fn format(self) -> wgpu::TextureFormat {
         match self {
-            Self::Samples(_) => SAMPLES,
-            Self::Shown(_) => PICTURE,
+            Self::Lobe | Self::Normal | Self::Tangent | Self::Reflectance => SAMPLES,
+            Self::Picture | Self::Error | Self::Oem | Self::Sat => PICTURE,
         }
     }
 
-    /// Entry points of the triangle that covers the picture and of meshes, if they are drawn.
-    const fn entry_points(self) -> (&'static str, Option<&'static str>) {
-        match self {
-            Self::Samples(asked) => {
-                let (cover, mesh) = asked.entry_points();
-                (cover, Some(mesh))
-            }
-            Self::Shown(show) => show.entry_points(),
-        }
+    /// Entry points of the vertex and the fragment shader, of meshes or of the triangle that covers the picture.
+    const fn entry_points(self, of_mesh: bool) -> [&'static str; 2] {
+        let pixels = match self {
+            Self::Picture => ["cover_picture", "mesh_picture"],
+            Self::Error => ["cover_error", "mesh_error"],
+            Self::Lobe => ["cover_samples", "mesh_samples"],
+            Self::Normal => ["cover_normals", "mesh_normals"],
+            Self::Tangent => ["cover_tangents", "mesh_tangents"],
+            Self::Reflectance => ["cover_reflectances", "mesh_reflectances"],
+            Self::Oem => ["oem"; 2],
+            Self::Sat => ["sat"; 2],
+        };
+        [if of_mesh { "transform" } else { "cover" }, pixels[of_mesh as usize]]
     }
 }
 
@@ -93,11 +99,9 @@ pub struct Renderer {
     context: Context,
     frame: wgpu::Buffer,
     frame_layout: wgpu::BindGroupLayout,
-    levels_layout: wgpu::BindGroupLayout,
-    boxes_layout: wgpu::BindGroupLayout,
-    pyramid_layout: wgpu::BindGroupLayout,
-    reflect_layout: wgpu::BindGroupLayout,
-    pipelines: HashMap<(Technique, PassOutput, bool), wgpu::RenderPipeline>,
+    /// Of the group that each technique has besides.
+    layouts: HashMap<Technique, wgpu::BindGroupLayout>,
+    pipelines: HashMap<(Technique, Drawn, bool), wgpu::RenderPipeline>,
     split_sum: wgpu::TextureView,
     roughness: wgpu::TextureView,
     /// An even roughness map.
@@ -122,7 +126,7 @@ impl Renderer {
     /// # Errors
     /// [`octagloss_core::common::error::Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context) -> Result<Self> {
-        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let (stages, fragment) = (wgpu::ShaderStages::VERTEX_FRAGMENT, wgpu::ShaderStages::FRAGMENT);
         let texture =
             |filterable, dimension| texture_binding(wgpu::TextureSampleType::Float { filterable }, dimension);
         let flat = texture(false, wgpu::TextureViewDimension::D2);
@@ -138,10 +142,12 @@ impl Renderer {
         let renderer = Self {
             frame: context.uniform("view frame", &ViewFrame::zeroed()),
             frame_layout: group_layout(&context, "view frame", stages, &frame_entries),
-            levels_layout: group_layout(&context, "prefiltered cube", stages, &[cube, SAMPLER]),
-            boxes_layout: SatTextures::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
-            pyramid_layout: PyramidMaps::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
-            reflect_layout: reflection::bind_group_layout(&context, wgpu::ShaderStages::FRAGMENT),
+            layouts: HashMap::from([
+                (Technique::Box, SatTextures::bind_group_layout(&context, fragment)),
+                (Technique::Pyramid, PyramidMaps::bind_group_layout(&context, fragment)),
+                (Technique::Reflect, reflection::bind_group_layout(&context, fragment)),
+                (Technique::Levels, group_layout(&context, "prefiltered cube", fragment, &[cube, SAMPLER])),
+            ]),
             pipelines: HashMap::new(),
             split_sum: texture_of(
                 &context,
@@ -217,10 +223,11 @@ impl Renderer {
     ) -> Result<()> {
         look.check()?;
         self.make_next(size)?;
-        let source = if look.show.is_of_scene() { look.filter } else { Technique::Box };
+        let drawn = Drawn::of(look.show);
+        let source = if drawn.is_of_scene() { look.filter } else { Technique::Box };
         let picture = self.next.as_ref().expect("made").picture.clone();
         let done = rows.end >= size.1;
-        self.draw_into(&picture, source, PassOutput::Shown(look.show), look, light, rows)?;
+        self.draw_into(&picture, source, drawn, look, light, rows)?;
         if done {
             std::mem::swap(&mut self.shown, &mut self.next);
         }
@@ -240,15 +247,14 @@ impl Renderer {
     ) -> Result<impl Future<Output = Result<Vec<PixelQuery>>> + use<>> {
         look.check()?;
         self.make_next((width, height))?;
-        let mut draw = |asked: Asked| -> Result<wgpu::Texture> {
-            let output = PassOutput::Samples(asked);
-            let texture = target(&self.context, "samples", output.format(), [width, height]);
+        let mut draw = |drawn: Drawn| -> Result<wgpu::Texture> {
+            let texture = target(&self.context, "samples", SAMPLES, [width, height]);
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-            self.draw_into(&view, Technique::Adaptive, output, look, light, 0..height)?;
+            self.draw_into(&view, Technique::Adaptive, drawn, look, light, 0..height)?;
             Ok(texture)
         };
-        let lobes = draw(Asked::Lobe)?;
-        let parts = [Asked::Normal, Asked::Tangent, Asked::Reflectance];
+        let lobes = draw(Drawn::Lobe)?;
+        let parts = [Drawn::Normal, Drawn::Tangent, Drawn::Reflectance];
         let surfaces = if look.judges_reflections() { parts.map(&mut draw).into() } else { Vec::new() };
         let surfaces: Vec<wgpu::Texture> = surfaces.into_iter().collect::<Result<_>>()?;
         let context = self.context.clone();
@@ -280,7 +286,7 @@ impl Renderer {
         light: &Light,
         width: u32,
         height: u32,
-    ) -> Result<impl Future<Output = Result<Vec<(&'static str, f64)>>> + use<>> {
+    ) -> Result<impl Future<Output = Result<Times>> + use<>> {
         let stages: Vec<_> = light.stages().iter().collect();
         let timer = Timer::new(&self.context, stages.len() as u32 + 1)?;
         for (place, stage) in (0..).zip(&stages) {
@@ -317,16 +323,15 @@ impl Renderer {
         &mut self,
         view: &wgpu::TextureView,
         source: Technique,
-        output: PassOutput,
+        drawn: Drawn,
         look: &Look,
         light: &Light,
         rows: Range<u32>,
     ) -> Result<()> {
-        let has_mesh =
-            output.entry_points().1.is_some() && matches!(look.object, Object::Knot | Object::Mesh);
-        self.pipeline(source, output, false);
+        let has_mesh = drawn.is_of_scene() && matches!(look.object, Object::Knot | Object::Mesh);
+        self.pipeline(source, drawn, false);
         if has_mesh {
-            self.pipeline(source, output, true);
+            self.pipeline(source, drawn, true);
         }
         let cube = if source == Technique::Levels { Some(light.levels(&self.context)?) } else { None };
         let Targets { size: (width, height), depth, .. } = self.next.as_ref().expect("made before");
@@ -362,17 +367,17 @@ impl Renderer {
             })
             .collect();
         let answers = match (source, cube) {
-            (Technique::Box, _) => Some(light.boxes.bind_group(&self.context, &self.boxes_layout)),
-            (Technique::Pyramid, _) => Some(light.pyramid.bind_group(&self.context, &self.pyramid_layout)),
+            (Technique::Box, _) => Some(light.boxes.bind_group(&self.context, &self.layouts[&source])),
+            (Technique::Pyramid, _) => Some(light.pyramid.bind_group(&self.context, &self.layouts[&source])),
             (Technique::Reflect, _) => {
                 let is_brushed = look.finish.anisotropy > 0.0 || mesh.is_some_and(|mesh| mesh.is_brushed);
                 let surfaces = if is_brushed { Surfaces::Any } else { Surfaces::Isotropic };
-                Some(light.reflections(&self.context, surfaces, &self.reflect_layout))
+                Some(light.reflections(&self.context, surfaces, &self.layouts[&source]))
             }
             (Technique::Levels, Some(cube)) => {
                 let view = wgpu::BindingResource::TextureView(&cube.view);
                 let sampler = wgpu::BindingResource::Sampler(&self.trilinear);
-                Some(group(&self.context, "prefiltered cube", &self.levels_layout, [view, sampler]))
+                Some(group(&self.context, "prefiltered cube", &self.layouts[&source], [view, sampler]))
             }
             (Technique::Levels, None) | (Technique::Adaptive, _) => None,
         };
@@ -386,10 +391,10 @@ impl Renderer {
             if let Some(answers) = &answers {
                 pass.set_bind_group(1, answers, &[]);
             }
-            pass.set_pipeline(&self.pipelines[&(source, output, false)]);
+            pass.set_pipeline(&self.pipelines[&(source, drawn, false)]);
             pass.draw(0..3, 0..1);
             if let Some(Model { vertices, indices, .. }) = mesh {
-                pass.set_pipeline(&self.pipelines[&(source, output, true)]);
+                pass.set_pipeline(&self.pipelines[&(source, drawn, true)]);
                 pass.set_vertex_buffer(0, vertices.slice(..));
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
                 for (indices, group) in &parts {
@@ -410,26 +415,12 @@ impl Renderer {
         group(&self.context, "view frame", &self.frame_layout, resources)
     }
 
-    /// Compiles the pipeline for `output`: for meshes, or for the triangle that covers the picture.
-    fn pipeline(&mut self, source: Technique, output: PassOutput, of_mesh: bool) {
-        if self.pipelines.contains_key(&(source, output, of_mesh)) {
+    /// Compiles the pipeline for `drawn`: for meshes, or for the triangle that covers the picture.
+    fn pipeline(&mut self, source: Technique, drawn: Drawn, of_mesh: bool) {
+        if self.pipelines.contains_key(&(source, drawn, of_mesh)) {
             return;
         }
-        let module = self.context.module(source.file());
-        let own = match source {
-            Technique::Box => Some(&self.boxes_layout),
-            Technique::Pyramid => Some(&self.pyramid_layout),
-            Technique::Reflect => Some(&self.reflect_layout),
-            Technique::Levels => Some(&self.levels_layout),
-            Technique::Adaptive => None,
-        };
-        let groups = std::iter::once(&self.frame_layout).chain(own);
-        let layout = pipeline_layout(&self.context, source.file(), groups);
-        let (cover, mesh) = output.entry_points();
-        let entries = match (of_mesh, mesh) {
-            (true, Some(mesh)) => ["transform", mesh],
-            _ => ["cover", cover],
-        };
+        let groups: Vec<_> = std::iter::once(&self.frame_layout).chain(self.layouts.get(&source)).collect();
         let corners = wgpu::VertexBufferLayout {
             array_stride: size_of::<Vertex>() as u64,
             step_mode: wgpu::VertexStepMode::Vertex,
@@ -438,16 +429,15 @@ impl Renderer {
             ],
         };
         let compare = if of_mesh { wgpu::CompareFunction::LessEqual } else { wgpu::CompareFunction::Always };
-        let pipeline = Draw {
-            module: &module,
-            entries,
-            layout: Some(&layout),
+        let draw = Draw {
+            file: source.file(),
+            entries: drawn.entry_points(of_mesh),
+            groups: &groups,
             corners: of_mesh.then_some(corners),
-            target: output.format().into(),
+            target: drawn.format().into(),
             depth: Some((of_mesh, compare)),
-        }
-        .pipeline(&self.context);
-        self.pipelines.insert((source, output, of_mesh), pipeline);
+        };
+        self.pipelines.insert((source, drawn, of_mesh), draw.pipeline(&self.context));
     }
 
     /// Reads back the last picture, if there is one: linear and exposed; in the fourth channel an error, or 1

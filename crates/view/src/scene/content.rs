@@ -8,7 +8,7 @@ use super::uniforms::{LightUniform, MAX_PROBES, PartUniform, SceneCorner, Textur
 use glam::{DMat4, DVec3};
 use octagloss_core::common::error::{Error, Result, wrong};
 use octagloss_gpu::triangles::{Corner, Triangles};
-use octagloss_mesh::{Image, MAX_INDICES, MAX_VERTICES};
+use octagloss_mesh::{Image, MAX_INDICES, MAX_VERTICES, box_around};
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -202,7 +202,7 @@ impl Scene {
         let world: Vec<DMat4> = (0..self.parts.len()).map(|part| self.world_from_part(part, 0.0)).collect();
         let posed = |corner: &SceneCorner| {
             let part = corner.part as usize;
-            let position = world[part].transform_point3(DVec3::from_array(corner.position.map(f64::from)));
+            let position = world[part].transform_point3(corner.place());
             let position = if part == hidden { DVec3::ZERO } else { position - self.place(hidden, 0.0) };
             Corner::new(position.as_vec3().to_array(), [0.0; 4])
         };
@@ -218,15 +218,9 @@ impl Bounds {
             0 => parts.iter().filter(|part| !part.distant).collect(),
             _ => parts.iter().filter(still).collect(),
         };
-        let points = || {
-            chosen.iter().flat_map(|part| {
-                let place =
-                    |corner: &SceneCorner| part.place + DVec3::from_array(corner.position.map(f64::from));
-                part.corners.iter().map(place)
-            })
-        };
-        let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = points().fold(empty, |(low, high), at| (low.min(at), high.max(at)));
+        let points =
+            || chosen.iter().flat_map(|part| part.corners.iter().map(|corner| part.place + corner.place()));
+        let (low, high) = box_around(points());
         let centre = 0.5 * (low + high);
         let radius = points().map(|at| at.distance(centre)).fold(0.0, f64::max);
         Self { low, high, radius }

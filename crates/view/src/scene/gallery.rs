@@ -8,7 +8,7 @@ use crate::look::camera::{Camera, FRONT};
 use crate::picture::mip_levels::Space;
 use glam::DVec3;
 use octagloss_core::common::error::Result;
-use octagloss_mesh::{Image, Material, Mesh, Texture, Vertex, Wrap};
+use octagloss_mesh::{Image, Material, Mesh, Texture, Vertex, Wrap, box_around};
 use std::collections::HashMap;
 
 /// Half edges of the built-in room.
@@ -189,13 +189,10 @@ fn append(part: &mut Part, mesh: &Mesh, indices: &[u32], material: Option<&Mater
 
 /// Moves the origin of `part` to the middle of its box.
 fn centred(mut part: Part) -> Part {
-    let place = |corner: &SceneCorner| DVec3::from_array(corner.position.map(f64::from));
-    let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (low, high) =
-        part.corners.iter().map(place).fold(empty, |(low, high), at| (low.min(at), high.max(at)));
+    let (low, high) = box_around(part.corners.iter().map(SceneCorner::place));
     part.place = 0.5 * (low + high);
     for corner in &mut part.corners {
-        corner.position = (place(corner) - part.place).as_vec3().to_array();
+        corner.position = (corner.place() - part.place).as_vec3().to_array();
     }
     part
 }

@@ -3,8 +3,8 @@
 use super::super::look::Tone;
 use super::look::{Proxy, SceneLook};
 use super::renderer::SceneSettings;
-use crate::interface::panel::{SLIDER, choice, show_times};
-use egui::{Color32, Grid, RichText, Slider, SliderClamping, Ui};
+use crate::interface::panel::{PanelState, choice, weak};
+use egui::{Grid, Slider, SliderClamping, Ui};
 #[cfg(target_arch = "wasm32")]
 use octagloss_core::common::error::{Result, wrong};
 use octagloss_gpu::direct::Method;
@@ -36,9 +36,7 @@ pub(crate) struct Controls {
 /// Information that the panel displays.
 #[derive(Debug)]
 pub(super) struct Status<'a> {
-    pub(super) name: &'a str,
-    pub(super) adapter: &'a str,
-    pub(super) message: Option<&'a str>,
+    pub(super) panel: &'a PanelState,
     /// Glossy parts of the scene.
     pub(super) glossy: usize,
     pub(super) triangles: usize,
@@ -46,8 +44,6 @@ pub(super) struct Status<'a> {
     pub(super) updated: [usize; 2],
     /// Seconds from frame to frame.
     pub(super) frame: f64,
-    /// Passes and their times in seconds.
-    pub(super) times: &'a [(&'static str, f64)],
 }
 
 /// The command line's parser checks its options itself.
@@ -74,16 +70,9 @@ impl Controls {
 }
 
 /// Shows the panel's contents.
-pub(super) fn panel(ui: &mut Ui, controls: &mut Controls, status: &Status<'_>) {
+pub(super) fn show_controls(ui: &mut Ui, controls: &mut Controls, status: &Status<'_>) {
     let Controls { look, settings, time, moving, budget, limited, timing } = controls;
-    ui.add_space(6.0);
-    ui.label(RichText::new("octagloss").heading());
-    ui.label(status.name);
-    if let Some(message) = status.message {
-        ui.label(RichText::new(message).color(Color32::from_rgb(255, 140, 120)));
-    }
-    ui.separator();
-    ui.spacing_mut().slider_width = SLIDER;
+    status.panel.show_head(ui);
     ui.label("Roughness");
     let mut own = look.roughness.is_none();
     let mut roughness = look.roughness.unwrap_or(0.3);
@@ -108,7 +97,7 @@ pub(super) fn panel(ui: &mut Ui, controls: &mut Controls, status: &Status<'_>) {
         choice(ui, "Tone", &mut look.tone, &Tone::ALL.map(|value| (value, value.name())), None);
     });
     if !settings.method.is_exact() {
-        ui.label(RichText::new("This method draws wrong maps.").weak());
+        weak(ui, "This method draws wrong maps.");
     }
     ui.label("Exposure");
     ui.add(Slider::new(&mut look.exposure, -8.0..=8.0).step_by(0.01).suffix(" EV"));
@@ -120,12 +109,11 @@ pub(super) fn panel(ui: &mut Ui, controls: &mut Controls, status: &Status<'_>) {
     ui.checkbox(limited, "probe budget");
     ui.add_enabled(*limited, Slider::new(budget, 0.1..=50.0).logarithmic(true).suffix(" ms"));
     let [updated, probes] = status.updated;
-    ui.label(RichText::new(format!("{updated} of {probes} in this frame")).weak());
+    weak(ui, &format!("{updated} of {probes} in this frame"));
     ui.separator();
-    show_times(ui, timing, "GPU times, of one probe and the picture", status.times);
-    ui.label(RichText::new(format!("{} triangles", status.triangles)).weak());
-    ui.label(RichText::new(format!("{:.1} ms from frame to frame", 1e3 * status.frame)).weak());
-    ui.label(RichText::new(status.adapter).weak());
-    let keys = "Drag to turn, scroll or pinch to zoom; drop a scene. H hides the panel.";
-    ui.label(RichText::new(keys).weak());
+    status.panel.show_times(ui, timing, "GPU times, of one probe and the picture");
+    weak(ui, &format!("{} triangles", status.triangles));
+    weak(ui, &format!("{:.1} ms from frame to frame", 1e3 * status.frame));
+    let input = "Drag to turn, scroll or pinch to zoom; drop a scene. H hides the panel.";
+    status.panel.show_foot(ui, input);
 }

@@ -9,9 +9,7 @@ use crate::picture::resources::{PICTURE, Targets, draw_pass};
 use bytemuck::Zeroable as _;
 use glam::DVec3;
 use octagloss_gpu::Context;
-use octagloss_gpu::device::resources::{
-    Draw, UNIFORM, added, group, group_layout, pipeline_layout, storage_binding,
-};
+use octagloss_gpu::device::resources::{Draw, UNIFORM, added, group, group_layout, storage_binding};
 
 /// Vertical angle of view in radians.
 const ANGLE: f64 = 0.6;
@@ -48,16 +46,12 @@ impl Pictures {
         let resources = [&frame, &buffers.light, &buffers.parts, &buffers.texels];
         let resources = resources.map(wgpu::Buffer::as_entire_binding);
         let frame_group = group(context, "scene frame", &frame_layout, resources);
-        let module = context.module("view/scene.wgsl");
         let groups = [&frame_layout, live_layout];
-        let build = |vertex, fragment, groups: &[&wgpu::BindGroupLayout], depth, blend| {
-            pipeline(context, &module, [vertex, fragment], groups, depth, blend)
-        };
         let (less, equal) = (wgpu::CompareFunction::Less, wgpu::CompareFunction::Equal);
         Self {
-            matte: build("matte_corner", "matte", &groups[..1], less, None),
-            cover: build("glossy_corner", "cover_glossy", &groups[..1], less, None),
-            glossy: build("glossy_corner", "glossy", &groups, equal, Some(added())),
+            matte: pipeline(context, ["matte_corner", "matte"], &groups[..1], less, None),
+            cover: pipeline(context, ["glossy_corner", "cover_glossy"], &groups[..1], less, None),
+            glossy: pipeline(context, ["glossy_corner", "glossy"], &groups, equal, Some(added())),
             frame,
             frame_group,
         }
@@ -122,34 +116,24 @@ impl Pictures {
 
 fn pipeline(
     context: &Context,
-    module: &wgpu::ShaderModule,
     entries: [&str; 2],
     groups: &[&wgpu::BindGroupLayout],
     compare: wgpu::CompareFunction,
     blend: Option<wgpu::BlendState>,
 ) -> wgpu::RenderPipeline {
-    let layout = pipeline_layout(context, entries[1], groups.iter().copied());
-    let attribute =
-        |shader_location, offset, format| wgpu::VertexAttribute { format, offset, shader_location };
-    let three = wgpu::VertexFormat::Float32x3;
-    let attributes = [
-        attribute(0, 0, three),
-        attribute(1, 12, wgpu::VertexFormat::Uint32),
-        attribute(2, 16, three),
-        attribute(3, 32, three),
-        attribute(4, 48, three),
-        attribute(5, 28, wgpu::VertexFormat::Float32),
-        attribute(6, 44, wgpu::VertexFormat::Float32),
-    ];
     let corners = wgpu::VertexBufferLayout {
         array_stride: size_of::<SceneCorner>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &attributes,
+        // In the order of the struct.
+        attributes: &wgpu::vertex_attr_array![
+            0 => Float32x3, 1 => Uint32, 2 => Float32x3, 5 => Float32, 3 => Float32x3, 6 => Float32,
+            4 => Float32x3
+        ],
     };
     Draw {
-        module,
+        file: "view/scene.wgsl",
         entries,
-        layout: Some(&layout),
+        groups,
         corners: Some(corners),
         target: wgpu::ColorTargetState { format: PICTURE, blend, write_mask: wgpu::ColorWrites::ALL },
         depth: Some((blend.is_none(), compare)),

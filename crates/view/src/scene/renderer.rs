@@ -6,6 +6,7 @@ use super::look::SceneLook;
 use super::picture::{Drawn, Pictures};
 use super::probe::{Probe, ProbePasses, SceneBuffers};
 use super::uniforms::MAX_PROBES;
+use crate::interface::panel::Times;
 use crate::picture::model::filled_buffer;
 use crate::picture::present::{Display, Presenter};
 use crate::picture::resources::Targets;
@@ -56,9 +57,6 @@ pub fn check_scene_filter(filter: Technique) -> Result<()> {
         other => wrong(format!("`filter` {other} is not for scenes; use pyramid")),
     }
 }
-
-/// Passes and their seconds.
-pub(super) type Times = Vec<(&'static str, f64)>;
 
 /// A scene on one device.
 #[derive(Debug)]

@@ -7,7 +7,7 @@
 use super::part::Part;
 use super::texture::Texels;
 use super::uniforms::SceneCorner;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 
 /// Halvings of the scene's diameter that lead to the longest edges: a 64th of the radius, which is about a
@@ -92,8 +92,7 @@ fn long_edges(parts: &[Part], spaces: &[usize], texels: &Texels, length: f64) ->
             let [u, v] = [a.u - b.u, a.v - b.v].map(|x| f64::from(x.abs()));
             let is_beyond =
                 |[width, height]: &[u32; 2]| (u * f64::from(*width)).max(v * f64::from(*height)) > 1.0;
-            let place = |corner: &SceneCorner| DVec3::from_array(corner.position.map(f64::from));
-            let is_long = images.iter().any(is_beyond) && place(a).distance(place(b)) > length;
+            let is_long = images.iter().any(is_beyond) && a.place().distance(b.place()) > length;
             if is_long && ![a, b].map(|end| end.position).contains(&between(a, b).position) {
                 long.insert(edge(*space, corners, side));
             }

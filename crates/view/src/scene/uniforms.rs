@@ -1,6 +1,8 @@
 //! Structs that the shaders of scenes read: `shaders/common/view_parts.wgsl`, `shaders/view/scene.wgsl` and
 //! `shaders/view/scene_pose.wgsl`.
 
+use glam::DVec3;
+
 /// Most probes, and most glossy parts.
 pub const MAX_PROBES: usize = 8;
 
@@ -32,6 +34,10 @@ impl SceneCorner {
     /// A corner at `position`.
     pub fn new(position: [f32; 3], normal: [f32; 3], albedo: [f32; 3], emission: [f32; 3]) -> Self {
         Self { position, normal, albedo, emission, ..Self::default() }
+    }
+
+    pub(super) fn place(&self) -> DVec3 {
+        DVec3::from_array(self.position.map(f64::from))
     }
 
     /// The corner at (`u`, `v`) of textures.

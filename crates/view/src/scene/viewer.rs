@@ -2,17 +2,18 @@
 
 use super::content::Scene;
 use super::look::SceneLook;
-use super::panel::{Controls, Status, panel};
-use super::renderer::{ROUNDS, SceneRenderer, SceneSettings, Times};
+use super::panel::{Controls, Status, show_controls};
+use super::renderer::{ROUNDS, SceneRenderer, SceneSettings};
 use super::schedule::Schedule;
-use crate::interface::later::{Later, later};
-use crate::interface::panel::WIDTH;
+use crate::interface::later::{Later, later, taken};
+use crate::interface::panel::{PanelState, beside_panel};
+use crate::interface::viewer::{COARSEST, FRAME, read_mesh};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::interface::window::open;
-use crate::interface::window::{FromStart, WindowContent, beside_panel};
+use crate::interface::window::{FromStart, WindowContent};
 use crate::look::camera::Camera;
 use crate::picture::present::{Display, Viewport};
-use egui::{ScrollArea, Ui};
+use egui::Ui;
 use octagloss_core::common::error::Result;
 use octagloss_gpu::Context;
 use octagloss_gpu::device::readback;
@@ -20,15 +21,6 @@ use octagloss_mesh::Mesh;
 use std::path::Path;
 use std::time::Duration;
 use web_time::Instant;
-
-/// Target time of a frame.
-const FRAME: Duration = Duration::from_millis(40);
-
-/// Greatest pixels per sample along an edge.
-const COARSEST: f64 = 10.0;
-
-/// Interval between measurements of the passes' times.
-const TIMES: Duration = Duration::from_millis(500);
 
 /// Budget of the probes in milliseconds, once it is chosen.
 const BUDGET: f64 = 4.0;
@@ -71,23 +63,17 @@ type Maps = (SceneSettings, f64, Option<f64>);
 /// State of the content.
 #[derive(Debug)]
 pub(crate) struct SceneViewer {
-    renderer: SceneRenderer,
+    pub(crate) panel: PanelState,
+    pub(crate) renderer: SceneRenderer,
     /// What the panel selects; the renderer has the settings that worked last.
-    controls: Controls,
+    pub(crate) controls: Controls,
     first_camera: Camera,
-    name: String,
-    adapter: String,
-    message: Option<String>,
-    panel_hidden: bool,
     schedule: Schedule,
     /// What the maps show, and the updates until they show reflections of reflections of it.
     maps: Option<Maps>,
     due: usize,
     /// Probes updated in the last frame.
     updated: usize,
-    times: Times,
-    pending_times: Option<Later<Times>>,
-    measured: Option<Instant>,
     /// In a browser, the GPU's work of the last frame: nothing else keeps frames from piling up.
     submitted: Option<Later<()>>,
     last_frame: Instant,
@@ -99,14 +85,8 @@ pub(crate) struct SceneViewer {
     drawn: Option<(SceneLook, Maps, (u32, u32))>,
 }
 
-/// What the page reads and changes.
 #[cfg(target_arch = "wasm32")]
 impl SceneViewer {
-    /// What the panel selects.
-    pub(crate) const fn controls(&self) -> Controls {
-        self.controls
-    }
-
     /// Changes what the panel selects.
     ///
     /// # Errors
@@ -118,26 +98,6 @@ impl SceneViewer {
         self.configure(controls.settings)?;
         self.controls = controls;
         Ok(())
-    }
-
-    /// Name of the scene.
-    pub(crate) fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// The message to the user, if any.
-    pub(crate) fn message(&self) -> Option<&str> {
-        self.message.as_deref()
-    }
-
-    /// Triangles of the scene.
-    pub(crate) fn triangles(&self) -> usize {
-        self.renderer.triangles()
-    }
-
-    /// Passes and their times in seconds, as last measured.
-    pub(crate) fn times(&self) -> &[(&'static str, f64)] {
-        &self.times
     }
 }
 
@@ -151,7 +111,7 @@ impl SceneViewer {
         let scene = Scene::of_mesh(mesh)?;
         let (was, first) = (self.renderer.scene().first_look(), scene.first_look());
         self.renderer = SceneRenderer::new(self.renderer.context().clone(), scene, self.controls.settings)?;
-        self.name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        self.panel.set_name(path);
         if first != was {
             let SceneLook { camera, proxy, .. } = first;
             self.controls.look = SceneLook { camera, proxy, ..self.controls.look };
@@ -176,10 +136,8 @@ impl SceneViewer {
     }
 
     fn try_draw(&mut self, full: (u32, u32)) -> Result<()> {
-        if let Some(submitted) = &self.submitted {
-            let done = submitted.borrow_mut().take();
-            let Some(done) = done else { return Ok(()) };
-            self.submitted = None;
+        if self.submitted.is_some() {
+            let Some(done) = taken(&mut self.submitted) else { return Ok(()) };
             done?;
         }
         if !self.is_busy() && self.picture_size() == full {
@@ -226,33 +184,23 @@ impl SceneViewer {
     /// Measures the passes at intervals, where the panel shows them or a budget needs them.
     fn measure(&mut self, now: Instant, size: (u32, u32)) -> Result<()> {
         let Controls { look, timing, limited, .. } = self.controls;
-        if let Some(pending) = &self.pending_times {
-            let taken = pending.borrow_mut().take();
-            let Some(times) = taken else { return Ok(()) };
-            self.pending_times = None;
-            self.times = times?;
-            let probe = self.times.iter().filter(|(label, _)| *label != "picture");
+        if self.panel.poll()? {
+            let probe = self.panel.times.iter().filter(|(label, _)| *label != "picture");
             self.schedule.seconds = Some(probe.map(|(_, seconds)| seconds).sum());
         }
-        let due = self.measured.is_none_or(|measured| now - measured > TIMES);
-        if !due || !(timing || limited) {
+        if !(timing || limited) || !self.panel.is_due(now) {
             return Ok(());
         }
-        self.measured = Some(now);
         let context = self.renderer.context().clone();
         let measurable = context.device().features().contains(wgpu::Features::TIMESTAMP_QUERY);
         if !(timing || measurable) {
             // Without timestamps, from submission to completion.
-            self.pending_times = Some(later(&context, self.renderer.update_time()?));
+            self.panel.measure(&context, self.renderer.update_time()?);
             return Ok(());
         }
-        match self.renderer.times(&look, size) {
-            Ok(times) => self.pending_times = Some(later(&context, times)),
-            Err(error) => {
-                self.controls.timing = false;
-                return Err(error);
-            }
-        }
+        let times = self.renderer.times(&look, size);
+        self.controls.timing &= times.is_ok();
+        self.panel.measure(&context, times?);
         Ok(())
     }
 }
@@ -268,7 +216,7 @@ impl FromStart for SceneViewer {
         let SceneStart { scene, name, look, settings, time, budget, .. } = start;
         let settings = SceneSettings { probes: settings.probes.min(scene.glossy_parts()), ..settings };
         Ok(Self {
-            adapter: context.describe(),
+            panel: PanelState::new(&context, name),
             renderer: SceneRenderer::new(context, scene, settings)?,
             controls: Controls {
                 look,
@@ -280,16 +228,10 @@ impl FromStart for SceneViewer {
                 timing: false,
             },
             first_camera: look.camera,
-            name,
-            message: None,
-            panel_hidden: false,
             schedule: Schedule::default(),
             maps: None,
             due: 0,
             updated: 0,
-            times: Times::new(),
-            pending_times: None,
-            measured: None,
             submitted: None,
             last_frame: Instant::now(),
             passed: Duration::ZERO,
@@ -309,24 +251,18 @@ impl WindowContent for SceneViewer {
     }
 
     fn interface(&mut self, ui: &mut Ui, (width, height): (u32, u32)) -> Viewport {
-        if self.panel_hidden {
+        if self.panel.is_hidden {
             return Viewport { x: 0, y: 0, width, height };
         }
         let status = Status {
-            name: &self.name,
-            adapter: &self.adapter,
-            message: self.message.as_deref(),
+            panel: &self.panel,
             glossy: self.renderer.scene().glossy_parts(),
             triangles: self.renderer.triangles(),
             updated: [self.updated, self.renderer.probes()],
             frame: self.passed.as_secs_f64(),
-            times: &self.times,
         };
-        let shown = egui::Panel::left("panel")
-            .exact_size(WIDTH)
-            .resizable(false)
-            .show(ui, |ui| ScrollArea::vertical().show(ui, |ui| panel(ui, &mut self.controls, &status)));
-        beside_panel(ui, shown.response.rect.right(), (width, height))
+        let controls = &mut self.controls;
+        beside_panel(ui, (width, height), |ui| show_controls(ui, controls, &status)).2
     }
 
     fn draw(&mut self, full: (u32, u32)) {
@@ -335,7 +271,7 @@ impl WindowContent for SceneViewer {
         }
         if let Err(error) = self.try_draw(full) {
             // Do not retry before something changes.
-            self.message = Some(error.to_string());
+            self.panel.message = Some(error.to_string());
             self.controls.settings = self.renderer.settings();
             self.controls.moving = false;
             let maps = self.shown_maps();
@@ -356,15 +292,9 @@ impl WindowContent for SceneViewer {
         self.controls.moving || self.controls.timing || self.due > 0 || self.submitted.is_some() || !settled
     }
 
-    #[cfg(target_arch = "wasm32")]
-    fn open(&mut self, path: &Path, bytes: &[u8]) {
-        let taken = Mesh::read_from_memory(path, bytes).and_then(|mesh| self.take_scene(path, &mesh));
-        self.message = taken.err().map(|error| error.to_string());
-    }
-
-    fn open_file(&mut self, path: &Path) {
-        let taken = Mesh::read(path).and_then(|mesh| self.take_scene(path, &mesh));
-        self.message = taken.err().map(|error| error.to_string());
+    fn open(&mut self, path: &Path, bytes: Option<&[u8]>) {
+        let taken = read_mesh(path, bytes).and_then(|mesh| self.take_scene(path, &mesh));
+        self.panel.report(taken);
     }
 
     fn camera(&mut self) -> &mut Camera {
@@ -375,17 +305,7 @@ impl WindowContent for SceneViewer {
         self.controls.look.camera = self.first_camera;
     }
 
-    #[cfg(target_arch = "wasm32")]
-    fn has_panel(&self) -> bool {
-        !self.panel_hidden
-    }
-
-    fn toggle_panel(&mut self) {
-        self.panel_hidden = !self.panel_hidden;
-    }
-
-    #[cfg(target_arch = "wasm32")]
-    fn show_message(&mut self, message: String) {
-        self.message = Some(message);
+    fn panel(&mut self) -> &mut PanelState {
+        &mut self.panel
     }
 }

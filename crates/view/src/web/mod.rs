@@ -80,12 +80,12 @@ impl Page {
     /// Opens an environment or a mesh from `bytes`, the file named `name`; on the scene side the scene of a
     /// mesh file. On failure the panel shows the error and the picture stays.
     pub fn open(&self, name: &str, bytes: &[u8]) {
-        self.act(|sides| sides.content().open(Path::new(name), bytes));
+        self.act(|sides| sides.content().open(Path::new(name), Some(bytes)));
     }
 
     /// Shows a message in the panel.
     pub fn show_message(&self, message: String) {
-        self.act(|sides| sides.content().show_message(message));
+        self.act(|sides| sides.content().panel().message = Some(message));
     }
 
     /// Shows the side named `side`: `view`, objects under an environment, or `scene`, a moving scene.

@@ -40,11 +40,11 @@ fn given<'de, D: Deserializer<'de>, T: Deserialize<'de>>(field: D) -> Result<Opt
 
 /// The state reported to the page.
 pub(super) fn state(viewer: &SceneViewer) -> Value {
-    let Controls { look, settings, time, moving, budget, limited, .. } = viewer.controls();
+    let Controls { look, settings, time, moving, budget, limited, .. } = viewer.controls;
     json!({
         "side": "scene",
-        "scene": viewer.name(),
-        "message": viewer.message(),
+        "scene": viewer.panel.name,
+        "message": viewer.panel.message,
         "adapter": viewer.context().describe(),
         "roughness": look.roughness,
         "exposure": look.exposure,
@@ -57,13 +57,13 @@ pub(super) fn state(viewer: &SceneViewer) -> Value {
         "direct": settings.method.name(),
         "filter": Technique::Pyramid.name(),
         "oem_size": settings.size,
-        "triangles": viewer.triangles(),
+        "triangles": viewer.renderer.triangles(),
         // Seconds of the passes, if they were measured.
-        "gpu_times": viewer.times().iter().copied().collect::<BTreeMap<_, _>>(),
+        "gpu_times": viewer.panel.times.iter().copied().collect::<BTreeMap<_, _>>(),
         // Samples of the picture, and whether it is final.
         "size": viewer.picture_size(),
         "settled": !viewer.is_busy(),
-        "panel": viewer.has_panel(),
+        "panel": !viewer.panel.is_hidden,
     })
 }
 
@@ -77,7 +77,7 @@ impl Change {
         let proxy: Option<Proxy> = parsed("proxy", self.proxy)?;
         let method: Option<Method> = parsed("direct", self.direct)?;
         parsed("filter", self.filter)?.map_or(Ok(()), check_scene_filter)?;
-        let mut controls = viewer.controls();
+        let mut controls = viewer.controls;
         let Controls { look, settings, time, moving, budget, limited, timing } = &mut controls;
         look.roughness = self.roughness.unwrap_or(look.roughness);
         look.exposure = self.exposure.unwrap_or(look.exposure);
@@ -93,7 +93,7 @@ impl Change {
         }
         *timing = self.gpu_times.unwrap_or(*timing);
         viewer.set_controls(controls)?;
-        if self.panel.is_some_and(|shown| shown != viewer.has_panel()) {
+        if self.panel.is_some_and(|shown| shown == viewer.panel.is_hidden) {
             viewer.toggle_panel();
         }
         Ok(())

@@ -39,7 +39,7 @@ impl Sides {
     /// # Errors
     /// [`octagloss_core::common::error::Error::Limit`] if the built-in scene does not fit the device; the side stays.
     pub(super) fn show(&mut self, side: SideName) -> Result<()> {
-        let had_panel = self.content().has_panel();
+        let was_hidden = self.content().panel().is_hidden;
         if side == SideName::Scene && self.scene.is_none() {
             let scene = Scene::gallery()?;
             let start = SceneStart {
@@ -55,7 +55,7 @@ impl Sides {
             self.scene = Some(SceneViewer::new(self.viewer.context().clone(), start)?);
         }
         self.side = side;
-        if self.content().has_panel() != had_panel {
+        if self.content().panel().is_hidden != was_hidden {
             self.content().toggle_panel();
         }
         Ok(())

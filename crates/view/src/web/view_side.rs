@@ -38,11 +38,11 @@ enum ExposureChange {
 
 /// The state reported to the page.
 pub(super) fn state(viewer: &Viewer) -> Value {
-    let look = viewer.look();
+    let look = &viewer.look;
     json!({
         "side": "view",
-        "environment": viewer.name(),
-        "message": viewer.message(),
+        "environment": viewer.panel.name,
+        "message": viewer.panel.message,
         "adapter": viewer.context().describe(),
         "roughness": look.roughness,
         "roughness_factor": look.roughness_factor,
@@ -57,9 +57,9 @@ pub(super) fn state(viewer: &Viewer) -> Value {
         // Samples of the picture, and whether it is final.
         "size": viewer.picture_size(),
         "settled": !viewer.is_busy(),
-        "panel": viewer.has_panel(),
+        "panel": !viewer.panel.is_hidden,
         // Left, top, right and bottom in CSS pixels.
-        "roughness_slider": viewer.roughness_slider(),
+        "roughness_slider": viewer.slider.map(|s| [s.left(), s.top(), s.right(), s.bottom()]),
     })
 }
 
@@ -77,7 +77,7 @@ impl Change {
             Some(ExposureChange::Text(text)) => parsed("exposure", Some(text))?,
             None => None,
         };
-        let was = viewer.look().clone();
+        let was = viewer.look.clone();
         let look = Look {
             roughness: self.roughness.unwrap_or(was.roughness),
             backdrop: self.backdrop.or(was.backdrop),
@@ -96,11 +96,11 @@ impl Change {
             ..was
         };
         look.check()?;
-        if look.object == Object::Mesh && !viewer.has_mesh() {
+        if look.object == Object::Mesh && !viewer.has_mesh {
             return wrong("no mesh is loaded; open one first");
         }
-        *viewer.look_mut() = look;
-        if self.panel.is_some_and(|shown| shown != viewer.has_panel()) {
+        viewer.look = look;
+        if self.panel.is_some_and(|shown| shown == viewer.panel.is_hidden) {
             viewer.toggle_panel();
         }
         Ok(())

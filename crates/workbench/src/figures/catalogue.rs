@@ -1,7 +1,6 @@
 //! Lists and draws the figures.
 
 pub use super::content::FigureContent;
-pub use super::content::MAX_SIZE;
 use super::{border, layout, lobes, lookup, panorama, sampling, seam, stretch, unfolding};
 use crate::laboratory::measure::Method;
 use octagloss_core::common::error::Result;

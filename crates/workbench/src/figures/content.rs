@@ -20,7 +20,7 @@ pub struct FigureContent {
 }
 
 /// The largest square of the figure `border` with room for texel names.
-pub const MAX_SIZE: u32 = 12;
+const MAX_SIZE: u32 = 12;
 
 impl FigureContent {
     /// Returns the synthetic sky, and 8 texels with a border of 2.
@@ -41,7 +41,7 @@ impl FigureContent {
     pub fn check(&self) -> Result<()> {
         let Self { size, border, .. } = *self;
         if size == 0 || size > MAX_SIZE {
-            return wrong(format!("`size` is {size}; choose 1 to {MAX_SIZE} texels"));
+            return wrong(format!("`size` {size} must be 1 to {MAX_SIZE} texels"));
         }
         if border > size {
             return wrong(format!("`border` {border} exceeds the map's side of {size} texels"));

@@ -43,7 +43,7 @@ impl Subject {
 /// Measured quantities.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Texels along the octahedral square; the other maps have as many texels in all. 8 to [`MAX_SIZE`].
+    /// Texels along the octahedral square; the other maps have as many texels in all. 8 to `MAX_SIZE`.
     pub size: u32,
     /// Rotations of the environment.
     pub turns: u32,
@@ -62,7 +62,7 @@ pub struct Settings {
 }
 
 /// The largest [`Settings::size`].
-pub const MAX_SIZE: u32 = 1024;
+const MAX_SIZE: u32 = 1024;
 
 impl Default for Settings {
     fn default() -> Self {
@@ -331,10 +331,12 @@ impl Settings {
     pub fn check(&self) -> Result<()> {
         let Self { size, turns, directions, roughnesses, error, subjects, methods, .. } = self;
         if !(8..=MAX_SIZE).contains(size) {
-            return wrong(format!("an octahedral square of `size` {size}; choose 8 to {MAX_SIZE} texels"));
+            return wrong(format!(
+                "`size` {size} must be 8 to {MAX_SIZE} texels along the octahedral square"
+            ));
         }
         if let Some(roughness) = roughnesses.iter().find(|r| !(0.1..=1.0).contains(*r)) {
-            return wrong(format!("roughness {roughness}; choose from 0.1 to 1"));
+            return wrong(format!("`roughness` {roughness} must be 0.1 to 1"));
         }
         let counts = [
             ("turns", *turns as usize),

@@ -1,5 +1,6 @@
 //! Source texels as spherical polygons, in bands for parallel processing.
 
+use super::Chords;
 use super::index::{Target, diagonal_columns, pack};
 use crate::light::environment::Layout;
 use crate::sphere::cube::{self, Face, cube_point};
@@ -191,27 +192,18 @@ fn panorama_cells(
         below.chord(bottom, &meridians, target);
         // cos(top) - cos(bottom), without its cancellation at the poles.
         let height = 2.0 * ((top + bottom) / 2.0).sin() * ((bottom - top) / 2.0).sin();
-        for i in 0..meridians.len() - 1 {
+        for (i, sides) in (0..).zip(columns.windows(2)) {
             corners.clear();
             corners.extend_from_slice(above.arc(i));
             corners.extend(below.arc(i).iter().rev());
-            visit(
-                u32::try_from(i).expect("columns fit"),
-                j,
-                &corners,
-                height * (columns[i + 1] - columns[i]),
-            );
+            visit(i, j, &corners, height * (sides[1] - sides[0]));
         }
         std::mem::swap(&mut above, &mut below);
     }
 }
 
-/// A parallel as chords, cut at the meridians.
-#[derive(Default)]
-struct Parallel {
-    points: Vec<DVec3>,
-    starts: Vec<usize>,
-}
+/// A parallel, cut at the meridians.
+type Parallel = Chords<DVec3>;
 
 impl Parallel {
     fn chord(&mut self, theta: f64, meridians: &[(f64, f64)], target: Target) {
@@ -241,11 +233,6 @@ impl Parallel {
         }
         self.starts.push(self.points.len());
         self.points.push(at(meridians[meridians.len() - 1]));
-    }
-
-    /// The chords between meridian `i` and the next, both ends included.
-    fn arc(&self, i: usize) -> &[DVec3] {
-        &self.points[self.starts[i]..=self.starts[i + 1]]
     }
 }
 

@@ -2,6 +2,7 @@
 //! theorem.
 
 use super::index::{self, Target};
+use crate::sphere::clip;
 use glam::{DMat3, DVec2, DVec3};
 
 /// Smaller overlaps, as a share of their polygon, are rounding errors.
@@ -58,7 +59,7 @@ impl Walker {
         };
         for sign in [1.0, -1.0] {
             let mut half = Vec::with_capacity(corners.len() + 2);
-            clip_by(corners, |c| sign * depth(c), &mut half);
+            clip(corners, |c| sign * depth(c), &mut half);
             if half.len() >= 3 {
                 self.walk_halves(&half, octant, emit);
             }
@@ -137,24 +138,9 @@ fn clip_to_family<'a>(
         return Some(corners);
     }
     let [first, second] = buffers;
-    clip_by(corners, depths[0], first);
-    clip_by(first, depths[1], second);
+    clip(corners, depths[0], first);
+    clip(first, depths[1], second);
     (second.len() >= 3).then_some(second)
-}
-
-/// Sutherland and Hodgman: the part of a polygon where `depth` is not negative.
-fn clip_by(corners: &[DVec3], depth: impl Fn(DVec3) -> f64, out: &mut Vec<DVec3>) {
-    out.clear();
-    for (k, &a) in corners.iter().enumerate() {
-        let b = corners[(k + 1) % corners.len()];
-        let (depth_a, depth_b) = (depth(a), depth(b));
-        if depth_a >= 0.0 {
-            out.push(a);
-        }
-        if (depth_a > 0.0 && depth_b < 0.0) || (depth_a < 0.0 && depth_b > 0.0) {
-            out.push(a.lerp(b, depth_a / (depth_a - depth_b)));
-        }
-    }
 }
 
 /// Cuts polygons anywhere on the sphere into octants; reuses its buffers.
@@ -181,7 +167,7 @@ impl OctantClipper {
             current.extend(self.turned.iter().map(|c| *c * signs));
             for axis in 0..3 {
                 if current.iter().any(|c| c[axis] < 0.0) {
-                    clip_by(current, |c| c[axis], other);
+                    clip(current, |c| c[axis], other);
                     std::mem::swap(current, other);
                 }
             }

@@ -5,6 +5,7 @@
 //! texels it is much cheaper to rasterise one octant's outlines and apply the weights to all eight octants
 //! than to map every source texel to the target.
 
+use super::Chords;
 use super::grid::{CellOverlap, walk_outline};
 use super::index::{self, SourceMap, Target, pack};
 use crate::light::environment::{Environment, Layout, Rgb};
@@ -306,11 +307,8 @@ fn cubic([a, b]: [DVec2; 2], [start, end]: [DVec2; 2], t: f64) -> DVec2 {
     a * (u * u * (1.0 + 2.0 * t)) + start * (t * u * u) + b * (t * t * (3.0 - 2.0 * t)) - end * (t * t * u)
 }
 
-/// A line of the target as chords on the panorama's grid, cut at the texels' corners.
-struct Line {
-    points: Vec<DVec2>,
-    starts: Vec<usize>,
-}
+/// A line of the target on the panorama's grid, cut at the texels' corners.
+type Line = Chords<DVec2>;
 
 impl Line {
     /// Line `j` of `family`.
@@ -332,12 +330,6 @@ impl Line {
 
     fn corner(&self, i: u32) -> DVec2 {
         self.points[self.starts[i as usize]]
-    }
-
-    /// The chords between corner `i` and the next, both included.
-    fn arc(&self, i: u32) -> &[DVec2] {
-        let i = i as usize;
-        &self.points[self.starts[i]..=self.starts[i + 1]]
     }
 }
 

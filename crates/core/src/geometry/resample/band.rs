@@ -107,7 +107,7 @@ impl Bander<'_> {
         let [low, extent] = [low, count].map(|at| DVec2::from(at.map(f64::from)));
         let node = |k: usize| {
             let share = DVec2::new((k % 3) as f64, (k / 3) as f64) / 2.0;
-            self.carrier.chart.direction_anywhere(low + extent * share)
+            self.carrier.chart.image.direction_anywhere(low + extent * share)
         };
         let nodes: [DVec3; 9] = std::array::from_fn(node);
         let along = (0..9).filter(|k| k % 3 < 2).map(|k| nodes[k].distance(nodes[k + 1]));

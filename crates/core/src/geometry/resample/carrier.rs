@@ -2,7 +2,7 @@
 
 use super::chart::{Chart, Piece};
 use super::plane::Plane;
-use super::{BLOCK, Share};
+use super::{BLOCK, Share, scale_to};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Place;
 use glam::DVec2;
@@ -103,9 +103,7 @@ impl<'a, C: Chart> Carrier<'a, C> {
                     let target = self.plane.index(place.component, self.plane.in_texels(place));
                     shares.push(Share { target, source: number, solid_angle: weight as f32 });
                 }
-                let sum: f64 = shares[start..].iter().map(|share| f64::from(share.solid_angle)).sum();
-                let scale = (weight / sum) as f32;
-                shares[start..].iter_mut().for_each(|share| share.solid_angle *= scale);
+                scale_to(weight, &mut shares[start..]);
             }
             above = below;
         }

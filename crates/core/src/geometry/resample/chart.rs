@@ -47,92 +47,72 @@ pub(super) trait Chart {
     }
 }
 
-/// Coordinates of a component's image.
-#[derive(Clone, Copy)]
-struct Image<'a> {
+/// A component's image and its continuation outside its domain.
+pub(super) struct Continued<'a> {
     grid: &'a Grid,
     component: u32,
     low: DVec2,
     step: DVec2,
+    /// Turns the component's map into the target's space.
+    turn: DMat3,
 }
 
-impl<'a> Image<'a> {
-    fn new(grid: &'a Grid, component: u32) -> Self {
+impl<'a> Continued<'a> {
+    pub(super) fn new(grid: &'a Grid, component: u32, turn: DMat3) -> Self {
         let rectangle = grid.map().component(component);
-        Self { grid, component, low: rectangle.low, step: grid.step(&rectangle) }
+        Self { grid, component, low: rectangle.low, step: grid.step(&rectangle), turn }
     }
 
     fn uv(&self, at: DVec2) -> DVec2 {
         self.low + self.step * at
     }
 
-    fn direction(&self, at: DVec2) -> DVec3 {
-        self.grid.map().direction(self.component, self.uv(at))
-    }
-}
-
-/// The domain of a source's component. Texels weigh their exact solid angle.
-pub(super) struct Domain<'a> {
-    image: Image<'a>,
-    sides: DVec2,
-    target_from_source: DMat3,
-}
-
-impl<'a> Domain<'a> {
-    pub(super) fn new(grid: &'a Grid, component: u32, target_from_source: DMat3) -> Self {
-        let sides = DVec2::from(grid.sides(component).map(f64::from));
-        Self { image: Image::new(grid, component), sides, target_from_source }
-    }
-
     /// Direction at `at`, also outside the domain.
     pub(super) fn direction_anywhere(&self, at: DVec2) -> DVec3 {
-        self.target_from_source * self.image.direction(at)
-    }
-}
-
-impl Chart for Domain<'_> {
-    fn direction(&self, at: DVec2) -> Option<DVec3> {
-        let Image { grid, component, .. } = self.image;
-        let (map, uv) = (grid.map(), self.image.uv(at));
-        let inside = map.contains(component, uv) || {
-            // Points on the rectangle's own sides count as inside: nudge them towards the centre.
-            let on_side = at.cmpeq(DVec2::ZERO).any() || at.cmpeq(self.sides).any();
-            on_side && map.contains(component, uv.lerp(self.image.uv(self.sides / 2.0), 1e-12))
-        };
-        inside.then(|| self.direction_anywhere(at))
-    }
-
-    fn weight(&self, corner: DVec2) -> f64 {
-        let Image { grid, component, .. } = self.image;
-        grid.map().solid_angle(component, self.image.uv(corner), self.image.uv(corner + 1.0))
-    }
-
-    fn size_of(&self, part: Piece) -> f64 {
-        let Image { grid, component, step, .. } = self.image;
-        let area = (part.high - part.low) * step;
-        grid.map().density(component, self.image.uv(part.middle())) * area.x * area.y
-    }
-}
-
-/// A component and its continuation outside its domain.
-pub(super) struct Continued<'a> {
-    image: Image<'a>,
-    target_from_world: DMat3,
-}
-
-impl<'a> Continued<'a> {
-    pub(super) fn new(grid: &'a Grid, component: u32, target_from_world: DMat3) -> Self {
-        Self { image: Image::new(grid, component), target_from_world }
-    }
-
-    pub(super) fn direction_anywhere(&self, at: DVec2) -> DVec3 {
-        self.target_from_world * self.image.direction(at)
+        self.turn * self.grid.map().direction(self.component, self.uv(at))
     }
 }
 
 impl Chart for Continued<'_> {
     fn direction(&self, at: DVec2) -> Option<DVec3> {
         Some(self.direction_anywhere(at))
+    }
+}
+
+/// The domain of a source's component. Texels weigh their exact solid angle.
+pub(super) struct Domain<'a> {
+    pub(super) image: Continued<'a>,
+    sides: DVec2,
+}
+
+impl<'a> Domain<'a> {
+    pub(super) fn new(grid: &'a Grid, component: u32, target_from_source: DMat3) -> Self {
+        let sides = DVec2::from(grid.sides(component).map(f64::from));
+        Self { image: Continued::new(grid, component, target_from_source), sides }
+    }
+}
+
+impl Chart for Domain<'_> {
+    fn direction(&self, at: DVec2) -> Option<DVec3> {
+        let Continued { grid, component, .. } = self.image;
+        let (map, uv) = (grid.map(), self.image.uv(at));
+        let inside = map.contains(component, uv) || {
+            // Points on the rectangle's own sides count as inside: nudge them towards the centre.
+            let on_side = at.cmpeq(DVec2::ZERO).any() || at.cmpeq(self.sides).any();
+            on_side && map.contains(component, uv.lerp(self.image.uv(self.sides / 2.0), 1e-12))
+        };
+        inside.then(|| self.image.direction_anywhere(at))
+    }
+
+    fn weight(&self, corner: DVec2) -> f64 {
+        let Continued { grid, component, .. } = self.image;
+        grid.map().solid_angle(component, self.image.uv(corner), self.image.uv(corner + 1.0))
+    }
+
+    fn size_of(&self, part: Piece) -> f64 {
+        let Continued { grid, component, step, .. } = self.image;
+        let area = (part.high - part.low) * step;
+        grid.map().density(component, self.image.uv(part.middle())) * area.x * area.y
     }
 }
 

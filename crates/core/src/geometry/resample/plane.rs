@@ -1,6 +1,6 @@
 //! The target's images, over whose texels outlines are rasterised.
 
-use super::Share;
+use super::{Share, scale_to};
 use crate::geometry::overlap::{Accumulator, walk_outline};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Place;
@@ -90,11 +90,7 @@ impl<'a> Plane<'a> {
             shares.push(Share { target: self.index_of(component, x, y), source, solid_angle });
         });
         self.window = window;
-        let sum: f64 = shares[start..].iter().map(|share| f64::from(share.solid_angle)).sum();
-        if sum > 0.0 {
-            let scale = (solid_angle / sum) as f32;
-            shares[start..].iter_mut().for_each(|share| share.solid_angle *= scale);
-        } else {
+        if !scale_to(solid_angle, &mut shares[start..]) {
             // Negligible area: assign all of it to one texel.
             shares.truncate(start);
             shares.push(whole(self));
