@@ -79,11 +79,14 @@ fn brightness(at: u32) -> f32 {
     return max(max(red[at], green[at]), blue[at]) / solid_angle[at];
 }
 
-// How much a texel counts beside the first `count` seeds.
-fn apart(texel: vec2<u32>, count: u32) -> f32 {
+// How much a texel counts beside the seeds from `start` to `end`.
+fn apart(texel: vec2<u32>, start: u32, end: u32) -> f32 {
+    if start == end {
+        return 1.0;
+    }
     let direction = direction_of(texel);
     var nearest = 4.0;
-    for (var k = 0u; k < count; k++) {
+    for (var k = start; k < end; k++) {
         nearest = min(nearest, squared(direction - seeds[k]));
     }
     let near = max(NEAR, NEAR_TEXELS / f32(table.inner));
@@ -96,7 +99,7 @@ fn brightest(own: u32, count: u32) -> vec2<u32> {
     var found = vec2<u32>(0u, own * size);
     for (var k = own * size; k < (own + 1u) * size; k++) {
         let texel = texel_of(k);
-        let value = bitcast<u32>(brightness(place_in_plane(texel)) * apart(texel, count));
+        let value = bitcast<u32>(brightness(place_in_plane(texel)) * apart(texel, 0u, count));
         if value > found.x {
             found = vec2<u32>(value, k);
         }
@@ -134,7 +137,7 @@ fn choose(@builtin(local_invocation_index) lane: u32) {
             blocks[count + k] = vec4<u32>(bitcast<vec3<u32>>(seeds[k]), 0u);
         }
         for (var b = lane; b < count; b += GROUP_SIZE) {
-            if apart(texel_of(blocks[b].z), k + 1u) < 1.0 {
+            if apart(texel_of(blocks[b].z), k, k + 1u) < 1.0 {
                 blocks[b] = vec4<u32>(blocks[b].x, brightest(b, k + 1u), 0u);
             }
         }

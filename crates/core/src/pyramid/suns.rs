@@ -95,7 +95,7 @@ impl Suns {
             let (_, texel) = left.iter().copied().fold(none, first);
             seeds.push(direction(texel));
             for (left, k) in left.iter_mut().zip(0..) {
-                if apart(left.1, &seeds) < 1.0 {
+                if apart(left.1, &seeds[seeds.len() - 1..]) < 1.0 {
                     let counted = texels(k).map(|texel| (own(texel) * apart(texel, &seeds), texel));
                     *left = counted.fold(none, first);
                 }
