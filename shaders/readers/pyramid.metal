@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a ccc04148ca151fbd.
+// Translated from pyramid.wgsl, FNV-1a f8ab3a4055db8ed9.
 // Metal; the resources are arguments of each function.
 // language: metal1.0
 #include <metal_stdlib>
@@ -412,40 +412,42 @@ metal::float3 octagloss_radiance_of(
     metal::float3 _e110 = sum_1;
     float _e116 = octagloss_lights.inner[probe_6].unscale;
     sum_1 = metal::max(_e110, metal::float3 {}) * _e116;
-    float alpha_10 = roughness * roughness;
+    float a2_ = ((roughness * roughness) * roughness) * roughness;
     uint2 loop_bound_4 = uint2(4294967295u);
     bool loop_init_4 = true;
     while(true) {
         if (metal::all(loop_bound_4 == uint2(0u))) { break; }
         loop_bound_4 -= uint2(loop_bound_4.y == 0u, 1u);
         if (!loop_init_4) {
-            uint _e189 = k_1;
-            k_1 = _e189 + 1u;
+            uint _e213 = k_1;
+            k_1 = _e213 + 1u;
         }
         loop_init_4 = false;
-        uint _e121 = k_1;
-        if (_e121 < octagloss_SUNS) {
+        uint _e123 = k_1;
+        if (_e123 < octagloss_SUNS) {
         } else {
             break;
         }
         {
-            uint _e127 = k_1;
-            OctaglossSun sun = octagloss_lights.inner[probe_6].suns.inner[_e127];
-            float _e133 = octagloss_squared(_e3 - sun.red.xyz);
-            float _e137 = octagloss_squared(_e3 - sun.green.xyz);
-            float _e141 = octagloss_squared(_e3 - sun.blue.xyz);
-            metal::float3 apart = metal::float3(_e133, _e137, _e141);
+            uint _e129 = k_1;
+            OctaglossSun sun = octagloss_lights.inner[probe_6].suns.inner[_e129];
+            float _e135 = octagloss_squared(_e3 - sun.red.xyz);
+            float _e139 = octagloss_squared(_e3 - sun.green.xyz);
+            float _e143 = octagloss_squared(_e3 - sun.blue.xyz);
+            metal::float3 apart = metal::float3(_e135, _e139, _e143);
             metal::float3 s = metal::min(0.25 * apart, metal::float3(0.5));
-            metal::float3 spread_1 = metal::float3(sun.red.w, sun.green.w, sun.blue.w);
-            metal::float3 a2_ = metal::min(metal::float3(alpha_10 * alpha_10) + (0.5 * spread_1), metal::float3(1.0));
-            metal::float3 bend = s + (a2_ * (metal::float3(1.0) - s));
-            metal::float3 lobe = ((0.31830987 * a2_) / (bend * bend)) * (metal::float3(1.0) - (2.0 * s));
-            metal::float3 _e178 = sum_1;
-            sum_1 = _e178 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x)));
+            metal::float3 radius2_ = 0.5 * metal::float3(sun.red.w, sun.green.w, sun.blue.w);
+            metal::float3 nearness = (s + (a2_ * (metal::float3(1.0) - s))) - radius2_;
+            metal::float3 root = metal::max(metal::sqrt((nearness * nearness) + ((4.0 * a2_) * radius2_)), metal::float3(0.000000000000000000000000000001));
+            metal::float3 outside = metal::float3(2.0 * a2_) / (root * metal::max(root + nearness, metal::float3(0.000000000000000000000000000001)));
+            metal::float3 inside = (root - nearness) / ((2.0 * metal::max(radius2_, metal::float3(0.000000000000000000000000000001))) * root);
+            metal::float3 lobe = (0.31830987 * metal::select(inside, outside, nearness > metal::float3 {})) * (metal::float3(1.0) - (2.0 * s));
+            metal::float3 _e202 = sum_1;
+            sum_1 = _e202 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x)));
         }
     }
-    metal::float3 _e191 = sum_1;
-    return _e191;
+    metal::float3 _e215 = sum_1;
+    return _e215;
 }
 
 metal::float3 octagloss_radiance(
@@ -611,9 +613,9 @@ metal::float2 octagloss_brdf_around(
     float determinant = (squares.x * squares.y) - (mixed * mixed);
     metal::float2 h = half_vector.xy;
     float slopes = (((squares.y * h.x) * h.x) - (((2.0 * mixed) * h.x) * h.y)) + ((squares.x * h.y) * h.y);
-    float bend_1 = (slopes / determinant) + (half_vector.z * half_vector.z);
+    float bend = (slopes / determinant) + (half_vector.z * half_vector.z);
     float masking = (light.z * metal::length(metal::float3(alpha * view.xy, view.z))) + (view.z * metal::length(metal::float3(alpha * light.xy, light.z)));
-    float value = (0.5 * light.z) / ((((masking * 3.1415927) * metal::sqrt(determinant)) * bend_1) * bend_1);
+    float value = (0.5 * light.z) / ((((masking * 3.1415927) * metal::sqrt(determinant)) * bend) * bend);
     return metal::float2(value, metal::pow(metal::max(1.0 - cosine_10, 0.0), 5.0));
 }
 
@@ -944,9 +946,9 @@ metal::float3 octagloss_reflected_isotropic(
     sum_5 = metal::max(_e96, metal::float3 {}) * _e102;
     float _e104 = in_mirror;
     float share_2 = metal::max(1.0 - (_e104 / (_e13.z + _e13.w)), 0.0);
-    metal::float2 alpha_11 = metal::float2(roughness_4 * roughness_4);
+    metal::float2 alpha_10 = metal::float2(roughness_4 * roughness_4);
     metal::float3 _e115 = sum_5;
-    metal::float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_2, f90_2, octagloss_lights, octagloss_maps);
+    metal::float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_10, f0_2, f90_2, octagloss_lights, octagloss_maps);
     return _e115 + (share_2 * _e119);
 }
 
@@ -992,8 +994,8 @@ metal::float2 octagloss_row_alphas(
     float roughness_6,
     float anisotropy
 ) {
-    float alpha_12 = roughness_6 * roughness_6;
-    return metal::float2(alpha_12 + (((1.0 - alpha_12) * anisotropy) * anisotropy), alpha_12);
+    float alpha_11 = roughness_6 * roughness_6;
+    return metal::float2(alpha_11 + (((1.0 - alpha_11) * anisotropy) * anisotropy), alpha_11);
 }
 
 float octagloss_row_share(
@@ -1021,8 +1023,8 @@ octagloss_RowPlace octagloss_row_place(
     metal::float4 _e3 = octagloss_row_places(alpha_4, cosine_3, tangent_2);
     metal::float4 place_4 = _e3 * metal::float4(15.0, 9.0, 7.0, 6.0);
     float lower = metal::min(metal::floor(place_4.w), 5.0);
-    metal::float2 inside = metal::clamp(place_4.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
-    metal::float3 texel_3 = metal::float3(inside.x, inside.y + (10.0 * lower), place_4.z) + metal::float3(0.5);
+    metal::float2 inside_1 = metal::clamp(place_4.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
+    metal::float3 texel_3 = metal::float3(inside_1.x, inside_1.y + (10.0 * lower), place_4.z) + metal::float3(0.5);
     return octagloss_RowPlace {texel_3 / octagloss_ROW_SIZE, place_4.w - lower};
 }
 
@@ -1070,9 +1072,9 @@ metal::float4 octagloss_row_more(
     metal::float4 _e3 = octagloss_row_places(alpha_5, cosine_4, tangent_3);
     metal::float4 place_5 = _e3 * metal::float4(15.0, 9.0, 7.0, 12.0);
     float lower_1 = metal::min(metal::floor(place_5.w), 11.0);
-    metal::float3 inside_1 = metal::float3(metal::clamp(place_5.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625)), place_5.z);
-    metal::float4 _e25 = octagloss_row_block(lower_1, inside_1, octagloss_linear, octagloss_rows);
-    metal::float4 _e28 = octagloss_row_block(lower_1 + 1.0, inside_1, octagloss_linear, octagloss_rows);
+    metal::float3 inside_2 = metal::float3(metal::clamp(place_5.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625)), place_5.z);
+    metal::float4 _e25 = octagloss_row_block(lower_1, inside_2, octagloss_linear, octagloss_rows);
+    metal::float4 _e28 = octagloss_row_block(lower_1 + 1.0, inside_2, octagloss_linear, octagloss_rows);
     return metal::mix(_e25, _e28, place_5.w - lower_1);
 }
 
@@ -1111,11 +1113,11 @@ octagloss_Row octagloss_row_of(
     float across_2 = ((squares_2.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_6) * cosine_6;
     float mixed_1 = ((difference * tangent_4.x) * tangent_4.y) * cosine_6;
     float apart_1 = 0.5 * (along_3 - across_2);
-    float root = metal::length(metal::float2(apart_1, mixed_1));
-    float greatest = metal::max((0.5 * (along_3 + across_2)) + root, 0.000000000000000000000000000001);
-    if (root > 0.0) {
-        metal::float2 steep = metal::float2(metal::abs(mixed_1), (root - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0));
-        axis = metal::normalize(((apart_1 >= 0.0) ? metal::float2(apart_1 + root, mixed_1) : steep) / metal::float2(root));
+    float root_1 = metal::length(metal::float2(apart_1, mixed_1));
+    float greatest = metal::max((0.5 * (along_3 + across_2)) + root_1, 0.000000000000000000000000000001);
+    if (root_1 > 0.0) {
+        metal::float2 steep = metal::float2(metal::abs(mixed_1), (root_1 - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0));
+        axis = metal::normalize(((apart_1 >= 0.0) ? metal::float2(apart_1 + root_1, mixed_1) : steep) / metal::float2(root_1));
     }
     float x_2 = metal::log(metal::max(((alpha_7.x * alpha_7.y) * cosine_6) / greatest, octagloss_NARROWEST));
     float extent = metal::sqrt(greatest);
@@ -1134,7 +1136,7 @@ octagloss_Row octagloss_row_of(
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;
-    return octagloss_Row {metal::float2(_e201, _e203 / cosine_6) * metal::sqrt(2.0 * root), extent, _e119 * tilt, metal::exp(metal::float4(_e135, _e151, _e167, _e183)), metal::exp(_e199), metal::smoothstep(0.0, octagloss_SKEWED, _e216)};
+    return octagloss_Row {metal::float2(_e201, _e203 / cosine_6) * metal::sqrt(2.0 * root_1), extent, _e119 * tilt, metal::exp(metal::float4(_e135, _e151, _e167, _e183)), metal::exp(_e199), metal::smoothstep(0.0, octagloss_SKEWED, _e216)};
 }
 
 metal::float2 octagloss_row_read(
