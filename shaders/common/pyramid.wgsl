@@ -78,17 +78,19 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     sum += harmonics_around(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
     // GGX around the suns: `glossy` of crates/core/src/pyramid/suns.rs.
-    let alpha = roughness * roughness;
+    let a2 = roughness * roughness * roughness * roughness;
     for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];
         // A quarter of the squared distance, which the cosine does not resolve in single precision.
         let apart = vec3<f32>(
             squared(d - sun.red.xyz), squared(d - sun.green.xyz), squared(d - sun.blue.xyz));
         let s = min(0.25 * apart, vec3<f32>(0.5));
-        let spread = vec3<f32>(sun.red.w, sun.green.w, sun.blue.w);
-        let a2 = min(alpha * alpha + 0.5 * spread, vec3<f32>(1.0));
-        let bend = s + a2 * (1.0 - s);
-        let lobe = 0.31830987 * a2 / (bend * bend) * (1.0 - 2.0 * s);
+        let radius2 = 0.5 * vec3<f32>(sun.red.w, sun.green.w, sun.blue.w);
+        let nearness = s + a2 * (1.0 - s) - radius2;
+        let root = max(sqrt(nearness * nearness + 4.0 * a2 * radius2), vec3<f32>(1e-30));
+        let outside = 2.0 * a2 / (root * max(root + nearness, vec3<f32>(1e-30)));
+        let inside = (root - nearness) / (2.0 * max(radius2, vec3<f32>(1e-30)) * root);
+        let lobe = 0.31830987 * select(inside, outside, nearness > vec3<f32>()) * (1.0 - 2.0 * s);
         sum += sun.energy * lobe * (e.w * (1.0 - a.x));
     }
     return sum;

@@ -23,7 +23,10 @@ fn mirror(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = place_in_plane(id.xy);
-    store(vec2<i32>(id.xy), vec3<f32>(red[at], green[at], blue[at]) / solid_angle[at] * light.scale);
+    let own = vec3<f32>(red[at], green[at], blue[at]) / solid_angle[at] * light.scale;
+    let brightness = max(max(own.x, own.y), own.z);
+    // The greatest half float.
+    store(vec2<i32>(id.xy), own * select(1.0, 65504.0 / brightness, brightness > 65504.0));
 }
 
 // A texel's direction, and the covariance of a Gaussian there along two axes that touch the sphere.

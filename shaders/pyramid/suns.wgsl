@@ -1,4 +1,4 @@
-// Finds the brightest blocks of an OEM, what the rest is clamped to, and the scale of the maps: `Suns` of
+// Finds the seeds of an OEM's suns, what the rest is clamped to, the scale of the maps, and the suns: `Suns` of
 // crates/core/src/pyramid/suns.rs. Planes hold energies (radiance times solid angle, float32) and solid angles in
 // steradians.
 #include "common/direction.wgsl"
@@ -10,34 +10,65 @@
 const GROUP_SIZE = 256u;
 // Blocks along an edge of the finest grid.
 const FINEST = 128u;
+// Texels closer to a seed than this, on the unit sphere, are no seeds; at twice the distance they count fully.
+const NEAR = 0.02f;
+// The same in texels of the map, over its edge.
+const NEAR_TEXELS = 7.0f;
 
 @group(0) @binding(1) var<storage, read> red: array<f32>;
 @group(0) @binding(2) var<storage, read> green: array<f32>;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
-@group(0) @binding(5) var<storage, read_write> blocks: array<u32>;
+// For each block the bits of its greatest brightness, which sort like it, those of the greatest that counts beside
+// the seeds, and the texel that has that; then the seeds.
+@group(0) @binding(5) var<storage, read_write> blocks: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read_write> light: OctaglossLight;
 
-// The bits of a brightness, which sort like it, and the block that has it.
-alias Reduced = vec2<u32>;
-
-// Whether `b` comes before `a`.
-fn precedes(b: Reduced, a: Reduced) -> bool {
-    return b.x > a.x || (b.x == a.x && b.y < a.y);
-}
+// For each channel, moments of its energy: offset from the seed, and all; then those of squared distance.
+alias Reduced = array<vec4<f32>, 4>;
 
 fn combine(a: Reduced, b: Reduced) -> Reduced {
-    return select(a, b, precedes(b, a));
+    return Reduced(a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]);
 }
+
+var<workgroup> most: atomic<u32>;
+var<workgroup> first: atomic<u32>;
+
+// The greatest value of the invocations' `own`, and the least texel that has it.
+fn first_of(own: vec2<u32>, lane: u32) -> vec2<u32> {
+    workgroupBarrier();
+    if lane == 0u {
+        atomicStore(&most, 0u);
+        atomicStore(&first, 0xffffffffu);
+    }
+    workgroupBarrier();
+    atomicMax(&most, own.x);
+    workgroupBarrier();
+    let greatest = atomicLoad(&most);
+    if own.x == greatest {
+        atomicMin(&first, own.y);
+    }
+    workgroupBarrier();
+    return vec2<u32>(greatest, atomicLoad(&first));
+}
+
+var<private> seeds: array<vec3<f32>, SUNS>;
 
 fn side() -> u32 {
     return min(table.inner, FINEST);
 }
 
-// Texel `k` of block `own`.
-fn texel_of(own: u32, k: u32) -> vec2<u32> {
-    let block = table.inner / side();
-    return vec2<u32>(own % side(), own / side()) * block + vec2<u32>(k % block, k / block);
+fn block() -> u32 {
+    return table.inner / side();
+}
+
+// Texel `k`, counted by blocks.
+fn texel_of(k: u32) -> vec2<u32> {
+    let size = block() * block();
+    let own = k / size;
+    let within = k % size;
+    return vec2<u32>(own % side(), own / side()) * block()
+        + vec2<u32>(within % block(), within / block());
 }
 
 fn energy_at(at: u32) -> vec3<f32> {
@@ -48,90 +79,141 @@ fn brightness(at: u32) -> f32 {
     return max(max(red[at], green[at]), blue[at]) / solid_angle[at];
 }
 
+// How much a texel counts beside the seeds from `start` to `end`.
+fn apart(texel: vec2<u32>, start: u32, end: u32) -> f32 {
+    if start == end {
+        return 1.0;
+    }
+    let direction = direction_of(texel);
+    var nearest = 4.0;
+    for (var k = start; k < end; k++) {
+        nearest = min(nearest, squared(direction - seeds[k]));
+    }
+    let near = max(NEAR, NEAR_TEXELS / f32(table.inner));
+    return clamp((nearest / (near * near) - 1.0) / 3.0, 0.0, 1.0);
+}
+
+// The brightest texel of block `own` beside the first `count` seeds: its bits and itself.
+fn brightest(own: u32, count: u32) -> vec2<u32> {
+    let size = block() * block();
+    var found = vec2<u32>(0u, own * size);
+    for (var k = own * size; k < (own + 1u) * size; k++) {
+        let texel = texel_of(k);
+        let value = bitcast<u32>(brightness(place_in_plane(texel)) * apart(texel, 0u, count));
+        if value > found.x {
+            found = vec2<u32>(value, k);
+        }
+    }
+    return found;
+}
+
 @compute @workgroup_size(64)
 fn brightest_of_blocks(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= side() * side() {
         return;
     }
-    let block = table.inner / side();
-    var most = 0.0;
-    for (var k = 0u; k < block * block; k++) {
-        most = max(most, brightness(place_in_plane(texel_of(id.x, k))));
-    }
-    blocks[id.x] = bitcast<u32>(most);
+    let found = brightest(id.x, 0u);
+    blocks[id.x] = vec4<u32>(found.x, found, 0u);
 }
 
 @compute @workgroup_size(GROUP_SIZE)
-fn suns(@builtin(local_invocation_index) lane: u32) {
-    var chosen: array<u32, SUNS>;
-    var last = Reduced(0xffffffffu, 0u);
+fn choose(@builtin(local_invocation_index) lane: u32) {
+    let count = side() * side();
     var greatest = 0u;
+    var clamped = 0u;
     for (var k = 0u; k <= SUNS; k++) {
-        var own = Reduced(0u, 0xffffffffu);
-        for (var block = lane; block < side() * side(); block += GROUP_SIZE) {
-            let candidate = Reduced(blocks[block], block);
-            if precedes(last, candidate) {
-                own = combine(own, candidate);
+        var own = vec2<u32>(0u, 0xffffffffu);
+        for (var b = lane; b < count; b += GROUP_SIZE) {
+            own = select(own, blocks[b].yz, blocks[b].y > own.x);
+        }
+        let last = first_of(own, lane);
+        greatest = max(greatest, last.x);
+        clamped = last.x;
+        if k == SUNS {
+            break;
+        }
+        seeds[k] = direction_of(texel_of(min(last.y, table.inner * table.inner - 1u)));
+        if lane == 0u {
+            blocks[count + k] = vec4<u32>(bitcast<vec3<u32>>(seeds[k]), 0u);
+        }
+        for (var b = lane; b < count; b += GROUP_SIZE) {
+            if apart(texel_of(blocks[b].z), k, k + 1u) < 1.0 {
+                blocks[b] = vec4<u32>(blocks[b].x, brightest(b, k + 1u), 0u);
             }
         }
-        last = reduce(own, lane);
-        if k == 0u {
-            greatest = last.x;
-        }
-        if k < SUNS {
-            chosen[k] = last.y;
-        }
-    }
-    let clamp = bitcast<f32>(last.x);
-    // `exponent` of crates/core/src/pyramid/levels.rs.
-    let exponent = select(0, max(i32(greatest >> 23u) - 126, -100) - 15, greatest > 0u);
-    let scale = bitcast<f32>(u32(127 - exponent) << 23u);
-    let unscale = bitcast<f32>(u32(127 + exponent) << 23u);
-    if lane < SUNS {
-        light.suns[lane] = sun_of(chosen[lane], clamp, scale);
-        light.suns[lane].energy *= unscale;
     }
     if lane == 0u {
-        light.scale = scale;
-        light.unscale = unscale;
-        light.clamp = clamp * scale;
+        // `exponent` of crates/core/src/pyramid/levels.rs.
+        var exponent = select(0, exponent_of(greatest), greatest > 0u);
+        if clamped > 0u {
+            exponent = clamp(exponent_of(clamped) + 19, exponent - 40, exponent);
+        }
+        light.scale = bitcast<f32>(u32(127 - exponent) << 23u);
+        light.unscale = bitcast<f32>(u32(127 + exponent) << 23u);
+        light.clamp = bitcast<f32>(clamped) * light.scale;
     }
 }
 
-// The energy of a texel above what it is clamped to, scaled: squares of energies overflow.
-fn excess(at: u32, clamp: f32, scale: f32) -> vec3<f32> {
-    let own = brightness(at);
-    return energy_at(at) * scale * select(0.0, 1.0 - clamp / own, own > clamp);
+fn exponent_of(brightness: u32) -> i32 {
+    return max(i32(brightness >> 23u) - 126, -100) - 15;
 }
 
-// Its energy is scaled.
-fn sun_of(own: u32, clamp: f32, scale: f32) -> OctaglossSun {
-    let block = table.inner / side();
-    var energy = vec3<f32>();
-    // Energy times direction, a column for each channel.
-    var means: mat3x3<f32>;
-    for (var k = 0u; k < block * block; k++) {
-        let texel = texel_of(own, k);
-        let given = excess(place_in_plane(texel), clamp, scale);
-        let direction = direction_of(texel);
-        energy += given;
-        means += mat3x3<f32>(given.x * direction, given.y * direction, given.z * direction);
+// One sun a workgroup.
+@compute @workgroup_size(GROUP_SIZE)
+fn suns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let count = side() * side();
+    for (var k = 0u; k < SUNS; k++) {
+        seeds[k] = bitcast<vec3<f32>>(blocks[count + k].xyz);
     }
-    for (var c = 0; c < 3; c++) {
-        means[c] = direction_of_sum(means[c]);
+    let size = block() * block();
+    var sum: Reduced;
+    for (var b = lane; b < count; b += GROUP_SIZE) {
+        if bitcast<f32>(blocks[b].x) * light.scale <= light.clamp {
+            continue;
+        }
+        for (var k = b * size; k < (b + 1u) * size; k++) {
+            let texel = texel_of(k);
+            let at = place_in_plane(texel);
+            let own = brightness(at) * light.scale;
+            if own > light.clamp && nearest_seed(direction_of(texel)) == group.x {
+                // Scaled: squares of energies overflow.
+                let given = energy_at(at) * light.scale * (1.0 - light.clamp / own);
+                let offset = direction_of(texel) - seeds[group.x];
+                let moment = vec4<f32>(offset, 1.0);
+                sum[0] += given.x * moment;
+                sum[1] += given.y * moment;
+                sum[2] += given.z * moment;
+                sum[3] += vec4<f32>(given * (squared(offset) + texel_spread(texel)), 0.0);
+            }
+        }
     }
-    var apart = vec3<f32>();
-    for (var k = 0u; k < block * block; k++) {
-        let texel = texel_of(own, k);
-        let direction = direction_of(texel);
-        let squares = vec3<f32>(
-            squared(direction - means[0]), squared(direction - means[1]), squared(direction - means[2]));
-        apart += excess(place_in_plane(texel), clamp, scale) * (squares + texel_spread(texel));
+    sum = reduce(sum, lane);
+    if lane == 0u {
+        let seed = seeds[group.x];
+        let energy = vec3<f32>(sum[0].w, sum[1].w, sum[2].w);
+        light.suns[group.x] = OctaglossSun(
+            channel(seed, sum[0], sum[3].x), channel(seed, sum[1], sum[3].y),
+            channel(seed, sum[2], sum[3].z), energy * light.unscale, 0.0);
     }
-    let spreads = select(vec3<f32>(), apart / energy, energy > vec3<f32>());
-    return OctaglossSun(
-        vec4<f32>(means[0], spreads.x), vec4<f32>(means[1], spreads.y), vec4<f32>(means[2], spreads.z),
-        energy, 0.0);
+}
+
+fn nearest_seed(direction: vec3<f32>) -> u32 {
+    var nearest = 0u;
+    for (var k = 1u; k < SUNS; k++) {
+        if squared(direction - seeds[k]) < squared(direction - seeds[nearest]) {
+            nearest = k;
+        }
+    }
+    return nearest;
+}
+
+// Mean direction and spread of a channel.
+fn channel(seed: vec3<f32>, moment: vec4<f32>, square: f32) -> vec4<f32> {
+    if moment.w == 0.0 {
+        return vec4<f32>();
+    }
+    let mean = moment.xyz / moment.w;
+    return vec4<f32>(normalize(seed + mean), max(square / moment.w - squared(mean), 0.0));
 }
 
 fn squared(v: vec3<f32>) -> f32 {

@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a ccc04148ca151fbd.
+// Translated from pyramid.wgsl, FNV-1a f8ab3a4055db8ed9.
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
     vec4 red;
@@ -301,37 +301,39 @@ vec3 octagloss_radiance_of(uint probe_6, vec3 direction_2, float roughness) {
     vec3 _e110 = sum_1;
     float _e116 = octagloss_lights[probe_6].unscale;
     sum_1 = (max(_e110, vec3(0.0)) * _e116);
-    float alpha_10 = (roughness * roughness);
+    float a2_ = (((roughness * roughness) * roughness) * roughness);
     bool loop_init_4 = true;
     while(true) {
         if (!loop_init_4) {
-            uint _e189 = k_1;
-            k_1 = (_e189 + 1u);
+            uint _e213 = k_1;
+            k_1 = (_e213 + 1u);
         }
         loop_init_4 = false;
-        uint _e121 = k_1;
-        if ((_e121 < octagloss_SUNS)) {
+        uint _e123 = k_1;
+        if ((_e123 < octagloss_SUNS)) {
         } else {
             break;
         }
         {
-            uint _e127 = k_1;
-            OctaglossSun sun = octagloss_lights[probe_6].suns[_e127];
-            float _e133 = octagloss_squared((_e3 - sun.red.xyz));
-            float _e137 = octagloss_squared((_e3 - sun.green.xyz));
-            float _e141 = octagloss_squared((_e3 - sun.blue.xyz));
-            vec3 apart = vec3(_e133, _e137, _e141);
+            uint _e129 = k_1;
+            OctaglossSun sun = octagloss_lights[probe_6].suns[_e129];
+            float _e135 = octagloss_squared((_e3 - sun.red.xyz));
+            float _e139 = octagloss_squared((_e3 - sun.green.xyz));
+            float _e143 = octagloss_squared((_e3 - sun.blue.xyz));
+            vec3 apart = vec3(_e135, _e139, _e143);
             vec3 s = min((0.25 * apart), vec3(0.5));
-            vec3 spread_1 = vec3(sun.red.w, sun.green.w, sun.blue.w);
-            vec3 a2_ = min((vec3((alpha_10 * alpha_10)) + (0.5 * spread_1)), vec3(1.0));
-            vec3 bend = (s + (a2_ * (vec3(1.0) - s)));
-            vec3 lobe = (((0.31830987 * a2_) / (bend * bend)) * (vec3(1.0) - (2.0 * s)));
-            vec3 _e178 = sum_1;
-            sum_1 = (_e178 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
+            vec3 radius2_ = (0.5 * vec3(sun.red.w, sun.green.w, sun.blue.w));
+            vec3 nearness = ((s + (a2_ * (vec3(1.0) - s))) - radius2_);
+            vec3 root = max(sqrt(((nearness * nearness) + ((4.0 * a2_) * radius2_))), vec3(1e-30));
+            vec3 outside = (vec3((2.0 * a2_)) / (root * max((root + nearness), vec3(1e-30))));
+            vec3 inside = ((root - nearness) / ((2.0 * max(radius2_, vec3(1e-30))) * root));
+            vec3 lobe = ((0.31830987 * mix(inside, outside, greaterThan(nearness, vec3(0.0)))) * (vec3(1.0) - (2.0 * s)));
+            vec3 _e202 = sum_1;
+            sum_1 = (_e202 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
         }
     }
-    vec3 _e191 = sum_1;
-    return _e191;
+    vec3 _e215 = sum_1;
+    return _e215;
 }
 
 vec3 octagloss_radiance(vec3 direction_3, float roughness_1) {
@@ -439,9 +441,9 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha, float spread) {
     float determinant_ = ((squares.x * squares.y) - (mixed * mixed));
     vec2 h = half_vector.xy;
     float slopes = ((((squares.y * h.x) * h.x) - (((2.0 * mixed) * h.x) * h.y)) + ((squares.x * h.y) * h.y));
-    float bend_1 = ((slopes / determinant_) + (half_vector.z * half_vector.z));
+    float bend = ((slopes / determinant_) + (half_vector.z * half_vector.z));
     float masking = ((light.z * length(vec3((alpha * view.xy), view.z))) + (view.z * length(vec3((alpha * light.xy), light.z))));
-    float value = ((0.5 * light.z) / ((((masking * 3.1415927) * sqrt(determinant_)) * bend_1) * bend_1));
+    float value = ((0.5 * light.z) / ((((masking * 3.1415927) * sqrt(determinant_)) * bend) * bend));
     return vec2(value, pow(max((1.0 - cosine_10), 0.0), 5.0));
 }
 
@@ -710,9 +712,9 @@ vec3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface
     sum_5 = (max(_e96, vec3(0.0)) * _e102);
     float _e104 = in_mirror;
     float share_2 = max((1.0 - (_e104 / (_e13.z + _e13.w))), 0.0);
-    vec2 alpha_11 = vec2((roughness_4 * roughness_4));
+    vec2 alpha_10 = vec2((roughness_4 * roughness_4));
     vec3 _e115 = sum_5;
-    vec3 _e119 = octagloss_suns_reflected(probe_13, surface_2, vec2(1.0, 0.0), alpha_11, f0_2, f90_2);
+    vec3 _e119 = octagloss_suns_reflected(probe_13, surface_2, vec2(1.0, 0.0), alpha_10, f0_2, f90_2);
     return (_e115 + (share_2 * _e119));
 }
 
@@ -740,8 +742,8 @@ vec3 octagloss_reflect_isotropic(vec3 normal_3, vec3 view_2, float roughness_5, 
 }
 
 vec2 octagloss_row_alphas(float roughness_6, float anisotropy) {
-    float alpha_12 = (roughness_6 * roughness_6);
-    return vec2((alpha_12 + (((1.0 - alpha_12) * anisotropy) * anisotropy)), alpha_12);
+    float alpha_11 = (roughness_6 * roughness_6);
+    return vec2((alpha_11 + (((1.0 - alpha_11) * anisotropy) * anisotropy)), alpha_11);
 }
 
 float octagloss_row_share(vec2 alpha_2) {
@@ -759,8 +761,8 @@ octagloss_RowPlace octagloss_row_place(vec2 alpha_4, float cosine_3, vec2 tangen
     vec4 _e3 = octagloss_row_places(alpha_4, cosine_3, tangent_2);
     vec4 place_4 = (_e3 * vec4(15.0, 9.0, 7.0, 6.0));
     float lower = min(floor(place_4.w), 5.0);
-    vec2 inside = clamp(place_4.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625)));
-    vec3 texel_3 = (vec3(inside.x, (inside.y + (10.0 * lower)), place_4.z) + vec3(0.5));
+    vec2 inside_1 = clamp(place_4.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625)));
+    vec3 texel_3 = (vec3(inside_1.x, (inside_1.y + (10.0 * lower)), place_4.z) + vec3(0.5));
     return octagloss_RowPlace((texel_3 / octagloss_ROW_SIZE), (place_4.w - lower));
 }
 
@@ -788,9 +790,9 @@ vec4 octagloss_row_more(vec2 alpha_5, float cosine_4, vec2 tangent_3) {
     vec4 _e3 = octagloss_row_places(alpha_5, cosine_4, tangent_3);
     vec4 place_5 = (_e3 * vec4(15.0, 9.0, 7.0, 12.0));
     float lower_1 = min(floor(place_5.w), 11.0);
-    vec3 inside_1 = vec3(clamp(place_5.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625))), place_5.z);
-    vec4 _e25 = octagloss_row_block(lower_1, inside_1);
-    vec4 _e28 = octagloss_row_block((lower_1 + 1.0), inside_1);
+    vec3 inside_2 = vec3(clamp(place_5.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625))), place_5.z);
+    vec4 _e25 = octagloss_row_block(lower_1, inside_2);
+    vec4 _e28 = octagloss_row_block((lower_1 + 1.0), inside_2);
     return mix(_e25, _e28, (place_5.w - lower_1));
 }
 
@@ -814,11 +816,11 @@ octagloss_Row octagloss_row_of(vec2 alpha_7, vec2 tangent_4, float cosine_6) {
     float across_2 = (((squares_2.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_6) * cosine_6);
     float mixed_1 = (((difference * tangent_4.x) * tangent_4.y) * cosine_6);
     float apart_1 = (0.5 * (along_3 - across_2));
-    float root = length(vec2(apart_1, mixed_1));
-    float greatest = max(((0.5 * (along_3 + across_2)) + root), 1e-30);
-    if ((root > 0.0)) {
-        vec2 steep = vec2(abs(mixed_1), ((root - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0)));
-        axis = normalize((((apart_1 >= 0.0) ? vec2((apart_1 + root), mixed_1) : steep) / vec2(root)));
+    float root_1 = length(vec2(apart_1, mixed_1));
+    float greatest = max(((0.5 * (along_3 + across_2)) + root_1), 1e-30);
+    if ((root_1 > 0.0)) {
+        vec2 steep = vec2(abs(mixed_1), ((root_1 - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0)));
+        axis = normalize((((apart_1 >= 0.0) ? vec2((apart_1 + root_1), mixed_1) : steep) / vec2(root_1)));
     }
     float x_2 = log(max((((alpha_7.x * alpha_7.y) * cosine_6) / greatest), octagloss_NARROWEST));
     float extent = sqrt(greatest);
@@ -837,7 +839,7 @@ octagloss_Row octagloss_row_of(vec2 alpha_7, vec2 tangent_4, float cosine_6) {
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;
-    return octagloss_Row((vec2(_e201, (_e203 / cosine_6)) * sqrt((2.0 * root))), extent, (_e119 * tilt), exp(vec4(_e135, _e151, _e167, _e183)), exp(_e199), smoothstep(0.0, octagloss_SKEWED, _e216));
+    return octagloss_Row((vec2(_e201, (_e203 / cosine_6)) * sqrt((2.0 * root_1))), extent, (_e119 * tilt), exp(vec4(_e135, _e151, _e167, _e183)), exp(_e199), smoothstep(0.0, octagloss_SKEWED, _e216));
 }
 
 vec2 octagloss_row_read(octagloss_Row row_1, uint read) {

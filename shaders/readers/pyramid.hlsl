@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a ccc04148ca151fbd.
+// Translated from pyramid.wgsl, FNV-1a f8ab3a4055db8ed9.
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
     float4 red;
@@ -162,8 +162,11 @@ float3 octagloss_harmonics_around(uint probe_1, float3 d_1, float weights[5])
 
     const float _e3[25] = octagloss_harmonic_basis(d_1);
     basis = _e3;
+    uint2 loop_bound = uint2(4294967295u, 4294967295u);
     bool loop_init = true;
     while(true) {
+        if (all(loop_bound == uint2(0u, 0u))) { break; }
+        loop_bound -= uint2(loop_bound.y == 0u, 1u);
         if (!loop_init) {
             uint _e50 = order;
             order = (_e50 + 1u);
@@ -179,8 +182,11 @@ float3 octagloss_harmonics_around(uint probe_1, float3 d_1, float weights[5])
             uint _e14 = order;
             uint _e15 = order;
             k = (_e14 * _e15);
+            uint2 loop_bound_1 = uint2(4294967295u, 4294967295u);
             bool loop_init_1 = true;
             while(true) {
+                if (all(loop_bound_1 == uint2(0u, 0u))) { break; }
+                loop_bound_1 -= uint2(loop_bound_1.y == 0u, 1u);
                 if (!loop_init_1) {
                     uint _e41 = k;
                     k = (_e41 + 1u);
@@ -196,7 +202,7 @@ float3 octagloss_harmonics_around(uint probe_1, float3 d_1, float weights[5])
                 {
                     float3 _e27 = own;
                     uint _e28 = k;
-                    float _e30 = basis[_e28];
+                    float _e30 = basis[min(uint(_e28), 24u)];
                     uint _e34 = k;
                     float4 _e36 = octagloss_lights[probe_1].harmonics[_e34];
                     own = (_e27 + (_e30 * _e36.xyz));
@@ -205,7 +211,7 @@ float3 octagloss_harmonics_around(uint probe_1, float3 d_1, float weights[5])
             float3 _e43 = sum;
             uint _e44 = order;
             float3 _e46 = own;
-            sum = (_e43 + (weights[_e44] * _e46));
+            sum = (_e43 + (weights[min(uint(_e44), 4u)] * _e46));
         }
     }
     float3 _e52 = sum;
@@ -224,8 +230,11 @@ ret_octagloss_node_weights octagloss_node_weights(uint node)
     float4 weights_1[4] = ZeroValuearray4_float4_();
     uint row = 0u;
 
+    uint2 loop_bound_2 = uint2(4294967295u, 4294967295u);
     bool loop_init_2 = true;
     while(true) {
+        if (all(loop_bound_2 == uint2(0u, 0u))) { break; }
+        loop_bound_2 -= uint2(loop_bound_2.y == 0u, 1u);
         if (!loop_init_2) {
             uint _e18 = row;
             row = (_e18 + 1u);
@@ -240,7 +249,7 @@ ret_octagloss_node_weights octagloss_node_weights(uint node)
             uint _e8 = row;
             uint _e12 = row;
             float4 _e16 = octagloss_tables.Load(int3(uint2(node, (27u + _e12)), int(0)));
-            weights_1[_e8] = _e16;
+            weights_1[min(uint(_e8), 3u)] = _e16;
         }
     }
     float4 _e20[4] = weights_1;
@@ -344,8 +353,11 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
         sum_1 = (_e56 + (a_1.y * _e58));
     }
     levels = Constructarray7_float_(a_1.z, a_1.w, b_1.x, b_1.y, b_1.z, b_1.w, c_2.x);
+    uint2 loop_bound_3 = uint2(4294967295u, 4294967295u);
     bool loop_init_3 = true;
     while(true) {
+        if (all(loop_bound_3 == uint2(0u, 0u))) { break; }
+        loop_bound_3 -= uint2(loop_bound_3.y == 0u, 1u);
         if (!loop_init_3) {
             uint _e90 = level_1;
             level_1 = (_e90 + 1u);
@@ -358,11 +370,11 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
         }
         {
             uint _e75 = level_1;
-            float _e77 = levels[_e75];
+            float _e77 = levels[min(uint(_e75), 6u)];
             if ((_e77 != 0.0)) {
                 float3 _e80 = sum_1;
                 uint _e81 = level_1;
-                float _e83 = levels[_e81];
+                float _e83 = levels[min(uint(_e81), 6u)];
                 uint _e84 = level_1;
                 const float3 _e86 = octagloss_read_levels(probe_6, _e4, float(_e84));
                 sum_1 = (_e80 + (_e83 * _e86));
@@ -381,37 +393,42 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
     float3 _e110 = sum_1;
     float _e116 = octagloss_lights[probe_6].unscale;
     sum_1 = (max(_e110, ZeroValuefloat3()) * _e116);
-    float alpha_10 = (roughness * roughness);
+    float a2_ = (((roughness * roughness) * roughness) * roughness);
+    uint2 loop_bound_4 = uint2(4294967295u, 4294967295u);
     bool loop_init_4 = true;
     while(true) {
+        if (all(loop_bound_4 == uint2(0u, 0u))) { break; }
+        loop_bound_4 -= uint2(loop_bound_4.y == 0u, 1u);
         if (!loop_init_4) {
-            uint _e189 = k_1;
-            k_1 = (_e189 + 1u);
+            uint _e213 = k_1;
+            k_1 = (_e213 + 1u);
         }
         loop_init_4 = false;
-        uint _e121 = k_1;
-        if ((_e121 < octagloss_SUNS)) {
+        uint _e123 = k_1;
+        if ((_e123 < octagloss_SUNS)) {
         } else {
             break;
         }
         {
-            uint _e127 = k_1;
-            OctaglossSun sun = octagloss_lights[probe_6].suns[_e127];
-            const float _e133 = octagloss_squared((_e3 - sun.red.xyz));
-            const float _e137 = octagloss_squared((_e3 - sun.green.xyz));
-            const float _e141 = octagloss_squared((_e3 - sun.blue.xyz));
-            float3 apart = float3(_e133, _e137, _e141);
+            uint _e129 = k_1;
+            OctaglossSun sun = octagloss_lights[probe_6].suns[_e129];
+            const float _e135 = octagloss_squared((_e3 - sun.red.xyz));
+            const float _e139 = octagloss_squared((_e3 - sun.green.xyz));
+            const float _e143 = octagloss_squared((_e3 - sun.blue.xyz));
+            float3 apart = float3(_e135, _e139, _e143);
             float3 s = min((0.25 * apart), (0.5).xxx);
-            float3 spread_1 = float3(sun.red.w, sun.green.w, sun.blue.w);
-            float3 a2_ = min((((alpha_10 * alpha_10)).xxx + (0.5 * spread_1)), (1.0).xxx);
-            float3 bend = (s + (a2_ * ((1.0).xxx - s)));
-            float3 lobe = (((0.31830987 * a2_) / (bend * bend)) * ((1.0).xxx - (2.0 * s)));
-            float3 _e178 = sum_1;
-            sum_1 = (_e178 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
+            float3 radius2_ = (0.5 * float3(sun.red.w, sun.green.w, sun.blue.w));
+            float3 nearness = ((s + (a2_ * ((1.0).xxx - s))) - radius2_);
+            float3 root = max(sqrt(((nearness * nearness) + ((4.0 * a2_) * radius2_))), (1e-30).xxx);
+            float3 outside = (((2.0 * a2_)).xxx / (root * max((root + nearness), (1e-30).xxx)));
+            float3 inside = ((root - nearness) / ((2.0 * max(radius2_, (1e-30).xxx)) * root));
+            float3 lobe = ((0.31830987 * ((nearness > ZeroValuefloat3()) ? outside : inside)) * ((1.0).xxx - (2.0 * s)));
+            float3 _e202 = sum_1;
+            sum_1 = (_e202 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
         }
     }
-    float3 _e191 = sum_1;
-    return _e191;
+    float3 _e215 = sum_1;
+    return _e215;
 }
 
 float3 octagloss_radiance(float3 direction_3, float roughness_1)
@@ -431,8 +448,11 @@ float3 octagloss_irradiance_of(uint probe_7, float3 normal)
     const float3 _e5 = octagloss_read_cosine(probe_7, _e4);
     float _e9 = octagloss_lights[probe_7].unscale;
     sum_2 = (_e5 * _e9);
+    uint2 loop_bound_5 = uint2(4294967295u, 4294967295u);
     bool loop_init_5 = true;
     while(true) {
+        if (all(loop_bound_5 == uint2(0u, 0u))) { break; }
+        loop_bound_5 -= uint2(loop_bound_5.y == 0u, 1u);
         if (!loop_init_5) {
             uint _e42 = k_2;
             k_2 = (_e42 + 1u);
@@ -541,9 +561,9 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha, float spre
     float determinant_ = ((squares.x * squares.y) - (mixed * mixed));
     float2 h = half_vector.xy;
     float slopes = ((((squares.y * h.x) * h.x) - (((2.0 * mixed) * h.x) * h.y)) + ((squares.x * h.y) * h.y));
-    float bend_1 = ((slopes / determinant_) + (half_vector.z * half_vector.z));
+    float bend = ((slopes / determinant_) + (half_vector.z * half_vector.z));
     float masking = ((light.z * length(float3((alpha * view.xy), view.z))) + (view.z * length(float3((alpha * light.xy), light.z))));
-    float value = ((0.5 * light.z) / ((((masking * 3.1415927) * sqrt(determinant_)) * bend_1) * bend_1));
+    float value = ((0.5 * light.z) / ((((masking * 3.1415927) * sqrt(determinant_)) * bend) * bend));
     return float2(value, pow(max((1.0 - cosine_10), 0.0), 5.0));
 }
 
@@ -563,8 +583,11 @@ ret_octagloss_harmonic_orders octagloss_harmonic_orders(uint probe_9, float3 d_2
 
     const float _e2[25] = octagloss_harmonic_basis(d_2);
     basis_1 = _e2;
+    uint2 loop_bound_6 = uint2(4294967295u, 4294967295u);
     bool loop_init_6 = true;
     while(true) {
+        if (all(loop_bound_6 == uint2(0u, 0u))) { break; }
+        loop_bound_6 -= uint2(loop_bound_6.y == 0u, 1u);
         if (!loop_init_6) {
             uint _e43 = order_1;
             order_1 = (_e43 + 1u);
@@ -579,8 +602,11 @@ ret_octagloss_harmonic_orders octagloss_harmonic_orders(uint probe_9, float3 d_2
             uint _e11 = order_1;
             uint _e12 = order_1;
             k_3 = (_e11 * _e12);
+            uint2 loop_bound_7 = uint2(4294967295u, 4294967295u);
             bool loop_init_7 = true;
             while(true) {
+                if (all(loop_bound_7 == uint2(0u, 0u))) { break; }
+                loop_bound_7 -= uint2(loop_bound_7.y == 0u, 1u);
                 if (!loop_init_7) {
                     uint _e40 = k_3;
                     k_3 = (_e40 + 1u);
@@ -595,12 +621,12 @@ ret_octagloss_harmonic_orders octagloss_harmonic_orders(uint probe_9, float3 d_2
                 }
                 {
                     uint _e24 = order_1;
-                    float3 _e26 = sums[_e24];
+                    float3 _e26 = sums[min(uint(_e24), 4u)];
                     uint _e27 = k_3;
-                    float _e29 = basis_1[_e27];
+                    float _e29 = basis_1[min(uint(_e27), 24u)];
                     uint _e33 = k_3;
                     float4 _e35 = octagloss_lights[probe_9].harmonics[_e33];
-                    sums[_e24] = (_e26 + (_e29 * _e35.xyz));
+                    sums[min(uint(_e24), 4u)] = (_e26 + (_e29 * _e35.xyz));
                 }
             }
         }
@@ -634,8 +660,11 @@ float3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surfa
     uint order_2 = (uint)0;
 
     texels = pairs;
+    uint2 loop_bound_8 = uint2(4294967295u, 4294967295u);
     bool loop_init_8 = true;
     while(true) {
+        if (all(loop_bound_8 == uint2(0u, 0u))) { break; }
+        loop_bound_8 -= uint2(loop_bound_8.y == 0u, 1u);
         if (!loop_init_8) {
             uint _e84 = k_4;
             k_4 = (_e84 + 1u);
@@ -648,15 +677,18 @@ float3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surfa
         }
         {
             uint _e33 = k_4;
-            float _e36 = angles[_e33].x;
+            float _e36 = angles[min(uint(_e33), 4u)].x;
             uint _e39 = k_4;
-            float _e42 = angles[_e39].y;
+            float _e42 = angles[min(uint(_e39), 4u)].y;
             const float3 _e45[5] = octagloss_harmonic_orders(probe_11, ((surface.normal * _e36) + (surface.towards * _e42)));
             orders = _e45;
             uint _e47 = k_4;
             order_2 = _e47;
+            uint2 loop_bound_9 = uint2(4294967295u, 4294967295u);
             bool loop_init_9 = true;
             while(true) {
+                if (all(loop_bound_9 == uint2(0u, 0u))) { break; }
+                loop_bound_9 -= uint2(loop_bound_9.y == 0u, 1u);
                 if (!loop_init_9) {
                     uint _e81 = order_2;
                     order_2 = (_e81 + 1u);
@@ -669,12 +701,12 @@ float3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surfa
                 }
                 {
                     uint _e52 = pair;
-                    float4 texel_2 = texels[naga_div(_e52, 2u)];
+                    float4 texel_2 = texels[min(uint(naga_div(_e52, 2u)), 7u)];
                     uint _e59 = pair;
                     float2 weights_2 = ((naga_mod(_e59, 2u) == 0u) ? texel_2.xy : texel_2.zw);
                     float3 _e65 = sum_3;
                     uint _e72 = order_2;
-                    float3 _e74 = orders[_e72];
+                    float3 _e74 = orders[min(uint(_e72), 4u)];
                     sum_3 = (_e65 + (((f0_ * weights_2.x) + ((f90_ * weights_2.y)).xxx) * _e74));
                     uint _e78 = pair;
                     pair = (_e78 + 1u);
@@ -712,8 +744,11 @@ float3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1,
     float3 view_5 = float3((surface_1.sine * tangent.x), (-(surface_1.sine) * tangent.y), surface_1.cosine);
     const float _e30 = octagloss_map_inner();
     float2 wide = max(alpha_1, ((0.9 / _e30)).xx);
+    uint2 loop_bound_10 = uint2(4294967295u, 4294967295u);
     bool loop_init_10 = true;
     while(true) {
+        if (all(loop_bound_10 == uint2(0u, 0u))) { break; }
+        loop_bound_10 -= uint2(loop_bound_10.y == 0u, 1u);
         if (!loop_init_10) {
             uint _e109 = k_5;
             k_5 = (_e109 + 1u);
@@ -730,8 +765,11 @@ float3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1,
             channels = Constructarray3_float4_(sun_2.red, sun_2.green, sun_2.blue);
             values = ZeroValuearray3_float2_();
             c = 0u;
+            uint2 loop_bound_11 = uint2(4294967295u, 4294967295u);
             bool loop_init_11 = true;
             while(true) {
+                if (all(loop_bound_11 == uint2(0u, 0u))) { break; }
+                loop_bound_11 -= uint2(loop_bound_11.y == 0u, 1u);
                 if (!loop_init_11) {
                     uint _e77 = c;
                     c = (_e77 + 1u);
@@ -744,14 +782,14 @@ float3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1,
                 }
                 {
                     uint _e60 = c;
-                    float4 _e62 = channels[_e60];
+                    float4 _e62 = channels[min(uint(_e60), 2u)];
                     float3 to = _e62.xyz;
                     float3 light_1 = float3(dot(to, x_1), dot(to, y_1), dot(to, surface_1.normal));
                     uint _e69 = c;
                     uint _e71 = c;
-                    float _e74 = channels[_e71].w;
+                    float _e74 = channels[min(uint(_e71), 2u)].w;
                     const float2 _e75 = octagloss_brdf_around(view_5, light_1, wide, _e74);
-                    values[_e69] = _e75;
+                    values[min(uint(_e69), 2u)] = _e75;
                 }
             }
             float _e81 = values[0].x;
@@ -798,8 +836,11 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
     const float2 _e16 = octagloss_albedo_share(_e14, _e13.zw);
     float3 scaled = (f0_2 * _e16.x);
     float grazing = (f90_2 * _e16.y);
+    uint2 loop_bound_12 = uint2(4294967295u, 4294967295u);
     bool loop_init_12 = true;
     while(true) {
+        if (all(loop_bound_12 == uint2(0u, 0u))) { break; }
+        loop_bound_12 -= uint2(loop_bound_12.y == 0u, 1u);
         if (!loop_init_12) {
             uint _e64 = k_6;
             k_6 = (_e64 + 1u);
@@ -825,8 +866,11 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
     float3 _e66 = sum_5;
     const float3 _e73 = octagloss_cosine_light(probe_13, n_1);
     sum_5 = (_e66 + (((scaled * _e13.x) + ((grazing * _e13.y)).xxx) * _e73));
+    uint2 loop_bound_13 = uint2(4294967295u, 4294967295u);
     bool loop_init_13 = true;
     while(true) {
+        if (all(loop_bound_13 == uint2(0u, 0u))) { break; }
+        loop_bound_13 -= uint2(loop_bound_13.y == 0u, 1u);
         if (!loop_init_13) {
             uint _e90 = k_7;
             k_7 = (_e90 + 1u);
@@ -841,7 +885,7 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
             uint _e83 = k_7;
             uint _e86 = k_7;
             const float4 _e88 = octagloss_reflection_node((10u + _e86), roughness_4, cosine_11);
-            pairs_1[_e83] = _e88;
+            pairs_1[min(uint(_e83), 7u)] = _e88;
         }
     }
     float3 _e92 = sum_5;
@@ -853,9 +897,9 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
     sum_5 = (max(_e96, ZeroValuefloat3()) * _e102);
     float _e104 = in_mirror;
     float share_2 = max((1.0 - (_e104 / (_e13.z + _e13.w))), 0.0);
-    float2 alpha_11 = ((roughness_4 * roughness_4)).xx;
+    float2 alpha_10 = ((roughness_4 * roughness_4)).xx;
     float3 _e115 = sum_5;
-    const float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, float2(1.0, 0.0), alpha_11, f0_2, f90_2);
+    const float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, float2(1.0, 0.0), alpha_10, f0_2, f90_2);
     return (_e115 + (share_2 * _e119));
 }
 
@@ -897,8 +941,8 @@ float3 octagloss_reflect_isotropic(float3 normal_3, float3 view_2, float roughne
 
 float2 octagloss_row_alphas(float roughness_6, float anisotropy)
 {
-    float alpha_12 = (roughness_6 * roughness_6);
-    return float2((alpha_12 + (((1.0 - alpha_12) * anisotropy) * anisotropy)), alpha_12);
+    float alpha_11 = (roughness_6 * roughness_6);
+    return float2((alpha_11 + (((1.0 - alpha_11) * anisotropy) * anisotropy)), alpha_11);
 }
 
 float octagloss_row_share(float2 alpha_2)
@@ -930,8 +974,8 @@ octagloss_RowPlace octagloss_row_place(float2 alpha_4, float cosine_3, float2 ta
     const float4 _e3 = octagloss_row_places(alpha_4, cosine_3, tangent_2);
     float4 place_4 = (_e3 * float4(15.0, 9.0, 7.0, 6.0));
     float lower = min(floor(place_4.w), 5.0);
-    float2 inside = clamp(place_4.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx));
-    float3 texel_3 = (float3(inside.x, (inside.y + (10.0 * lower)), place_4.z) + (0.5).xxx);
+    float2 inside_1 = clamp(place_4.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx));
+    float3 texel_3 = (float3(inside_1.x, (inside_1.y + (10.0 * lower)), place_4.z) + (0.5).xxx);
     const octagloss_RowPlace octagloss_rowplace = Constructoctagloss_RowPlace((texel_3 / octagloss_ROW_SIZE), (place_4.w - lower));
     return octagloss_rowplace;
 }
@@ -964,9 +1008,9 @@ float4 octagloss_row_more(float2 alpha_5, float cosine_4, float2 tangent_3)
     const float4 _e3 = octagloss_row_places(alpha_5, cosine_4, tangent_3);
     float4 place_5 = (_e3 * float4(15.0, 9.0, 7.0, 12.0));
     float lower_1 = min(floor(place_5.w), 11.0);
-    float3 inside_1 = float3(clamp(place_5.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx)), place_5.z);
-    const float4 _e25 = octagloss_row_block(lower_1, inside_1);
-    const float4 _e28 = octagloss_row_block((lower_1 + 1.0), inside_1);
+    float3 inside_2 = float3(clamp(place_5.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx)), place_5.z);
+    const float4 _e25 = octagloss_row_block(lower_1, inside_2);
+    const float4 _e28 = octagloss_row_block((lower_1 + 1.0), inside_2);
     return lerp(_e25, _e28, (place_5.w - lower_1));
 }
 
@@ -1005,11 +1049,11 @@ octagloss_Row octagloss_row_of(float2 alpha_7, float2 tangent_4, float cosine_6)
     float across_2 = (((squares_2.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_6) * cosine_6);
     float mixed_1 = (((difference * tangent_4.x) * tangent_4.y) * cosine_6);
     float apart_1 = (0.5 * (along_3 - across_2));
-    float root = length(float2(apart_1, mixed_1));
-    float greatest = max(((0.5 * (along_3 + across_2)) + root), 1e-30);
-    if ((root > 0.0)) {
-        float2 steep = float2(abs(mixed_1), ((root - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0)));
-        axis = normalize((((apart_1 >= 0.0) ? float2((apart_1 + root), mixed_1) : steep) / (root).xx));
+    float root_1 = length(float2(apart_1, mixed_1));
+    float greatest = max(((0.5 * (along_3 + across_2)) + root_1), 1e-30);
+    if ((root_1 > 0.0)) {
+        float2 steep = float2(abs(mixed_1), ((root_1 - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0)));
+        axis = normalize((((apart_1 >= 0.0) ? float2((apart_1 + root_1), mixed_1) : steep) / (root_1).xx));
     }
     float x_2 = log(max((((alpha_7.x * alpha_7.y) * cosine_6) / greatest), octagloss_NARROWEST));
     float extent = sqrt(greatest);
@@ -1028,7 +1072,7 @@ octagloss_Row octagloss_row_of(float2 alpha_7, float2 tangent_4, float cosine_6)
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;
-    const octagloss_Row octagloss_row = Constructoctagloss_Row((float2(_e201, (_e203 / cosine_6)) * sqrt((2.0 * root))), extent, (_e119 * tilt), exp(float4(_e135, _e151, _e167, _e183)), exp(_e199), smoothstep(0.0, octagloss_SKEWED, _e216));
+    const octagloss_Row octagloss_row = Constructoctagloss_Row((float2(_e201, (_e203 / cosine_6)) * sqrt((2.0 * root_1))), extent, (_e119 * tilt), exp(float4(_e135, _e151, _e167, _e183)), exp(_e199), smoothstep(0.0, octagloss_SKEWED, _e216));
     return octagloss_row;
 }
 
@@ -1081,8 +1125,11 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     const float2 _e34 = octagloss_row_albedo(alpha_8, surface_3.cosine, (tangent_5.x * tangent_5.x), more_1);
     float3 scaled_1 = (f0_4 * _e34.x);
     float grazing_1 = (f90_4 * _e34.y);
+    uint2 loop_bound_14 = uint2(4294967295u, 4294967295u);
     bool loop_init_14 = true;
     while(true) {
+        if (all(loop_bound_14 == uint2(0u, 0u))) { break; }
+        loop_bound_14 -= uint2(loop_bound_14.y == 0u, 1u);
         if (!loop_init_14) {
             uint _e142 = distance_;
             distance_ = (_e142 + 1u);
@@ -1108,8 +1155,11 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
                 skew = ((0.5 * _e18.skew) * (_e49.xy - _e49.zw));
             }
             side = 0u;
+            uint2 loop_bound_15 = uint2(4294967295u, 4294967295u);
             bool loop_init_15 = true;
             while(true) {
+                if (all(loop_bound_15 == uint2(0u, 0u))) { break; }
+                loop_bound_15 -= uint2(loop_bound_15.y == 0u, 1u);
                 if (!loop_init_15) {
                     uint _e139 = side;
                     side = (_e139 + 1u);
@@ -1143,8 +1193,11 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
             }
         }
     }
+    uint2 loop_bound_16 = uint2(4294967295u, 4294967295u);
     bool loop_init_16 = true;
     while(true) {
+        if (all(loop_bound_16 == uint2(0u, 0u))) { break; }
+        loop_bound_16 -= uint2(loop_bound_16.y == 0u, 1u);
         if (!loop_init_16) {
             uint _e158 = k_8;
             k_8 = (_e158 + 1u);
@@ -1159,7 +1212,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
             uint _e151 = k_8;
             uint _e154 = k_8;
             const float4 _e156 = octagloss_row_node((octagloss_ROW_PAIRS + _e154), _e16);
-            pairs_2[_e151] = _e156;
+            pairs_2[min(uint(_e151), 7u)] = _e156;
         }
     }
     float3 _e160 = sum_6;
@@ -1169,8 +1222,11 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     float3 mirrored = (across_3 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
     float4 _e192 = pairs_2[7];
     texel_1 = _e192;
+    uint2 loop_bound_17 = uint2(4294967295u, 4294967295u);
     bool loop_init_17 = true;
     while(true) {
+        if (all(loop_bound_17 == uint2(0u, 0u))) { break; }
+        loop_bound_17 -= uint2(loop_bound_17.y == 0u, 1u);
         if (!loop_init_17) {
             uint _e280 = k_9;
             k_9 = (_e280 + 1u);
@@ -1183,22 +1239,25 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
         }
         {
             uint _e202 = k_9;
-            float _e205 = aside[_e202].x;
+            float _e205 = aside[min(uint(_e202), 3u)].x;
             uint _e207 = k_9;
-            float _e210 = aside[_e207].z;
+            float _e210 = aside[min(uint(_e207), 3u)].z;
             float3 level_4 = ((surface_3.towards * _e205) + (n_2 * _e210));
             uint _e213 = k_9;
-            float _e216 = aside[_e213].y;
+            float _e216 = aside[min(uint(_e213), 3u)].y;
             const float3 _e219[5] = octagloss_harmonic_orders(probe_15, (level_4 + (mirrored * _e216)));
             own_1 = _e219;
             uint _e221 = k_9;
-            float _e224 = aside[_e221].y;
+            float _e224 = aside[min(uint(_e221), 3u)].y;
             const float3 _e227[5] = octagloss_harmonic_orders(probe_15, (level_4 - (mirrored * _e224)));
             other = _e227;
             uint _e229 = k_9;
             order_3 = (_e229 + 1u);
+            uint2 loop_bound_18 = uint2(4294967295u, 4294967295u);
             bool loop_init_18 = true;
             while(true) {
+                if (all(loop_bound_18 == uint2(0u, 0u))) { break; }
+                loop_bound_18 -= uint2(loop_bound_18.y == 0u, 1u);
                 if (!loop_init_18) {
                     uint _e277 = order_3;
                     order_3 = (_e277 + 1u);
@@ -1222,9 +1281,9 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
                     float2 weights_4 = ((naga_mod(_e251, 2u) == 0u) ? _e249.xy : _e247.zw);
                     float3 _e257 = sum_6;
                     uint _e264 = order_3;
-                    float3 _e266 = own_1[_e264];
+                    float3 _e266 = own_1[min(uint(_e264), 4u)];
                     uint _e267 = order_3;
-                    float3 _e269 = other[_e267];
+                    float3 _e269 = other[min(uint(_e267), 4u)];
                     sum_6 = (_e257 + (((scaled_1 * weights_4.x) + ((grazing_1 * weights_4.y)).xxx) * (_e266 - _e269)));
                     uint _e274 = pair_1;
                     pair_1 = (_e274 + 1u);

@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a ccc04148ca151fbd.
+// Translated from pyramid.wgsl, FNV-1a f8ab3a4055db8ed9.
 // Metal; the resources are arguments of each function.
 // language: metal1.0
 #include <metal_stdlib>
@@ -173,8 +173,11 @@ metal::float3 octagloss_harmonics_around(
     uint k = {};
     type_12 _e3 = octagloss_harmonic_basis(d_1);
     basis = _e3;
+    uint2 loop_bound = uint2(4294967295u);
     bool loop_init = true;
     while(true) {
+        if (metal::all(loop_bound == uint2(0u))) { break; }
+        loop_bound -= uint2(loop_bound.y == 0u, 1u);
         if (!loop_init) {
             uint _e50 = order;
             order = _e50 + 1u;
@@ -190,8 +193,11 @@ metal::float3 octagloss_harmonics_around(
             uint _e14 = order;
             uint _e15 = order;
             k = _e14 * _e15;
+            uint2 loop_bound_1 = uint2(4294967295u);
             bool loop_init_1 = true;
             while(true) {
+                if (metal::all(loop_bound_1 == uint2(0u))) { break; }
+                loop_bound_1 -= uint2(loop_bound_1.y == 0u, 1u);
                 if (!loop_init_1) {
                     uint _e41 = k;
                     k = _e41 + 1u;
@@ -229,8 +235,11 @@ type_15 octagloss_node_weights(
 ) {
     type_15 weights_1 = type_15 {};
     uint row = 0u;
+    uint2 loop_bound_2 = uint2(4294967295u);
     bool loop_init_2 = true;
     while(true) {
+        if (metal::all(loop_bound_2 == uint2(0u))) { break; }
+        loop_bound_2 -= uint2(loop_bound_2.y == 0u, 1u);
         if (!loop_init_2) {
             uint _e18 = row;
             row = _e18 + 1u;
@@ -363,8 +372,11 @@ metal::float3 octagloss_radiance_of(
         sum_1 = _e56 + (a_1.y * _e58);
     }
     levels = type_18 {{a_1.z, a_1.w, b_1.x, b_1.y, b_1.z, b_1.w, c_2.x}};
+    uint2 loop_bound_3 = uint2(4294967295u);
     bool loop_init_3 = true;
     while(true) {
+        if (metal::all(loop_bound_3 == uint2(0u))) { break; }
+        loop_bound_3 -= uint2(loop_bound_3.y == 0u, 1u);
         if (!loop_init_3) {
             uint _e90 = level_1;
             level_1 = _e90 + 1u;
@@ -400,37 +412,42 @@ metal::float3 octagloss_radiance_of(
     metal::float3 _e110 = sum_1;
     float _e116 = octagloss_lights.inner[probe_6].unscale;
     sum_1 = metal::max(_e110, metal::float3 {}) * _e116;
-    float alpha_10 = roughness * roughness;
+    float a2_ = ((roughness * roughness) * roughness) * roughness;
+    uint2 loop_bound_4 = uint2(4294967295u);
     bool loop_init_4 = true;
     while(true) {
+        if (metal::all(loop_bound_4 == uint2(0u))) { break; }
+        loop_bound_4 -= uint2(loop_bound_4.y == 0u, 1u);
         if (!loop_init_4) {
-            uint _e189 = k_1;
-            k_1 = _e189 + 1u;
+            uint _e213 = k_1;
+            k_1 = _e213 + 1u;
         }
         loop_init_4 = false;
-        uint _e121 = k_1;
-        if (_e121 < octagloss_SUNS) {
+        uint _e123 = k_1;
+        if (_e123 < octagloss_SUNS) {
         } else {
             break;
         }
         {
-            uint _e127 = k_1;
-            OctaglossSun sun = octagloss_lights.inner[probe_6].suns.inner[_e127];
-            float _e133 = octagloss_squared(_e3 - sun.red.xyz);
-            float _e137 = octagloss_squared(_e3 - sun.green.xyz);
-            float _e141 = octagloss_squared(_e3 - sun.blue.xyz);
-            metal::float3 apart = metal::float3(_e133, _e137, _e141);
+            uint _e129 = k_1;
+            OctaglossSun sun = octagloss_lights.inner[probe_6].suns.inner[_e129];
+            float _e135 = octagloss_squared(_e3 - sun.red.xyz);
+            float _e139 = octagloss_squared(_e3 - sun.green.xyz);
+            float _e143 = octagloss_squared(_e3 - sun.blue.xyz);
+            metal::float3 apart = metal::float3(_e135, _e139, _e143);
             metal::float3 s = metal::min(0.25 * apart, metal::float3(0.5));
-            metal::float3 spread_1 = metal::float3(sun.red.w, sun.green.w, sun.blue.w);
-            metal::float3 a2_ = metal::min(metal::float3(alpha_10 * alpha_10) + (0.5 * spread_1), metal::float3(1.0));
-            metal::float3 bend = s + (a2_ * (metal::float3(1.0) - s));
-            metal::float3 lobe = ((0.31830987 * a2_) / (bend * bend)) * (metal::float3(1.0) - (2.0 * s));
-            metal::float3 _e178 = sum_1;
-            sum_1 = _e178 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x)));
+            metal::float3 radius2_ = 0.5 * metal::float3(sun.red.w, sun.green.w, sun.blue.w);
+            metal::float3 nearness = (s + (a2_ * (metal::float3(1.0) - s))) - radius2_;
+            metal::float3 root = metal::max(metal::sqrt((nearness * nearness) + ((4.0 * a2_) * radius2_)), metal::float3(0.000000000000000000000000000001));
+            metal::float3 outside = metal::float3(2.0 * a2_) / (root * metal::max(root + nearness, metal::float3(0.000000000000000000000000000001)));
+            metal::float3 inside = (root - nearness) / ((2.0 * metal::max(radius2_, metal::float3(0.000000000000000000000000000001))) * root);
+            metal::float3 lobe = (0.31830987 * metal::select(inside, outside, nearness > metal::float3 {})) * (metal::float3(1.0) - (2.0 * s));
+            metal::float3 _e202 = sum_1;
+            sum_1 = _e202 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x)));
         }
     }
-    metal::float3 _e191 = sum_1;
-    return _e191;
+    metal::float3 _e215 = sum_1;
+    return _e215;
 }
 
 metal::float3 octagloss_radiance(
@@ -460,8 +477,11 @@ metal::float3 octagloss_irradiance_of(
     metal::float3 _e5 = octagloss_read_cosine(probe_7, _e4, octagloss_maps, octagloss_linear);
     float _e9 = octagloss_lights.inner[probe_7].unscale;
     sum_2 = _e5 * _e9;
+    uint2 loop_bound_5 = uint2(4294967295u);
     bool loop_init_5 = true;
     while(true) {
+        if (metal::all(loop_bound_5 == uint2(0u))) { break; }
+        loop_bound_5 -= uint2(loop_bound_5.y == 0u, 1u);
         if (!loop_init_5) {
             uint _e42 = k_2;
             k_2 = _e42 + 1u;
@@ -593,9 +613,9 @@ metal::float2 octagloss_brdf_around(
     float determinant = (squares.x * squares.y) - (mixed * mixed);
     metal::float2 h = half_vector.xy;
     float slopes = (((squares.y * h.x) * h.x) - (((2.0 * mixed) * h.x) * h.y)) + ((squares.x * h.y) * h.y);
-    float bend_1 = (slopes / determinant) + (half_vector.z * half_vector.z);
+    float bend = (slopes / determinant) + (half_vector.z * half_vector.z);
     float masking = (light.z * metal::length(metal::float3(alpha * view.xy, view.z))) + (view.z * metal::length(metal::float3(alpha * light.xy, light.z)));
-    float value = (0.5 * light.z) / ((((masking * 3.1415927) * metal::sqrt(determinant)) * bend_1) * bend_1);
+    float value = (0.5 * light.z) / ((((masking * 3.1415927) * metal::sqrt(determinant)) * bend) * bend);
     return metal::float2(value, metal::pow(metal::max(1.0 - cosine_10, 0.0), 5.0));
 }
 
@@ -610,8 +630,11 @@ type_19 octagloss_harmonic_orders(
     uint k_3 = {};
     type_12 _e2 = octagloss_harmonic_basis(d_2);
     basis_1 = _e2;
+    uint2 loop_bound_6 = uint2(4294967295u);
     bool loop_init_6 = true;
     while(true) {
+        if (metal::all(loop_bound_6 == uint2(0u))) { break; }
+        loop_bound_6 -= uint2(loop_bound_6.y == 0u, 1u);
         if (!loop_init_6) {
             uint _e43 = order_1;
             order_1 = _e43 + 1u;
@@ -626,8 +649,11 @@ type_19 octagloss_harmonic_orders(
             uint _e11 = order_1;
             uint _e12 = order_1;
             k_3 = _e11 * _e12;
+            uint2 loop_bound_7 = uint2(4294967295u);
             bool loop_init_7 = true;
             while(true) {
+                if (metal::all(loop_bound_7 == uint2(0u))) { break; }
+                loop_bound_7 -= uint2(loop_bound_7.y == 0u, 1u);
                 if (!loop_init_7) {
                     uint _e40 = k_3;
                     k_3 = _e40 + 1u;
@@ -684,8 +710,11 @@ metal::float3 octagloss_harmonics_reflected(
     type_19 orders = {};
     uint order_2 = {};
     texels = pairs;
+    uint2 loop_bound_8 = uint2(4294967295u);
     bool loop_init_8 = true;
     while(true) {
+        if (metal::all(loop_bound_8 == uint2(0u))) { break; }
+        loop_bound_8 -= uint2(loop_bound_8.y == 0u, 1u);
         if (!loop_init_8) {
             uint _e84 = k_4;
             k_4 = _e84 + 1u;
@@ -705,8 +734,11 @@ metal::float3 octagloss_harmonics_reflected(
             orders = _e45;
             uint _e47 = k_4;
             order_2 = _e47;
+            uint2 loop_bound_9 = uint2(4294967295u);
             bool loop_init_9 = true;
             while(true) {
+                if (metal::all(loop_bound_9 == uint2(0u))) { break; }
+                loop_bound_9 -= uint2(loop_bound_9.y == 0u, 1u);
                 if (!loop_init_9) {
                     uint _e81 = order_2;
                     order_2 = _e81 + 1u;
@@ -757,8 +789,11 @@ metal::float3 octagloss_suns_reflected(
     metal::float3 view_5 = metal::float3(surface_1.sine * tangent.x, -(surface_1.sine) * tangent.y, surface_1.cosine);
     float _e30 = octagloss_map_inner(octagloss_maps);
     metal::float2 wide = metal::max(alpha_1, metal::float2(0.9 / _e30));
+    uint2 loop_bound_10 = uint2(4294967295u);
     bool loop_init_10 = true;
     while(true) {
+        if (metal::all(loop_bound_10 == uint2(0u))) { break; }
+        loop_bound_10 -= uint2(loop_bound_10.y == 0u, 1u);
         if (!loop_init_10) {
             uint _e109 = k_5;
             k_5 = _e109 + 1u;
@@ -775,8 +810,11 @@ metal::float3 octagloss_suns_reflected(
             channels = type_22 {{sun_2.red, sun_2.green, sun_2.blue}};
             values = type_23 {};
             c = 0u;
+            uint2 loop_bound_11 = uint2(4294967295u);
             bool loop_init_11 = true;
             while(true) {
+                if (metal::all(loop_bound_11 == uint2(0u))) { break; }
+                loop_bound_11 -= uint2(loop_bound_11.y == 0u, 1u);
                 if (!loop_init_11) {
                     uint _e77 = c;
                     c = _e77 + 1u;
@@ -847,8 +885,11 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float2 _e16 = octagloss_albedo_share(_e14, _e13.zw);
     metal::float3 scaled = f0_2 * _e16.x;
     float grazing = f90_2 * _e16.y;
+    uint2 loop_bound_12 = uint2(4294967295u);
     bool loop_init_12 = true;
     while(true) {
+        if (metal::all(loop_bound_12 == uint2(0u))) { break; }
+        loop_bound_12 -= uint2(loop_bound_12.y == 0u, 1u);
         if (!loop_init_12) {
             uint _e64 = k_6;
             k_6 = _e64 + 1u;
@@ -874,8 +915,11 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float3 _e66 = sum_5;
     metal::float3 _e73 = octagloss_cosine_light(probe_13, n_1, octagloss_maps, octagloss_linear);
     sum_5 = _e66 + (((scaled * _e13.x) + metal::float3(grazing * _e13.y)) * _e73);
+    uint2 loop_bound_13 = uint2(4294967295u);
     bool loop_init_13 = true;
     while(true) {
+        if (metal::all(loop_bound_13 == uint2(0u))) { break; }
+        loop_bound_13 -= uint2(loop_bound_13.y == 0u, 1u);
         if (!loop_init_13) {
             uint _e90 = k_7;
             k_7 = _e90 + 1u;
@@ -902,9 +946,9 @@ metal::float3 octagloss_reflected_isotropic(
     sum_5 = metal::max(_e96, metal::float3 {}) * _e102;
     float _e104 = in_mirror;
     float share_2 = metal::max(1.0 - (_e104 / (_e13.z + _e13.w)), 0.0);
-    metal::float2 alpha_11 = metal::float2(roughness_4 * roughness_4);
+    metal::float2 alpha_10 = metal::float2(roughness_4 * roughness_4);
     metal::float3 _e115 = sum_5;
-    metal::float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_2, f90_2, octagloss_lights, octagloss_maps);
+    metal::float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_10, f0_2, f90_2, octagloss_lights, octagloss_maps);
     return _e115 + (share_2 * _e119);
 }
 
@@ -950,8 +994,8 @@ metal::float2 octagloss_row_alphas(
     float roughness_6,
     float anisotropy
 ) {
-    float alpha_12 = roughness_6 * roughness_6;
-    return metal::float2(alpha_12 + (((1.0 - alpha_12) * anisotropy) * anisotropy), alpha_12);
+    float alpha_11 = roughness_6 * roughness_6;
+    return metal::float2(alpha_11 + (((1.0 - alpha_11) * anisotropy) * anisotropy), alpha_11);
 }
 
 float octagloss_row_share(
@@ -979,8 +1023,8 @@ octagloss_RowPlace octagloss_row_place(
     metal::float4 _e3 = octagloss_row_places(alpha_4, cosine_3, tangent_2);
     metal::float4 place_4 = _e3 * metal::float4(15.0, 9.0, 7.0, 6.0);
     float lower = metal::min(metal::floor(place_4.w), 5.0);
-    metal::float2 inside = metal::clamp(place_4.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
-    metal::float3 texel_3 = metal::float3(inside.x, inside.y + (10.0 * lower), place_4.z) + metal::float3(0.5);
+    metal::float2 inside_1 = metal::clamp(place_4.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
+    metal::float3 texel_3 = metal::float3(inside_1.x, inside_1.y + (10.0 * lower), place_4.z) + metal::float3(0.5);
     return octagloss_RowPlace {texel_3 / octagloss_ROW_SIZE, place_4.w - lower};
 }
 
@@ -1028,9 +1072,9 @@ metal::float4 octagloss_row_more(
     metal::float4 _e3 = octagloss_row_places(alpha_5, cosine_4, tangent_3);
     metal::float4 place_5 = _e3 * metal::float4(15.0, 9.0, 7.0, 12.0);
     float lower_1 = metal::min(metal::floor(place_5.w), 11.0);
-    metal::float3 inside_1 = metal::float3(metal::clamp(place_5.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625)), place_5.z);
-    metal::float4 _e25 = octagloss_row_block(lower_1, inside_1, octagloss_linear, octagloss_rows);
-    metal::float4 _e28 = octagloss_row_block(lower_1 + 1.0, inside_1, octagloss_linear, octagloss_rows);
+    metal::float3 inside_2 = metal::float3(metal::clamp(place_5.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625)), place_5.z);
+    metal::float4 _e25 = octagloss_row_block(lower_1, inside_2, octagloss_linear, octagloss_rows);
+    metal::float4 _e28 = octagloss_row_block(lower_1 + 1.0, inside_2, octagloss_linear, octagloss_rows);
     return metal::mix(_e25, _e28, place_5.w - lower_1);
 }
 
@@ -1069,11 +1113,11 @@ octagloss_Row octagloss_row_of(
     float across_2 = ((squares_2.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_6) * cosine_6;
     float mixed_1 = ((difference * tangent_4.x) * tangent_4.y) * cosine_6;
     float apart_1 = 0.5 * (along_3 - across_2);
-    float root = metal::length(metal::float2(apart_1, mixed_1));
-    float greatest = metal::max((0.5 * (along_3 + across_2)) + root, 0.000000000000000000000000000001);
-    if (root > 0.0) {
-        metal::float2 steep = metal::float2(metal::abs(mixed_1), (root - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0));
-        axis = metal::normalize(((apart_1 >= 0.0) ? metal::float2(apart_1 + root, mixed_1) : steep) / metal::float2(root));
+    float root_1 = metal::length(metal::float2(apart_1, mixed_1));
+    float greatest = metal::max((0.5 * (along_3 + across_2)) + root_1, 0.000000000000000000000000000001);
+    if (root_1 > 0.0) {
+        metal::float2 steep = metal::float2(metal::abs(mixed_1), (root_1 - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0));
+        axis = metal::normalize(((apart_1 >= 0.0) ? metal::float2(apart_1 + root_1, mixed_1) : steep) / metal::float2(root_1));
     }
     float x_2 = metal::log(metal::max(((alpha_7.x * alpha_7.y) * cosine_6) / greatest, octagloss_NARROWEST));
     float extent = metal::sqrt(greatest);
@@ -1092,7 +1136,7 @@ octagloss_Row octagloss_row_of(
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;
-    return octagloss_Row {metal::float2(_e201, _e203 / cosine_6) * metal::sqrt(2.0 * root), extent, _e119 * tilt, metal::exp(metal::float4(_e135, _e151, _e167, _e183)), metal::exp(_e199), metal::smoothstep(0.0, octagloss_SKEWED, _e216)};
+    return octagloss_Row {metal::float2(_e201, _e203 / cosine_6) * metal::sqrt(2.0 * root_1), extent, _e119 * tilt, metal::exp(metal::float4(_e135, _e151, _e167, _e183)), metal::exp(_e199), metal::smoothstep(0.0, octagloss_SKEWED, _e216)};
 }
 
 metal::float2 octagloss_row_read(
@@ -1151,8 +1195,11 @@ metal::float3 octagloss_reflect_in_row(
     metal::float2 _e34 = octagloss_row_albedo(alpha_8, surface_3.cosine, tangent_5.x * tangent_5.x, more_1, octagloss_tables);
     metal::float3 scaled_1 = f0_4 * _e34.x;
     float grazing_1 = f90_4 * _e34.y;
+    uint2 loop_bound_14 = uint2(4294967295u);
     bool loop_init_14 = true;
     while(true) {
+        if (metal::all(loop_bound_14 == uint2(0u))) { break; }
+        loop_bound_14 -= uint2(loop_bound_14.y == 0u, 1u);
         if (!loop_init_14) {
             uint _e142 = distance;
             distance = _e142 + 1u;
@@ -1178,8 +1225,11 @@ metal::float3 octagloss_reflect_in_row(
                 skew = (0.5 * _e18.skew) * (_e49.xy - _e49.zw);
             }
             side = 0u;
+            uint2 loop_bound_15 = uint2(4294967295u);
             bool loop_init_15 = true;
             while(true) {
+                if (metal::all(loop_bound_15 == uint2(0u))) { break; }
+                loop_bound_15 -= uint2(loop_bound_15.y == 0u, 1u);
                 if (!loop_init_15) {
                     uint _e139 = side;
                     side = _e139 + 1u;
@@ -1213,8 +1263,11 @@ metal::float3 octagloss_reflect_in_row(
             }
         }
     }
+    uint2 loop_bound_16 = uint2(4294967295u);
     bool loop_init_16 = true;
     while(true) {
+        if (metal::all(loop_bound_16 == uint2(0u))) { break; }
+        loop_bound_16 -= uint2(loop_bound_16.y == 0u, 1u);
         if (!loop_init_16) {
             uint _e158 = k_8;
             k_8 = _e158 + 1u;
@@ -1239,8 +1292,11 @@ metal::float3 octagloss_reflect_in_row(
     metal::float3 mirrored = across_3 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
     metal::float4 _e192 = pairs_2.inner[7];
     texel_1 = _e192;
+    uint2 loop_bound_17 = uint2(4294967295u);
     bool loop_init_17 = true;
     while(true) {
+        if (metal::all(loop_bound_17 == uint2(0u))) { break; }
+        loop_bound_17 -= uint2(loop_bound_17.y == 0u, 1u);
         if (!loop_init_17) {
             uint _e280 = k_9;
             k_9 = _e280 + 1u;
@@ -1267,8 +1323,11 @@ metal::float3 octagloss_reflect_in_row(
             other = _e227;
             uint _e229 = k_9;
             order_3 = _e229 + 1u;
+            uint2 loop_bound_18 = uint2(4294967295u);
             bool loop_init_18 = true;
             while(true) {
+                if (metal::all(loop_bound_18 == uint2(0u))) { break; }
+                loop_bound_18 -= uint2(loop_bound_18.y == 0u, 1u);
                 if (!loop_init_18) {
                     uint _e277 = order_3;
                     order_3 = _e277 + 1u;

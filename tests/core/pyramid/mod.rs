@@ -262,6 +262,68 @@ fn suns_are_exact_around_themselves_at_every_fold() {
     }
 }
 
+/// Suns of four texels, at folds and at corners of the blocks that are searched: each would take four.
+#[test]
+fn eight_suns_fit_wherever_they_lie() {
+    for size in [256, 512] {
+        let (edge, half) = (size - 1, size / 2);
+        // A corner of the sun; others are beside and above it, or where the map folds.
+        let inside = |x: u32, y: u32| [[x - 1, y - 1], [x, y - 1], [x - 1, y], [x, y]];
+        let fold = |y: u32| [[0, y], [1, y], [0, edge - y], [1, edge - y]];
+        let suns = [
+            fold(size / 5),
+            inside(half, half),
+            inside(half, size / 4),
+            inside(size / 4, half),
+            inside(size / 4, size / 4),
+            inside(3 * size / 4, size / 4),
+            inside(3 * size / 4, 3 * size / 4),
+            [[0, 0], [edge, 0], [0, edge], [edge, edge]],
+        ];
+        let mut light = vec![[0.2, 0.3, 0.4]; (size * size) as usize];
+        // Dimmer ones around the first.
+        for [x, y] in [[30, size / 5], [30, size / 5 + 9], [8, size / 5 + 16], [9, size / 5 - 16]] {
+            light[(y * size + x) as usize] = [2.0, 1.0, 1.0];
+        }
+        for (k, [x, y]) in (0..).zip(suns.as_flattened()) {
+            light[(y * size + x) as usize] = [5e4 - k as f32, 4e4, 3e4];
+        }
+        let oem = oem(OemSize { inner: size, border: 0 }, &light);
+        let pyramid = Pyramid::of_oem(&oem).expect("a size");
+        let found = pyramid.suns();
+        assert!(found.clamp < 3.0, "{size}: clamped to {}", found.clamp);
+        for sun in suns {
+            let centre: DVec3 = sun.iter().map(|[x, y]| direction_from_oct(texel_centre(size, *x, *y))).sum();
+            let power: f32 = sun.iter().map(|[x, y]| oem.texel(*x, *y)[1]).sum();
+            let near = |own: &&Sun| {
+                own.channels[1].direction.as_dvec3().distance(centre.normalize()) < 0.5 / f64::from(size)
+            };
+            let found = found.suns.iter().find(near).unwrap_or_else(|| panic!("{size}: no sun at {sun:?}"));
+            let energy = found.channels[1].energy;
+            assert!((energy / power - 1.0).abs() < 1e-3, "{size}, {sun:?}: {energy} of {power}");
+        }
+    }
+}
+
+/// A half float's least is 5e11 times smaller than what the brightest light is scaled to.
+#[test]
+fn a_sky_far_below_its_sun_is_kept() {
+    let size = 64;
+    for brightness in [1e6_f32, 1e9, 1e12, 1e15] {
+        let mut light = vec![[1.0, 0.7, 0.5]; (size * size) as usize];
+        light[(20 * size + 40) as usize] = [brightness; 3];
+        let pyramid = Pyramid::of_oem(&oem(OemSize { inner: size, border: 0 }, &light)).expect("a size");
+        let away = -direction_from_oct(texel_centre(size, 40, 20));
+        let finite = pyramid.maps().iter().all(|map| map.around(-away).is_finite());
+        assert!(finite, "the mirror overflows for {brightness}");
+        let rough = [0.0, 0.1, 0.3, 0.8].map(|roughness| pyramid.lobes(roughness).radiance(away));
+        for [r, g, b] in rough.into_iter().chain([pyramid.irradiance(away)]) {
+            let off = (r - 1.0).abs().max((g - 0.7).abs()).max((b - 0.5).abs());
+            assert!(off < 0.01, "{brightness}: {r} {g} {b}");
+        }
+    }
+}
+
 #[test]
 fn other_sizes_are_errors() {
     for size in [0, 16, 48, 4096] {

@@ -191,9 +191,12 @@ impl Place {
 }
 
 /// The exponent that brings light of up to `greatest` into the range of half floats: it is multiplied by
-/// 2^-exponent. Light of less than 2^-100 stays dim.
-pub fn exponent(greatest: f32) -> i32 {
-    if greatest > 0.0 { ((greatest.to_bits() >> 23) as i32 - 126).max(-100) - BRIGHTEST } else { 0 }
+/// 2^-exponent. Light of less than 2^-100 stays dim. What the rest is clamped to stays above 2^-5, a million
+/// times what a half float can hold: beyond that suns are dimmed in the mirror.
+pub(crate) fn exponent(greatest: f32, clamp: f32) -> i32 {
+    let of = |light: f32| ((light.to_bits() >> 23) as i32 - 126).max(-100) - BRIGHTEST;
+    let own = if greatest > 0.0 { of(greatest) } else { 0 };
+    if clamp > 0.0 { (of(clamp) + 19).clamp(own - 40, own) } else { own }
 }
 
 /// What light is multiplied by for the exponent of [`exponent`].
@@ -205,7 +208,9 @@ pub(crate) fn scale(exponent: i32) -> f32 {
 pub(crate) fn mirror(oem: &Oem, exponent: i32) -> Map {
     let scale = scale(exponent);
     Map::new(oem.size().inner, |x, y| {
-        Vec3A::from_array(oem.radiance(x, y).map(|value| f16::from_f32(value * scale).to_f32()))
+        let light = Vec3A::from_array(oem.radiance(x, y)) * scale;
+        let held = light * suns::kept(light.max_element(), f16::MAX.to_f32());
+        Vec3A::from_array(held.to_array().map(|value| f16::from_f32(value).to_f32()))
     })
 }
 

@@ -138,7 +138,7 @@ impl Pyramid {
     pub fn of_oem(oem: &Oem) -> Result<Self> {
         let octaves = Octaves::over(oem.size().inner)?;
         let suns = Suns::of(oem);
-        let exponent = levels::exponent(suns.greatest);
+        let exponent = levels::exponent(suns.greatest, suns.clamp);
         let mirror = levels::mirror(oem, exponent);
         let clamp = suns.clamp * levels::scale(exponent);
         let mut maps = vec![levels::sharp(&mirror, clamp, octaves.sharp_width())];

@@ -1,9 +1,10 @@
 //! Takes the brightest lights out of the levels; look-ups add their lobes exactly.
 //!
 //! A few Gaussians are off by 1 to 2 % of a lobe's peak. Under a sun that is several percent of the mean. So
-//! the brightest 8 blocks of texels are clamped to the radiance of the ninth, and their excess becomes suns.
-//! As a block's brightness approaches that of the others its sun vanishes: blocks may change from frame to
-//! frame without a visible step, and a constant sky has no suns.
+//! the map is clamped, and its excess becomes 8 suns. Their seeds are the brightest texels that are not near
+//! each other on the sphere, whatever folds lie between; the ninth is what the rest is clamped to. Texels
+//! above it belong to the nearest seed. Around a seed texels count little by little: the clamp does not jump
+//! when the map turns, and a constant sky has no suns.
 
 use super::Octaves;
 use crate::light::oem::Oem;
@@ -16,8 +17,14 @@ use std::f32::consts::FRAC_1_PI;
 /// Most suns.
 pub const COUNT: usize = 8;
 
-/// Blocks along an edge of the finest grid.
+/// Blocks along an edge of the finest grid, whose brightest texels are kept.
 pub const FINEST: u32 = 128;
+
+/// Texels closer to a seed than this, on the unit sphere, are no seeds; at twice the distance they count fully.
+pub const NEAR: f32 = 0.02;
+
+/// The same in texels of the map, over its edge.
+pub const NEAR_TEXELS: f32 = 7.0;
 
 /// A sun: the light that a block has above the others. Lamps of several colours may share a block, so each
 /// channel has a place of its own.
@@ -65,23 +72,54 @@ impl Suns {
             let corner = [k % side * block, k / side * block];
             (0..block * block).map(move |texel| [corner[0] + texel % block, corner[1] + texel / block])
         };
-        let brightest = |k| texels(k).map(|[x, y]| brightness(oem.texel(x, y))).fold(0.0, f32::max);
-        let mut blocks: Vec<(f32, u32)> =
-            (0..side * side).into_par_iter().map(|k| (brightest(k), k)).collect();
-        let brighter = |a: &(f32, u32), b: &(f32, u32)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
-        let (chosen, &mut (clamp, _), _) = blocks.select_nth_unstable_by(COUNT, brighter);
-        chosen.sort_unstable_by(brighter);
-        let mut suns = [Sun::default(); COUNT];
-        for (sun, (_, k)) in suns.iter_mut().zip(&*chosen) {
-            let above = texels(*k).map(|[x, y]| {
-                let texel = oem.texel(x, y);
-                let given = 1.0 - kept(brightness(texel), clamp);
-                ([x, y], [texel[0], texel[1], texel[2]].map(|energy| f64::from(given * energy)))
-            });
-            sun.channels =
-                [0, 1, 2].map(|c| SunChannel::of(inner, above.clone().map(|(at, energy)| (at, energy[c]))));
+        let own = |[x, y]: [u32; 2]| brightness(oem.texel(x, y));
+        let direction = |[x, y]: [u32; 2]| direction_from_oct(texel_centre(inner, x, y)).as_vec3a();
+        let var =
+            |name: &str, default: f32| std::env::var(name).map_or(default, |text| text.parse().unwrap());
+        let near = var("NEAR", NEAR).max(var("TEXELS", NEAR_TEXELS) / inner as f32);
+        // How much a texel counts beside `seeds`.
+        let apart = |texel: [u32; 2], seeds: &[Vec3A]| {
+            let at = direction(texel);
+            let nearest = seeds.iter().map(|seed| at.distance_squared(*seed)).fold(f32::INFINITY, f32::min);
+            ((nearest / (near * near) - 1.0) / 3.0).clamp(0.0, 1.0)
+        };
+        let first = |a: (f32, [u32; 2]), b: (f32, [u32; 2])| if b.0 > a.0 { b } else { a };
+        let none = (-1.0, [0; 2]);
+        let blocks = (0..side * side).into_par_iter();
+        let brightest: Vec<_> =
+            blocks.map(|k| texels(k).map(|texel| (own(texel), texel)).fold(none, first)).collect();
+        let greatest = brightest.iter().copied().fold(none, first).0;
+        let mut left = brightest.clone();
+        let mut seeds = Vec::new();
+        for _ in 0..COUNT {
+            let (_, texel) = left.iter().copied().fold(none, first);
+            seeds.push(direction(texel));
+            for (left, k) in left.iter_mut().zip(0..) {
+                if apart(left.1, &seeds[seeds.len() - 1..]) < 1.0 {
+                    let counted = texels(k).map(|texel| (own(texel) * apart(texel, &seeds), texel));
+                    *left = counted.fold(none, first);
+                }
+            }
         }
-        Self { suns, clamp, greatest: chosen[0].0 }
+        let clamp = left.iter().copied().fold(none, first).0;
+        let mut lights = vec![Vec::new(); COUNT];
+        let bright = (0..).zip(&brightest).filter(|(_, (brightest, _))| *brightest > clamp);
+        for [x, y] in bright.flat_map(|(k, _)| texels(k)) {
+            let given = 1.0 - kept(own([x, y]), clamp);
+            if given > 0.0 {
+                let at = direction([x, y]);
+                let squared = |k: &usize| at.distance_squared(seeds[*k]);
+                let nearest = (0..COUNT).min_by(|a, b| squared(a).total_cmp(&squared(b)));
+                let [r, g, b, _] = oem.texel(x, y).map(|energy| f64::from(given * energy));
+                lights[nearest.expect("seeds")].push(([x, y], [r, g, b]));
+            }
+        }
+        let mut suns = [Sun::default(); COUNT];
+        for (sun, light) in suns.iter_mut().zip(&lights) {
+            let channel = |c: usize| light.iter().map(move |(at, energy)| (*at, energy[c]));
+            sun.channels = [0, 1, 2].map(|c| SunChannel::of(inner, channel(c)));
+        }
+        Self { suns, clamp, greatest }
     }
 }
 
@@ -122,15 +160,22 @@ impl SunChannel {
         Self { direction: direction.as_vec3a(), spread: (apart / energy) as f32, energy: energy as f32 }
     }
 
-    /// A light of variance v around its mean is evaluated there by a lobe of alpha^2 + v / 2: near its centre
-    /// GGX is 1 - d^2 / 2 alpha^2 of its peak at the distance d.
+    /// GGX under a uniform disc of its spread, in closed form: a2 / (a2 + s)^2 is the kernel of a parallel
+    /// disc's form factor.
     fn glossy(&self, alpha: f32, direction: Vec3A) -> f32 {
         if self.energy == 0.0 {
             return 0.0;
         }
         let s = (self.direction.distance_squared(direction) / 4.0).min(0.5);
-        let widened = (alpha * alpha + self.spread / 2.0).min(1.0);
-        self.energy * lobe::ggx(f64::from(widened), f64::from(s)) as f32
+        let (a2, radius2) = (alpha * alpha, self.spread / 2.0);
+        let nearness = s + a2 * (1.0 - s) - radius2;
+        let root = (nearness * nearness + 4.0 * radius2 * a2).sqrt().max(f32::MIN_POSITIVE);
+        let lobe = if nearness > 0.0 {
+            2.0 * a2 / (root * (root + nearness))
+        } else {
+            (root - nearness) / (2.0 * radius2 * root)
+        };
+        self.energy * FRAC_1_PI * lobe * (1.0 - 2.0 * s)
     }
 }
 

@@ -18,7 +18,7 @@ use wgpu::BindingResource::{Sampler, TextureView};
 /// Invocations of a workgroup over blocks or cells.
 pub const GROUP_SIZE: u32 = 64;
 
-/// Invocations of the workgroup that chooses suns.
+/// Invocations of the workgroups that choose and sum suns.
 pub const SUNS_GROUP_SIZE: u32 = 256;
 
 /// Invocations along an edge of a workgroup over texels.
@@ -72,7 +72,9 @@ fn suns_of(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
     let file = "pyramid/suns.wgsl";
     let brightest = Dispatch::new(context, (file, "brightest_of_blocks"), &resources, [blocks, 1, 1]);
     resources.push((6, maps.light()));
-    Stage::new("suns", vec![brightest, Dispatch::new(context, (file, "suns"), &resources, [1, 1, 1])])
+    let choose = Dispatch::new(context, (file, "choose"), &resources, [1, 1, 1]);
+    let suns = Dispatch::new(context, (file, "suns"), &resources, [suns::COUNT as u32, 1, 1]);
+    Stage::new("suns", vec![brightest, choose, suns])
 }
 
 fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {

@@ -95,7 +95,8 @@ impl PyramidMaps {
             sharp: texture("sharp levels", size, 2 * probes, 1),
             cosine: texture("cosine levels", COSINE, probes, 1),
             linear: trilinear(context),
-            blocks: context.storage("brightness of blocks", 4 * squares(suns::FINEST)),
+            blocks: context
+                .storage("brightness of blocks", 16 * (squares(suns::FINEST) + suns::COUNT as u64)),
             cells: context.storage("light of cells", 48 * squares(cells::FINEST)),
         };
         let all: Vec<_> = (0..probes).map(|probe| Self { probe, ..first.clone() }).collect();
