@@ -1,7 +1,8 @@
 //! Recipes: as JSON, and as the plans that they are recorded with.
 
 use octagloss_core::files::format::OutputLayout;
-use octagloss_core::files::recipe::{Recipe, from_json};
+use octagloss_core::files::io::provenance::Provenance;
+use octagloss_core::files::recipe::{InputOptions, Recipe, from_json};
 use octagloss_core::files::target::TARGETS;
 use serde_json::{Map, Value, json};
 
@@ -116,5 +117,17 @@ fn typings_have_every_option() {
             python.contains(&format!("\n    {own}: ")) || python.contains(&format!("\n        {own}: ")),
             "python/octagloss/_octagloss.pyi lacks {own}"
         );
+    }
+}
+
+/// Bakes are judged against their source as they record it.
+#[test]
+fn files_record_every_option_that_changes_the_input() {
+    let recorded = serde_json::to_value(Provenance::default()).unwrap();
+    for name in serde_json::to_value(InputOptions::default()).unwrap().as_object().unwrap().keys() {
+        // How a file is read says nothing of its light, and of suns those that were found are recorded.
+        if !["layout", "sanitize", "strict", "extract_sun"].contains(&name.as_str()) {
+            assert!(recorded.get(name).is_some(), "Provenance lacks {name}");
+        }
     }
 }

@@ -297,7 +297,7 @@ impl Look {
     /// the visible threshold; for errors of lobes the least value with a distinct colour; for those of true
     /// reflections, which cost more, ten times that. Their errors are hundredths of it.
     pub(super) fn tolerance(&self) -> f64 {
-        if self.show.is_false_colour() && !self.judges_reflections() { 1e-4 } else { 1e-3 }
+        if self.show == Show::Error && !self.judges_reflections() { 1e-4 } else { 1e-3 }
     }
 
     /// Whether the picture reads a summed-area table.

@@ -74,9 +74,7 @@ impl Suns {
         };
         let own = |[x, y]: [u32; 2]| brightness(oem.texel(x, y));
         let direction = |[x, y]: [u32; 2]| direction_from_oct(texel_centre(inner, x, y)).as_vec3a();
-        let var =
-            |name: &str, default: f32| std::env::var(name).map_or(default, |text| text.parse().unwrap());
-        let near = var("NEAR", NEAR).max(var("TEXELS", NEAR_TEXELS) / inner as f32);
+        let near = NEAR.max(NEAR_TEXELS / inner as f32);
         // How much a texel counts beside `seeds`.
         let apart = |texel: [u32; 2], seeds: &[Vec3A]| {
             let at = direction(texel);

@@ -40,8 +40,10 @@ pub fn shown(look: &Look, values: &[[f16; 4]], exposure: f64) -> Shown {
     let value = |[red, green, blue, extra]: &[f16; 4]| match look.show {
         Show::Error => Some(extra.to_f64()),
         // Clear around the table.
-        _ if extra.to_f64() < 0.5 => None,
-        _ => Some(exact_luminance([red, green, blue].map(|c| c.to_f32())) * (-exposure).exp2()),
+        Show::Scene | Show::Oem | Show::Sat if extra.to_f64() < 0.5 => None,
+        Show::Scene | Show::Oem | Show::Sat => {
+            Some(exact_luminance([red, green, blue].map(|c| c.to_f32())) * (-exposure).exp2())
+        }
     };
     let (mut sum, mut count) = (0.0, 0.0);
     let (mut least, mut greatest) = (f64::INFINITY, 0.0_f64);

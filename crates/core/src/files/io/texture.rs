@@ -54,6 +54,10 @@ pub(super) fn image_bytes(pixel: Pixel, width: u32, height: u32) -> usize {
     width as usize * height as usize * texel
 }
 
+fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {
+    bytes.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word))
+}
+
 impl Texture<'_> {
     /// Decodes level 0.
     pub(super) fn picture(&self) -> Result<Picture> {
@@ -162,10 +166,9 @@ impl Texture<'_> {
                     texels.extend(bc6h::rgb_from_bc6h(width, height, self.is_signed, blocks));
                 }
             }
-            pixel => {
-                let rgb_from = if pixel == Pixel::Rgb9e5 { rgb_from_rgb9e5 } else { rgb_from_r11g11b10 };
-                texels.extend(bytes.as_chunks().0.iter().map(|texel| rgb_from(u32::from_le_bytes(*texel))));
-            }
+            Pixel::Rgb9e5 => texels.extend(words(bytes).map(rgb_from_rgb9e5)),
+            Pixel::R11g11b10 => texels.extend(words(bytes).map(rgb_from_r11g11b10)),
+            Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => unreachable!("no textures have it"),
         })?;
         if self.is_bottom_up {
             texels = texels.chunks_exact(width as usize).rev().flatten().copied().collect();
