@@ -162,11 +162,8 @@ float3 octagloss_harmonics_around(uint probe_1, float3 d_1, float weights[5])
 
     const float _e3[25] = octagloss_harmonic_basis(d_1);
     basis = _e3;
-    uint2 loop_bound = uint2(4294967295u, 4294967295u);
     bool loop_init = true;
     while(true) {
-        if (all(loop_bound == uint2(0u, 0u))) { break; }
-        loop_bound -= uint2(loop_bound.y == 0u, 1u);
         if (!loop_init) {
             uint _e50 = order;
             order = (_e50 + 1u);
@@ -182,11 +179,8 @@ float3 octagloss_harmonics_around(uint probe_1, float3 d_1, float weights[5])
             uint _e14 = order;
             uint _e15 = order;
             k = (_e14 * _e15);
-            uint2 loop_bound_1 = uint2(4294967295u, 4294967295u);
             bool loop_init_1 = true;
             while(true) {
-                if (all(loop_bound_1 == uint2(0u, 0u))) { break; }
-                loop_bound_1 -= uint2(loop_bound_1.y == 0u, 1u);
                 if (!loop_init_1) {
                     uint _e41 = k;
                     k = (_e41 + 1u);
@@ -202,7 +196,7 @@ float3 octagloss_harmonics_around(uint probe_1, float3 d_1, float weights[5])
                 {
                     float3 _e27 = own;
                     uint _e28 = k;
-                    float _e30 = basis[min(uint(_e28), 24u)];
+                    float _e30 = basis[_e28];
                     uint _e34 = k;
                     float4 _e36 = octagloss_lights[probe_1].harmonics[_e34];
                     own = (_e27 + (_e30 * _e36.xyz));
@@ -211,7 +205,7 @@ float3 octagloss_harmonics_around(uint probe_1, float3 d_1, float weights[5])
             float3 _e43 = sum;
             uint _e44 = order;
             float3 _e46 = own;
-            sum = (_e43 + (weights[min(uint(_e44), 4u)] * _e46));
+            sum = (_e43 + (weights[_e44] * _e46));
         }
     }
     float3 _e52 = sum;
@@ -230,11 +224,8 @@ ret_octagloss_node_weights octagloss_node_weights(uint node)
     float4 weights_1[4] = ZeroValuearray4_float4_();
     uint row = 0u;
 
-    uint2 loop_bound_2 = uint2(4294967295u, 4294967295u);
     bool loop_init_2 = true;
     while(true) {
-        if (all(loop_bound_2 == uint2(0u, 0u))) { break; }
-        loop_bound_2 -= uint2(loop_bound_2.y == 0u, 1u);
         if (!loop_init_2) {
             uint _e18 = row;
             row = (_e18 + 1u);
@@ -249,7 +240,7 @@ ret_octagloss_node_weights octagloss_node_weights(uint node)
             uint _e8 = row;
             uint _e12 = row;
             float4 _e16 = octagloss_tables.Load(int3(uint2(node, (27u + _e12)), int(0)));
-            weights_1[min(uint(_e8), 3u)] = _e16;
+            weights_1[_e8] = _e16;
         }
     }
     float4 _e20[4] = weights_1;
@@ -353,11 +344,8 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
         sum_1 = (_e56 + (a_1.y * _e58));
     }
     levels = Constructarray7_float_(a_1.z, a_1.w, b_1.x, b_1.y, b_1.z, b_1.w, c_2.x);
-    uint2 loop_bound_3 = uint2(4294967295u, 4294967295u);
     bool loop_init_3 = true;
     while(true) {
-        if (all(loop_bound_3 == uint2(0u, 0u))) { break; }
-        loop_bound_3 -= uint2(loop_bound_3.y == 0u, 1u);
         if (!loop_init_3) {
             uint _e90 = level_1;
             level_1 = (_e90 + 1u);
@@ -370,11 +358,11 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
         }
         {
             uint _e75 = level_1;
-            float _e77 = levels[min(uint(_e75), 6u)];
+            float _e77 = levels[_e75];
             if ((_e77 != 0.0)) {
                 float3 _e80 = sum_1;
                 uint _e81 = level_1;
-                float _e83 = levels[min(uint(_e81), 6u)];
+                float _e83 = levels[_e81];
                 uint _e84 = level_1;
                 const float3 _e86 = octagloss_read_levels(probe_6, _e4, float(_e84));
                 sum_1 = (_e80 + (_e83 * _e86));
@@ -394,11 +382,8 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
     float _e116 = octagloss_lights[probe_6].unscale;
     sum_1 = (max(_e110, ZeroValuefloat3()) * _e116);
     float a2_ = (((roughness * roughness) * roughness) * roughness);
-    uint2 loop_bound_4 = uint2(4294967295u, 4294967295u);
     bool loop_init_4 = true;
     while(true) {
-        if (all(loop_bound_4 == uint2(0u, 0u))) { break; }
-        loop_bound_4 -= uint2(loop_bound_4.y == 0u, 1u);
         if (!loop_init_4) {
             uint _e213 = k_1;
             k_1 = (_e213 + 1u);
@@ -448,11 +433,8 @@ float3 octagloss_irradiance_of(uint probe_7, float3 normal)
     const float3 _e5 = octagloss_read_cosine(probe_7, _e4);
     float _e9 = octagloss_lights[probe_7].unscale;
     sum_2 = (_e5 * _e9);
-    uint2 loop_bound_5 = uint2(4294967295u, 4294967295u);
     bool loop_init_5 = true;
     while(true) {
-        if (all(loop_bound_5 == uint2(0u, 0u))) { break; }
-        loop_bound_5 -= uint2(loop_bound_5.y == 0u, 1u);
         if (!loop_init_5) {
             uint _e42 = k_2;
             k_2 = (_e42 + 1u);
@@ -583,11 +565,8 @@ ret_octagloss_harmonic_orders octagloss_harmonic_orders(uint probe_9, float3 d_2
 
     const float _e2[25] = octagloss_harmonic_basis(d_2);
     basis_1 = _e2;
-    uint2 loop_bound_6 = uint2(4294967295u, 4294967295u);
     bool loop_init_6 = true;
     while(true) {
-        if (all(loop_bound_6 == uint2(0u, 0u))) { break; }
-        loop_bound_6 -= uint2(loop_bound_6.y == 0u, 1u);
         if (!loop_init_6) {
             uint _e43 = order_1;
             order_1 = (_e43 + 1u);
@@ -602,11 +581,8 @@ ret_octagloss_harmonic_orders octagloss_harmonic_orders(uint probe_9, float3 d_2
             uint _e11 = order_1;
             uint _e12 = order_1;
             k_3 = (_e11 * _e12);
-            uint2 loop_bound_7 = uint2(4294967295u, 4294967295u);
             bool loop_init_7 = true;
             while(true) {
-                if (all(loop_bound_7 == uint2(0u, 0u))) { break; }
-                loop_bound_7 -= uint2(loop_bound_7.y == 0u, 1u);
                 if (!loop_init_7) {
                     uint _e40 = k_3;
                     k_3 = (_e40 + 1u);
@@ -621,12 +597,12 @@ ret_octagloss_harmonic_orders octagloss_harmonic_orders(uint probe_9, float3 d_2
                 }
                 {
                     uint _e24 = order_1;
-                    float3 _e26 = sums[min(uint(_e24), 4u)];
+                    float3 _e26 = sums[_e24];
                     uint _e27 = k_3;
-                    float _e29 = basis_1[min(uint(_e27), 24u)];
+                    float _e29 = basis_1[_e27];
                     uint _e33 = k_3;
                     float4 _e35 = octagloss_lights[probe_9].harmonics[_e33];
-                    sums[min(uint(_e24), 4u)] = (_e26 + (_e29 * _e35.xyz));
+                    sums[_e24] = (_e26 + (_e29 * _e35.xyz));
                 }
             }
         }
@@ -660,11 +636,8 @@ float3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surfa
     uint order_2 = (uint)0;
 
     texels = pairs;
-    uint2 loop_bound_8 = uint2(4294967295u, 4294967295u);
     bool loop_init_8 = true;
     while(true) {
-        if (all(loop_bound_8 == uint2(0u, 0u))) { break; }
-        loop_bound_8 -= uint2(loop_bound_8.y == 0u, 1u);
         if (!loop_init_8) {
             uint _e84 = k_4;
             k_4 = (_e84 + 1u);
@@ -677,18 +650,15 @@ float3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surfa
         }
         {
             uint _e33 = k_4;
-            float _e36 = angles[min(uint(_e33), 4u)].x;
+            float _e36 = angles[_e33].x;
             uint _e39 = k_4;
-            float _e42 = angles[min(uint(_e39), 4u)].y;
+            float _e42 = angles[_e39].y;
             const float3 _e45[5] = octagloss_harmonic_orders(probe_11, ((surface.normal * _e36) + (surface.towards * _e42)));
             orders = _e45;
             uint _e47 = k_4;
             order_2 = _e47;
-            uint2 loop_bound_9 = uint2(4294967295u, 4294967295u);
             bool loop_init_9 = true;
             while(true) {
-                if (all(loop_bound_9 == uint2(0u, 0u))) { break; }
-                loop_bound_9 -= uint2(loop_bound_9.y == 0u, 1u);
                 if (!loop_init_9) {
                     uint _e81 = order_2;
                     order_2 = (_e81 + 1u);
@@ -701,12 +671,12 @@ float3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surfa
                 }
                 {
                     uint _e52 = pair;
-                    float4 texel_2 = texels[min(uint(naga_div(_e52, 2u)), 7u)];
+                    float4 texel_2 = texels[naga_div(_e52, 2u)];
                     uint _e59 = pair;
                     float2 weights_2 = ((naga_mod(_e59, 2u) == 0u) ? texel_2.xy : texel_2.zw);
                     float3 _e65 = sum_3;
                     uint _e72 = order_2;
-                    float3 _e74 = orders[min(uint(_e72), 4u)];
+                    float3 _e74 = orders[_e72];
                     sum_3 = (_e65 + (((f0_ * weights_2.x) + ((f90_ * weights_2.y)).xxx) * _e74));
                     uint _e78 = pair;
                     pair = (_e78 + 1u);
@@ -744,11 +714,8 @@ float3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1,
     float3 view_5 = float3((surface_1.sine * tangent.x), (-(surface_1.sine) * tangent.y), surface_1.cosine);
     const float _e30 = octagloss_map_inner();
     float2 wide = max(alpha_1, ((0.9 / _e30)).xx);
-    uint2 loop_bound_10 = uint2(4294967295u, 4294967295u);
     bool loop_init_10 = true;
     while(true) {
-        if (all(loop_bound_10 == uint2(0u, 0u))) { break; }
-        loop_bound_10 -= uint2(loop_bound_10.y == 0u, 1u);
         if (!loop_init_10) {
             uint _e109 = k_5;
             k_5 = (_e109 + 1u);
@@ -765,11 +732,8 @@ float3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1,
             channels = Constructarray3_float4_(sun_2.red, sun_2.green, sun_2.blue);
             values = ZeroValuearray3_float2_();
             c = 0u;
-            uint2 loop_bound_11 = uint2(4294967295u, 4294967295u);
             bool loop_init_11 = true;
             while(true) {
-                if (all(loop_bound_11 == uint2(0u, 0u))) { break; }
-                loop_bound_11 -= uint2(loop_bound_11.y == 0u, 1u);
                 if (!loop_init_11) {
                     uint _e77 = c;
                     c = (_e77 + 1u);
@@ -782,14 +746,14 @@ float3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1,
                 }
                 {
                     uint _e60 = c;
-                    float4 _e62 = channels[min(uint(_e60), 2u)];
+                    float4 _e62 = channels[_e60];
                     float3 to = _e62.xyz;
                     float3 light_1 = float3(dot(to, x_1), dot(to, y_1), dot(to, surface_1.normal));
                     uint _e69 = c;
                     uint _e71 = c;
-                    float _e74 = channels[min(uint(_e71), 2u)].w;
+                    float _e74 = channels[_e71].w;
                     const float2 _e75 = octagloss_brdf_around(view_5, light_1, wide, _e74);
-                    values[min(uint(_e69), 2u)] = _e75;
+                    values[_e69] = _e75;
                 }
             }
             float _e81 = values[0].x;
@@ -836,11 +800,8 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
     const float2 _e16 = octagloss_albedo_share(_e14, _e13.zw);
     float3 scaled = (f0_2 * _e16.x);
     float grazing = (f90_2 * _e16.y);
-    uint2 loop_bound_12 = uint2(4294967295u, 4294967295u);
     bool loop_init_12 = true;
     while(true) {
-        if (all(loop_bound_12 == uint2(0u, 0u))) { break; }
-        loop_bound_12 -= uint2(loop_bound_12.y == 0u, 1u);
         if (!loop_init_12) {
             uint _e64 = k_6;
             k_6 = (_e64 + 1u);
@@ -866,11 +827,8 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
     float3 _e66 = sum_5;
     const float3 _e73 = octagloss_cosine_light(probe_13, n_1);
     sum_5 = (_e66 + (((scaled * _e13.x) + ((grazing * _e13.y)).xxx) * _e73));
-    uint2 loop_bound_13 = uint2(4294967295u, 4294967295u);
     bool loop_init_13 = true;
     while(true) {
-        if (all(loop_bound_13 == uint2(0u, 0u))) { break; }
-        loop_bound_13 -= uint2(loop_bound_13.y == 0u, 1u);
         if (!loop_init_13) {
             uint _e90 = k_7;
             k_7 = (_e90 + 1u);
@@ -885,7 +843,7 @@ float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surfa
             uint _e83 = k_7;
             uint _e86 = k_7;
             const float4 _e88 = octagloss_reflection_node((10u + _e86), roughness_4, cosine_11);
-            pairs_1[min(uint(_e83), 7u)] = _e88;
+            pairs_1[_e83] = _e88;
         }
     }
     float3 _e92 = sum_5;
@@ -1125,11 +1083,8 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     const float2 _e34 = octagloss_row_albedo(alpha_8, surface_3.cosine, (tangent_5.x * tangent_5.x), more_1);
     float3 scaled_1 = (f0_4 * _e34.x);
     float grazing_1 = (f90_4 * _e34.y);
-    uint2 loop_bound_14 = uint2(4294967295u, 4294967295u);
     bool loop_init_14 = true;
     while(true) {
-        if (all(loop_bound_14 == uint2(0u, 0u))) { break; }
-        loop_bound_14 -= uint2(loop_bound_14.y == 0u, 1u);
         if (!loop_init_14) {
             uint _e142 = distance_;
             distance_ = (_e142 + 1u);
@@ -1155,11 +1110,8 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
                 skew = ((0.5 * _e18.skew) * (_e49.xy - _e49.zw));
             }
             side = 0u;
-            uint2 loop_bound_15 = uint2(4294967295u, 4294967295u);
             bool loop_init_15 = true;
             while(true) {
-                if (all(loop_bound_15 == uint2(0u, 0u))) { break; }
-                loop_bound_15 -= uint2(loop_bound_15.y == 0u, 1u);
                 if (!loop_init_15) {
                     uint _e139 = side;
                     side = (_e139 + 1u);
@@ -1193,11 +1145,8 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
             }
         }
     }
-    uint2 loop_bound_16 = uint2(4294967295u, 4294967295u);
     bool loop_init_16 = true;
     while(true) {
-        if (all(loop_bound_16 == uint2(0u, 0u))) { break; }
-        loop_bound_16 -= uint2(loop_bound_16.y == 0u, 1u);
         if (!loop_init_16) {
             uint _e158 = k_8;
             k_8 = (_e158 + 1u);
@@ -1212,7 +1161,7 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
             uint _e151 = k_8;
             uint _e154 = k_8;
             const float4 _e156 = octagloss_row_node((octagloss_ROW_PAIRS + _e154), _e16);
-            pairs_2[min(uint(_e151), 7u)] = _e156;
+            pairs_2[_e151] = _e156;
         }
     }
     float3 _e160 = sum_6;
@@ -1222,11 +1171,8 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
     float3 mirrored = (across_3 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
     float4 _e192 = pairs_2[7];
     texel_1 = _e192;
-    uint2 loop_bound_17 = uint2(4294967295u, 4294967295u);
     bool loop_init_17 = true;
     while(true) {
-        if (all(loop_bound_17 == uint2(0u, 0u))) { break; }
-        loop_bound_17 -= uint2(loop_bound_17.y == 0u, 1u);
         if (!loop_init_17) {
             uint _e280 = k_9;
             k_9 = (_e280 + 1u);
@@ -1239,25 +1185,22 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
         }
         {
             uint _e202 = k_9;
-            float _e205 = aside[min(uint(_e202), 3u)].x;
+            float _e205 = aside[_e202].x;
             uint _e207 = k_9;
-            float _e210 = aside[min(uint(_e207), 3u)].z;
+            float _e210 = aside[_e207].z;
             float3 level_4 = ((surface_3.towards * _e205) + (n_2 * _e210));
             uint _e213 = k_9;
-            float _e216 = aside[min(uint(_e213), 3u)].y;
+            float _e216 = aside[_e213].y;
             const float3 _e219[5] = octagloss_harmonic_orders(probe_15, (level_4 + (mirrored * _e216)));
             own_1 = _e219;
             uint _e221 = k_9;
-            float _e224 = aside[min(uint(_e221), 3u)].y;
+            float _e224 = aside[_e221].y;
             const float3 _e227[5] = octagloss_harmonic_orders(probe_15, (level_4 - (mirrored * _e224)));
             other = _e227;
             uint _e229 = k_9;
             order_3 = (_e229 + 1u);
-            uint2 loop_bound_18 = uint2(4294967295u, 4294967295u);
             bool loop_init_18 = true;
             while(true) {
-                if (all(loop_bound_18 == uint2(0u, 0u))) { break; }
-                loop_bound_18 -= uint2(loop_bound_18.y == 0u, 1u);
                 if (!loop_init_18) {
                     uint _e277 = order_3;
                     order_3 = (_e277 + 1u);
@@ -1281,9 +1224,9 @@ float3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3,
                     float2 weights_4 = ((naga_mod(_e251, 2u) == 0u) ? _e249.xy : _e247.zw);
                     float3 _e257 = sum_6;
                     uint _e264 = order_3;
-                    float3 _e266 = own_1[min(uint(_e264), 4u)];
+                    float3 _e266 = own_1[_e264];
                     uint _e267 = order_3;
-                    float3 _e269 = other[min(uint(_e267), 4u)];
+                    float3 _e269 = other[_e267];
                     sum_6 = (_e257 + (((scaled_1 * weights_4.x) + ((grazing_1 * weights_4.y)).xxx) * (_e266 - _e269)));
                     uint _e274 = pair_1;
                     pair_1 = (_e274 + 1u);

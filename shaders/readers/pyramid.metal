@@ -173,11 +173,8 @@ metal::float3 octagloss_harmonics_around(
     uint k = {};
     type_12 _e3 = octagloss_harmonic_basis(d_1);
     basis = _e3;
-    uint2 loop_bound = uint2(4294967295u);
     bool loop_init = true;
     while(true) {
-        if (metal::all(loop_bound == uint2(0u))) { break; }
-        loop_bound -= uint2(loop_bound.y == 0u, 1u);
         if (!loop_init) {
             uint _e50 = order;
             order = _e50 + 1u;
@@ -193,11 +190,8 @@ metal::float3 octagloss_harmonics_around(
             uint _e14 = order;
             uint _e15 = order;
             k = _e14 * _e15;
-            uint2 loop_bound_1 = uint2(4294967295u);
             bool loop_init_1 = true;
             while(true) {
-                if (metal::all(loop_bound_1 == uint2(0u))) { break; }
-                loop_bound_1 -= uint2(loop_bound_1.y == 0u, 1u);
                 if (!loop_init_1) {
                     uint _e41 = k;
                     k = _e41 + 1u;
@@ -235,11 +229,8 @@ type_15 octagloss_node_weights(
 ) {
     type_15 weights_1 = type_15 {};
     uint row = 0u;
-    uint2 loop_bound_2 = uint2(4294967295u);
     bool loop_init_2 = true;
     while(true) {
-        if (metal::all(loop_bound_2 == uint2(0u))) { break; }
-        loop_bound_2 -= uint2(loop_bound_2.y == 0u, 1u);
         if (!loop_init_2) {
             uint _e18 = row;
             row = _e18 + 1u;
@@ -372,11 +363,8 @@ metal::float3 octagloss_radiance_of(
         sum_1 = _e56 + (a_1.y * _e58);
     }
     levels = type_18 {{a_1.z, a_1.w, b_1.x, b_1.y, b_1.z, b_1.w, c_2.x}};
-    uint2 loop_bound_3 = uint2(4294967295u);
     bool loop_init_3 = true;
     while(true) {
-        if (metal::all(loop_bound_3 == uint2(0u))) { break; }
-        loop_bound_3 -= uint2(loop_bound_3.y == 0u, 1u);
         if (!loop_init_3) {
             uint _e90 = level_1;
             level_1 = _e90 + 1u;
@@ -413,11 +401,8 @@ metal::float3 octagloss_radiance_of(
     float _e116 = octagloss_lights.inner[probe_6].unscale;
     sum_1 = metal::max(_e110, metal::float3 {}) * _e116;
     float a2_ = ((roughness * roughness) * roughness) * roughness;
-    uint2 loop_bound_4 = uint2(4294967295u);
     bool loop_init_4 = true;
     while(true) {
-        if (metal::all(loop_bound_4 == uint2(0u))) { break; }
-        loop_bound_4 -= uint2(loop_bound_4.y == 0u, 1u);
         if (!loop_init_4) {
             uint _e213 = k_1;
             k_1 = _e213 + 1u;
@@ -477,11 +462,8 @@ metal::float3 octagloss_irradiance_of(
     metal::float3 _e5 = octagloss_read_cosine(probe_7, _e4, octagloss_maps, octagloss_linear);
     float _e9 = octagloss_lights.inner[probe_7].unscale;
     sum_2 = _e5 * _e9;
-    uint2 loop_bound_5 = uint2(4294967295u);
     bool loop_init_5 = true;
     while(true) {
-        if (metal::all(loop_bound_5 == uint2(0u))) { break; }
-        loop_bound_5 -= uint2(loop_bound_5.y == 0u, 1u);
         if (!loop_init_5) {
             uint _e42 = k_2;
             k_2 = _e42 + 1u;
@@ -630,11 +612,8 @@ type_19 octagloss_harmonic_orders(
     uint k_3 = {};
     type_12 _e2 = octagloss_harmonic_basis(d_2);
     basis_1 = _e2;
-    uint2 loop_bound_6 = uint2(4294967295u);
     bool loop_init_6 = true;
     while(true) {
-        if (metal::all(loop_bound_6 == uint2(0u))) { break; }
-        loop_bound_6 -= uint2(loop_bound_6.y == 0u, 1u);
         if (!loop_init_6) {
             uint _e43 = order_1;
             order_1 = _e43 + 1u;
@@ -649,11 +628,8 @@ type_19 octagloss_harmonic_orders(
             uint _e11 = order_1;
             uint _e12 = order_1;
             k_3 = _e11 * _e12;
-            uint2 loop_bound_7 = uint2(4294967295u);
             bool loop_init_7 = true;
             while(true) {
-                if (metal::all(loop_bound_7 == uint2(0u))) { break; }
-                loop_bound_7 -= uint2(loop_bound_7.y == 0u, 1u);
                 if (!loop_init_7) {
                     uint _e40 = k_3;
                     k_3 = _e40 + 1u;
@@ -710,11 +686,8 @@ metal::float3 octagloss_harmonics_reflected(
     type_19 orders = {};
     uint order_2 = {};
     texels = pairs;
-    uint2 loop_bound_8 = uint2(4294967295u);
     bool loop_init_8 = true;
     while(true) {
-        if (metal::all(loop_bound_8 == uint2(0u))) { break; }
-        loop_bound_8 -= uint2(loop_bound_8.y == 0u, 1u);
         if (!loop_init_8) {
             uint _e84 = k_4;
             k_4 = _e84 + 1u;
@@ -734,11 +707,8 @@ metal::float3 octagloss_harmonics_reflected(
             orders = _e45;
             uint _e47 = k_4;
             order_2 = _e47;
-            uint2 loop_bound_9 = uint2(4294967295u);
             bool loop_init_9 = true;
             while(true) {
-                if (metal::all(loop_bound_9 == uint2(0u))) { break; }
-                loop_bound_9 -= uint2(loop_bound_9.y == 0u, 1u);
                 if (!loop_init_9) {
                     uint _e81 = order_2;
                     order_2 = _e81 + 1u;
@@ -789,11 +759,8 @@ metal::float3 octagloss_suns_reflected(
     metal::float3 view_5 = metal::float3(surface_1.sine * tangent.x, -(surface_1.sine) * tangent.y, surface_1.cosine);
     float _e30 = octagloss_map_inner(octagloss_maps);
     metal::float2 wide = metal::max(alpha_1, metal::float2(0.9 / _e30));
-    uint2 loop_bound_10 = uint2(4294967295u);
     bool loop_init_10 = true;
     while(true) {
-        if (metal::all(loop_bound_10 == uint2(0u))) { break; }
-        loop_bound_10 -= uint2(loop_bound_10.y == 0u, 1u);
         if (!loop_init_10) {
             uint _e109 = k_5;
             k_5 = _e109 + 1u;
@@ -810,11 +777,8 @@ metal::float3 octagloss_suns_reflected(
             channels = type_22 {{sun_2.red, sun_2.green, sun_2.blue}};
             values = type_23 {};
             c = 0u;
-            uint2 loop_bound_11 = uint2(4294967295u);
             bool loop_init_11 = true;
             while(true) {
-                if (metal::all(loop_bound_11 == uint2(0u))) { break; }
-                loop_bound_11 -= uint2(loop_bound_11.y == 0u, 1u);
                 if (!loop_init_11) {
                     uint _e77 = c;
                     c = _e77 + 1u;
@@ -885,11 +849,8 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float2 _e16 = octagloss_albedo_share(_e14, _e13.zw);
     metal::float3 scaled = f0_2 * _e16.x;
     float grazing = f90_2 * _e16.y;
-    uint2 loop_bound_12 = uint2(4294967295u);
     bool loop_init_12 = true;
     while(true) {
-        if (metal::all(loop_bound_12 == uint2(0u))) { break; }
-        loop_bound_12 -= uint2(loop_bound_12.y == 0u, 1u);
         if (!loop_init_12) {
             uint _e64 = k_6;
             k_6 = _e64 + 1u;
@@ -915,11 +876,8 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float3 _e66 = sum_5;
     metal::float3 _e73 = octagloss_cosine_light(probe_13, n_1, octagloss_maps, octagloss_linear);
     sum_5 = _e66 + (((scaled * _e13.x) + metal::float3(grazing * _e13.y)) * _e73);
-    uint2 loop_bound_13 = uint2(4294967295u);
     bool loop_init_13 = true;
     while(true) {
-        if (metal::all(loop_bound_13 == uint2(0u))) { break; }
-        loop_bound_13 -= uint2(loop_bound_13.y == 0u, 1u);
         if (!loop_init_13) {
             uint _e90 = k_7;
             k_7 = _e90 + 1u;
@@ -1195,11 +1153,8 @@ metal::float3 octagloss_reflect_in_row(
     metal::float2 _e34 = octagloss_row_albedo(alpha_8, surface_3.cosine, tangent_5.x * tangent_5.x, more_1, octagloss_tables);
     metal::float3 scaled_1 = f0_4 * _e34.x;
     float grazing_1 = f90_4 * _e34.y;
-    uint2 loop_bound_14 = uint2(4294967295u);
     bool loop_init_14 = true;
     while(true) {
-        if (metal::all(loop_bound_14 == uint2(0u))) { break; }
-        loop_bound_14 -= uint2(loop_bound_14.y == 0u, 1u);
         if (!loop_init_14) {
             uint _e142 = distance;
             distance = _e142 + 1u;
@@ -1225,11 +1180,8 @@ metal::float3 octagloss_reflect_in_row(
                 skew = (0.5 * _e18.skew) * (_e49.xy - _e49.zw);
             }
             side = 0u;
-            uint2 loop_bound_15 = uint2(4294967295u);
             bool loop_init_15 = true;
             while(true) {
-                if (metal::all(loop_bound_15 == uint2(0u))) { break; }
-                loop_bound_15 -= uint2(loop_bound_15.y == 0u, 1u);
                 if (!loop_init_15) {
                     uint _e139 = side;
                     side = _e139 + 1u;
@@ -1263,11 +1215,8 @@ metal::float3 octagloss_reflect_in_row(
             }
         }
     }
-    uint2 loop_bound_16 = uint2(4294967295u);
     bool loop_init_16 = true;
     while(true) {
-        if (metal::all(loop_bound_16 == uint2(0u))) { break; }
-        loop_bound_16 -= uint2(loop_bound_16.y == 0u, 1u);
         if (!loop_init_16) {
             uint _e158 = k_8;
             k_8 = _e158 + 1u;
@@ -1292,11 +1241,8 @@ metal::float3 octagloss_reflect_in_row(
     metal::float3 mirrored = across_3 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
     metal::float4 _e192 = pairs_2.inner[7];
     texel_1 = _e192;
-    uint2 loop_bound_17 = uint2(4294967295u);
     bool loop_init_17 = true;
     while(true) {
-        if (metal::all(loop_bound_17 == uint2(0u))) { break; }
-        loop_bound_17 -= uint2(loop_bound_17.y == 0u, 1u);
         if (!loop_init_17) {
             uint _e280 = k_9;
             k_9 = _e280 + 1u;
@@ -1323,11 +1269,8 @@ metal::float3 octagloss_reflect_in_row(
             other = _e227;
             uint _e229 = k_9;
             order_3 = _e229 + 1u;
-            uint2 loop_bound_18 = uint2(4294967295u);
             bool loop_init_18 = true;
             while(true) {
-                if (metal::all(loop_bound_18 == uint2(0u))) { break; }
-                loop_bound_18 -= uint2(loop_bound_18.y == 0u, 1u);
                 if (!loop_init_18) {
                     uint _e277 = order_3;
                     order_3 = _e277 + 1u;
