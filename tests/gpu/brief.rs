@@ -65,6 +65,7 @@ const RUN: [(&str, &[&str]); 7] = [
             "pyramid/levels.wgsl sharp",
             "pyramid/query.wgsl query",
             "pyramid/suns.wgsl brightest_of_blocks",
+            "pyramid/suns.wgsl choose",
             "pyramid/suns.wgsl suns",
         ],
     ),
