@@ -146,10 +146,10 @@ fn append(path: &str, files: &[(&str, &str)], included: &mut Vec<String>, text: 
 /// WGSL for callers' shaders: the file `path` with its includes, and its `resources` at their bindings of
 /// group `group`. Whatever lacks our prefix at module scope gets `prefix`, which begins with it.
 pub fn for_callers(path: &str, resources: &[&str], group: u32, prefix: &str) -> String {
-    declared(&source(path), resources, group, prefix)
+    with_resources(&source(path), resources, group, prefix)
 }
 
-fn declared(source: &str, resources: &[&str], group: u32, prefix: &str) -> String {
+fn with_resources(source: &str, resources: &[&str], group: u32, prefix: &str) -> String {
     let declare =
         |(binding, resource): (u32, &&str)| format!("@group({group}) @binding({binding}) {resource};\n");
     let declared: String = (0..).zip(resources).map(declare).collect();
@@ -176,5 +176,5 @@ fn pyramid_wgsl() -> String {
         "var octagloss_rows: texture_3d<f32>",
     ];
     let source = source_of("common/pyramid_file.wgsl", LOOK_UPS);
-    READER.to_owned() + &declared(&source, &resources, 0, "octagloss")
+    READER.to_owned() + &with_resources(&source, &resources, 0, "octagloss")
 }

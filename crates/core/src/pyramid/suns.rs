@@ -20,14 +20,15 @@ pub const COUNT: usize = 8;
 /// Blocks along an edge of the finest grid, whose brightest texels are kept.
 pub const FINEST: u32 = 128;
 
-/// Texels closer to a seed than this, on the unit sphere, are no seeds; at twice the distance they count fully.
+/// Texels closer to a seed than this, on the unit sphere, are no seeds; at twice the distance they count
+/// fully.
 pub const NEAR: f32 = 0.02;
 
 /// The same in texels of the map, over its edge.
 pub const NEAR_TEXELS: f32 = 7.0;
 
-/// A sun: the light that a block has above the others. Lamps of several colours may share a block, so each
-/// channel has a place of its own.
+/// A sun: the light above the clamp that is nearest to one seed. Lamps of several colours may share a sun, so
+/// each channel has a place of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sun {
     /// Red, green and blue.

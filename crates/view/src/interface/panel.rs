@@ -2,15 +2,13 @@
 
 use super::later::{Later, later, taken};
 use crate::picture::present::Viewport;
+use crate::picture::resources::Times;
 use egui::{ComboBox, Grid, RichText, ScrollArea, Ui};
 use octagloss_core::common::error::Result;
 use octagloss_gpu::Context;
 use std::path::Path;
 use std::time::Duration;
 use web_time::Instant;
-
-/// Passes and their seconds.
-pub(crate) type Times = Vec<(&'static str, f64)>;
 
 /// Interval between measurements of the passes' times.
 const INTERVAL: Duration = Duration::from_millis(500);
@@ -117,8 +115,8 @@ impl PanelState {
     }
 }
 
-/// Shows a panel with `contents`; returns what they do, the panel's right edge in points, and the viewport beside
-/// it in a target of these sides.
+/// Shows a panel with `contents`; returns what they do, the panel's right edge in points, and the viewport
+/// beside it in a target of these sides.
 pub(crate) fn beside_panel<T>(
     ui: &mut Ui,
     (width, height): (u32, u32),

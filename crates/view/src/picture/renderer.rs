@@ -5,10 +5,9 @@ use super::frame::{LadderUniform, ViewFrame};
 use super::light::Light;
 use super::model::{Model, Surface};
 use super::present::{Display, Presenter};
-use super::resources::{PICTURE, Targets, draw_pass, target, texture_of};
+use super::resources::{PICTURE, Targets, Times, draw_pass, target, texture_of};
 use super::roughness_map::{self, roughness_map};
 use super::truth::PixelQuery;
-use crate::interface::panel::Times;
 use crate::look::{Look, Object, Show, Technique};
 use bytemuck::Zeroable as _;
 use half::f16;
@@ -77,7 +76,8 @@ impl Drawn {
         }
     }
 
-    /// Entry points of the vertex and the fragment shader, of meshes or of the triangle that covers the picture.
+    /// Entry points of the vertex and the fragment shader, of meshes or of the triangle that covers the
+    /// picture.
     const fn entry_points(self, of_mesh: bool) -> [&'static str; 2] {
         let pixels = match self {
             Self::Picture => ["cover_picture", "mesh_picture"],
@@ -181,8 +181,9 @@ impl Renderer {
     /// Prepares `environment` on an OEM of the size, border and scan of `table`.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for an OEM of no texels, [`octagloss_core::common::error::Error::Limit`] if the tables do not fit
-    /// the device, [`octagloss_core::common::error::Error::Unsupported`] for a scan that runs on the CPU only.
+    /// [`octagloss_core::common::error::Error::Parameter`] for an OEM of no texels,
+    /// [`octagloss_core::common::error::Error::Limit`] if the tables do not fit the device,
+    /// [`octagloss_core::common::error::Error::Unsupported`] for a scan that runs on the CPU only.
     pub fn light(&mut self, environment: &Environment, table: &ReflectorSettings) -> Result<Light> {
         Light::new(&self.context, environment, table)
     }
@@ -190,7 +191,8 @@ impl Renderer {
     /// Sets the mesh of [`Object::Mesh`].
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Limit`] and [`octagloss_core::common::error::Error::Parameter`] if it does not fit the device.
+    /// [`octagloss_core::common::error::Error::Limit`] and
+    /// [`octagloss_core::common::error::Error::Parameter`] if it does not fit the device.
     pub fn set_mesh(&mut self, mesh: &Mesh) -> Result<()> {
         self.mesh = Some(Model::new(&self.context, mesh)?);
         self.context.check()
@@ -204,7 +206,8 @@ impl Renderer {
     /// Draws the linear picture with `width` x `height` samples.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for an unsupported look, [`octagloss_core::common::error::Error::Gpu`] if the device fails.
+    /// [`octagloss_core::common::error::Error::Parameter`] for an unsupported look,
+    /// [`octagloss_core::common::error::Error::Gpu`] if the device fails.
     pub fn draw(&mut self, look: &Look, light: &Light, width: u32, height: u32) -> Result<()> {
         self.draw_rows(look, light, (width, height), 0..height)
     }
@@ -279,7 +282,8 @@ impl Renderer {
     /// more.
     ///
     /// # Errors
-    /// Those of [`Renderer::draw`], and [`octagloss_core::common::error::Error::Gpu`] if the adapter has no timestamp queries.
+    /// Those of [`Renderer::draw`], and [`octagloss_core::common::error::Error::Gpu`] if the adapter has no
+    /// timestamp queries.
     pub fn times(
         &mut self,
         look: &Look,

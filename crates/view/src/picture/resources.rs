@@ -4,6 +4,9 @@ use octagloss_core::common::error::{Result, wrong};
 use octagloss_gpu::Context;
 use octagloss_gpu::device::resources::DEPTH;
 
+/// Passes and their seconds.
+pub(crate) type Times = Vec<(&'static str, f64)>;
+
 /// Begins a pass that draws into `view`, cleared to black if `clear`, with depths in a texture that is
 /// cleared and discarded likewise.
 pub(crate) fn draw_pass<'a>(

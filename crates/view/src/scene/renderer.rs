@@ -6,10 +6,9 @@ use super::look::SceneLook;
 use super::picture::{Drawn, Pictures};
 use super::probe::{Probe, ProbePasses, SceneBuffers};
 use super::uniforms::MAX_PROBES;
-use crate::interface::panel::Times;
 use crate::picture::model::filled_buffer;
 use crate::picture::present::{Display, Presenter};
-use crate::picture::resources::Targets;
+use crate::picture::resources::{Targets, Times};
 use crate::picture::screenshot::{Screenshot, presented};
 use glam::DVec3;
 use half::f16;
@@ -82,8 +81,9 @@ impl SceneRenderer {
     /// Uploads `scene` and creates its probes, at time 0. Their maps are black until they are updated.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for invalid settings, [`octagloss_core::common::error::Error::Limit`] if the scene or the tables
-    /// do not fit the device, [`octagloss_core::common::error::Error::Gpu`] if a shader fails to compile.
+    /// [`octagloss_core::common::error::Error::Parameter`] for invalid settings,
+    /// [`octagloss_core::common::error::Error::Limit`] if the scene or the tables do not fit the device,
+    /// [`octagloss_core::common::error::Error::Gpu`] if a shader fails to compile.
     pub fn new(context: Context, scene: Scene, settings: SceneSettings) -> Result<Self> {
         let corner_bytes: &[u8] = bytemuck::cast_slice(&scene.corners);
         let index_bytes: &[u8] = bytemuck::cast_slice(&scene.indices);
@@ -215,8 +215,8 @@ impl SceneRenderer {
     /// Draws a linear picture of `size` samples.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for an unsupported size or look, [`octagloss_core::common::error::Error::Gpu`] if the device
-    /// fails.
+    /// [`octagloss_core::common::error::Error::Parameter`] for an unsupported size or look,
+    /// [`octagloss_core::common::error::Error::Gpu`] if the device fails.
     pub fn draw(&mut self, look: &SceneLook, size: (u32, u32)) -> Result<()> {
         let mut encoder = self.context.device().create_command_encoder(&Default::default());
         self.record_picture(&mut encoder, look, size, None)?;
@@ -248,7 +248,8 @@ impl SceneRenderer {
     /// order, the picture last.
     ///
     /// # Errors
-    /// Those of [`SceneRenderer::draw`], and [`octagloss_core::common::error::Error::Gpu`] if the adapter has no timestamp queries.
+    /// Those of [`SceneRenderer::draw`], and [`octagloss_core::common::error::Error::Gpu`] if the adapter has
+    /// no timestamp queries.
     pub(super) fn times(
         &mut self,
         look: &SceneLook,

@@ -23,13 +23,13 @@ const BAR_HEIGHT: f64 = 400.0;
 /// Pixels above a cross for its labels.
 const LABELS: f64 = 48.0;
 
-/// Draws the relative error of each texel of levels, which are given with their errors and the reference in
-/// these, as unfolded crosses in false colour beside a colour
-/// bar: |difference| / (reference + 0.001 of its mean), of luminance or the channel where it is greatest.
+/// Draws the relative error of each texel of `levels`, of which each is given with its measured errors, which
+/// have the reference: unfolded crosses in false colour beside a colour bar, |difference| / (reference +
+/// 0.001 of its mean), of luminance or the channel where it is greatest.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] if a level and its reference differ in size or are no cubes, or there is no
-/// level.
+/// [`crate::common::error::Error::Parameter`] if a level and its reference differ in size or are no cubes, or
+/// there is no level.
 pub fn error_sheet(title: &str, against: &str, levels: &[(&LevelErrors, Level)]) -> Result<Scene> {
     let errors = levels.iter().map(relative_errors).collect::<Result<Vec<_>>>()?;
     if errors.is_empty() {
