@@ -1,6 +1,7 @@
-// Integrates lobes over the cells by adaptive quadrature. crates/core/src/cpu/adaptive.rs and crates/core/src/cpu/subtexel.rs derive
-// the method. Directions and distances are in units of the sphere's radius; energies are radiance times solid
-// angle. Answers are radiance, with the certified bound of its luminance in w, then bounds of the channels.
+// Integrates lobes over the cells by adaptive quadrature. crates/core/src/cpu/adaptive.rs and
+// crates/core/src/cpu/subtexel.rs derive the method. Directions and distances are in units of the sphere's
+// radius; energies are radiance times solid angle. Answers are radiance, with the certified bound of its
+// luminance in w, then bounds of the channels.
 //
 // One workgroup serves a packet of LANES directions. It walks the tree with a stack, sixteen quads per step,
 // one invocation per sibling. A cell that meets the tolerance becomes a leaf. Leaves are summed once there

@@ -1,5 +1,5 @@
-// Builds the quadtree of moments: `Cells` of crates/core/src/cpu/cells.rs, which derives them. Planes hold energies
-// (radiance times solid angle, float32) and solid angles; distances are chords on the unit sphere.
+// Builds the quadtree of moments: `Cells` of crates/core/src/cpu/cells.rs, which derives them. Planes hold
+// energies (radiance times solid angle, float32) and solid angles; distances are chords on the unit sphere.
 #include "common/quad.wgsl"
 #include "common/table.wgsl"
 

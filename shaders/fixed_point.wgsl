@@ -1,6 +1,6 @@
-// Computes the fixed-point exponent of each channel: `FixedPoint::of_square` in crates/core/src/light/sat.rs. The result does
-// not depend on the order: the greatest bit pattern, then a 64-bit integer sum at the scale that it sets.
-// Planes hold float32 energies and solid angles, as bit patterns.
+// Computes the fixed-point exponent of each channel: `FixedPoint::of_square` in crates/core/src/light/sat.rs.
+// The result does not depend on the order: the greatest bit pattern, then a 64-bit integer sum at the scale
+// that it sets. Planes hold float32 energies and solid angles, as bit patterns.
 #include "common/fixed_point.wgsl"
 #include "common/reduce.wgsl"
 #include "common/reduction.wgsl"

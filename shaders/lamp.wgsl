@@ -1,5 +1,5 @@
-// Adds a disc light with a soft edge to an OEM: `Lamp` of crates/gpu/src/stages/lamp.rs. Planes hold energies (radiance
-// times solid angle, float32) and solid angles in steradians.
+// Adds a disc light with a soft edge to an OEM: `Lamp` of crates/gpu/src/stages/lamp.rs. Planes hold energies
+// (radiance times solid angle, float32) and solid angles in steradians.
 #include "common/octahedral.wgsl"
 #include "common/table.wgsl"
 

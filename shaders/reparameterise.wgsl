@@ -1,7 +1,7 @@
 // Resamples the environment to the OEM and to the cube of footprints. Each target texel gathers its source
 // texels, weighted by the solid angle of their overlap in steradians. The matrix is `Overlaps` of
-// crates/core/src/geometry/overlap.rs, which derives the mirroring of octants. The source holds radiance; the OEM
-// receives energies (radiance times solid angle).
+// crates/core/src/geometry/overlap.rs, which derives the mirroring of octants. The source holds radiance; the
+// OEM receives energies (radiance times solid angle).
 #include "common/octahedral.wgsl"
 #include "common/reduce.wgsl"
 

@@ -1,6 +1,6 @@
-// The float32 table of the 2005 paper with its mean bias, radix 2: crates/core/src/analysis/sat_f32.rs. Used for
-// comparison; crates/core/src/light/sat.rs describes its errors. Texels are energies (radiance times solid angle) and solid
-// angles.
+// The float32 table of the 2005 paper with its mean bias, radix 2: crates/core/src/analysis/sat_f32.rs. Used
+// for comparison; crates/core/src/light/sat.rs describes its errors. Texels are energies (radiance times
+// solid angle) and solid angles.
 #include "common/reduce.wgsl"
 #include "common/table.wgsl"
 

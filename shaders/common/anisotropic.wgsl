@@ -1,5 +1,5 @@
-// Reflections of the true BRDF along a tangent: `Pyramid::reflect` of crates/core/src/pyramid/reflect.rs, and the row of
-// reads of crates/core/src/pyramid/anisotropic.rs. Fifteen trilinear reads, one bilinear.
+// Reflections of the true BRDF along a tangent: `Pyramid::reflect` of crates/core/src/pyramid/reflect.rs, and
+// the row of reads of crates/core/src/pyramid/anisotropic.rs. Fifteen trilinear reads, one bilinear.
 #include "common/reflect.wgsl"
 
 const ROW_NODES = vec4<f32>(16.0, 10.0, 8.0, 7.0);
@@ -29,8 +29,8 @@ fn row_share(alpha: vec2<f32>) -> f32 {
     return smoothstep(0.0, 1.0, (alpha.x - alpha.y) / (BLEND * max(alpha.y, 1e-6)));
 }
 
-// The place of `alpha`, n.v of `cosine` and a unit `tangent` along the plane of incidence and across it, between
-// the first node and the last of each axis.
+// The place of `alpha`, n.v of `cosine` and a unit `tangent` along the plane of incidence and across it,
+// between the first node and the last of each axis.
 fn row_places(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> vec4<f32> {
     let sharp = max(alpha.y, ROW_SHARP);
     let azimuth = atan2(abs(tangent.y), abs(tangent.x)) * 0.636619772;

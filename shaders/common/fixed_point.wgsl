@@ -1,6 +1,6 @@
 // Converts non-negative float32 values to 64-bit fixed point through their bit patterns:
-// `FixedPoint::quantise` in crates/core/src/light/sat.rs. Without float arithmetic, neither a driver's flushing of subnormals
-// nor rounding can make CPU and GPU differ.
+// `FixedPoint::quantise` in crates/core/src/light/sat.rs. Without float arithmetic, neither a driver's
+// flushing of subnormals nor rounding can make CPU and GPU differ.
 #include "common/u64.wgsl"
 
 // floor(value * 2^exponent), where `bits` is the value's bit pattern.

@@ -1,5 +1,5 @@
-// Lobes as kernels of s = |l - R|^2/4, with intervals for cells of energy. Derived in crates/core/src/lobe/radial.rs and
-// crates/core/src/cpu/adaptive.rs.
+// Lobes as kernels of s = |l - R|^2/4, with intervals for cells of energy. Derived in
+// crates/core/src/lobe/radial.rs and crates/core/src/cpu/adaptive.rs.
 #include "common/charlie.wgsl"
 
 const SHAPE_GGX = 0u;

@@ -1,4 +1,5 @@
-// Boxes in the unfolded plane from the table of the square, and their fractional edges: `Sat` of crates/core/src/light/sat.rs.
+// Boxes in the unfolded plane from the table of the square, and their fractional edges: `Sat` of
+// crates/core/src/light/sat.rs.
 #include "common/octahedral.wgsl"
 #include "common/sum.wgsl"
 

@@ -1,6 +1,6 @@
-// Glossy reflections of any roughness and irradiance out of a pyramid: `Pyramid` of crates/core/src/pyramid/mod.rs. At
-// most five bilinear reads. Maps and table are read by functions: those of pyramid_maps.wgsl or
-// pyramid_file.wgsl.
+// Glossy reflections of any roughness and irradiance out of a pyramid: `Pyramid` of
+// crates/core/src/pyramid/mod.rs. At most five bilinear reads. Maps and table are read by functions: those of
+// pyramid_maps.wgsl or pyramid_file.wgsl.
 #include "common/harmonics.wgsl"
 #include "common/light.wgsl"
 

@@ -1,5 +1,5 @@
-// Four sibling cells, field by field: `Quad` of crates/core/src/cpu/cells.rs as QUAD_FIELDS vectors. Lengths are in radii
-// of the sphere; luminance and colours are of energies (radiance times solid angle).
+// Four sibling cells, field by field: `Quad` of crates/core/src/cpu/cells.rs as QUAD_FIELDS vectors. Lengths
+// are in radii of the sphere; luminance and colours are of energies (radiance times solid angle).
 #include "common/luminance.wgsl"
 
 const QUAD_FIELDS = 34u;
@@ -13,7 +13,8 @@ const FIELD_LUMINANCE = 10u;
 const FIELD_RED = 11u;
 const FIELD_GREEN = 12u;
 const FIELD_BLUE = 13u;
-// Tints of red and blue (crates/core/src/geometry/tint.rs): dipole x, y, z; quadrupole xx, yy, zz, yz, zx, xy; variation.
+// Tints of red and blue (crates/core/src/geometry/tint.rs): dipole x, y, z; quadrupole xx, yy, zz, yz, zx,
+// xy; variation.
 const FIELD_RED_TINT = 14u;
 const FIELD_BLUE_TINT = 24u;
 const TINT_FIELDS = 10u;

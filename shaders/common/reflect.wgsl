@@ -1,5 +1,5 @@
-// Isotropic reflections of the true BRDF out of a pyramid: `Pyramid::isotropic` of crates/core/src/pyramid/reflect.rs.
-// Nine trilinear reads, one bilinear.
+// Isotropic reflections of the true BRDF out of a pyramid: `Pyramid::isotropic` of
+// crates/core/src/pyramid/reflect.rs. Nine trilinear reads, one bilinear.
 #include "common/pyramid.wgsl"
 
 const READS = 9u;

@@ -1,5 +1,5 @@
-// Boxes over the exact table of an OEM: `Sat` of crates/core/src/light/sat.rs, read from two textures of low and high words.
-// The including file declares, in any group,
+// Boxes over the exact table of an OEM: `Sat` of crates/core/src/light/sat.rs, read from two textures of low
+// and high words. The including file declares, in any group,
 //   octagloss_table: OctaglossTable (uniform), octagloss_low, octagloss_high: texture_2d<u32>.
 #include "common/octahedral.wgsl"
 #include "common/plane.wgsl"

@@ -1,5 +1,5 @@
-// Looks shadows up in an octahedral map of depth around a lamp: crates/gpu/src/shadow.rs. The including shader
-// declares octagloss_shadow: OctaglossShadow (uniform) and octagloss_shadow_depth: texture_depth_2d.
+// Looks shadows up in an octahedral map of depth around a lamp: crates/gpu/src/shadow.rs. The including
+// shader declares octagloss_shadow: OctaglossShadow (uniform) and octagloss_shadow_depth: texture_depth_2d.
 //
 // A texel holds near / w of the nearest surface, w = |x| + |y| + |z| from the lamp; 0 where there is none.
 // Over a plane this is linear in the point of the octahedron, also across folds: the receiver's own depth at

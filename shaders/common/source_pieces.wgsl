@@ -1,5 +1,5 @@
-// Pieces of the source's texels as leaves of adaptive quadrature. crates/core/src/cpu/subtexel.rs derives the rule.
-// Reads `lobe`, `angles` and `source` of adaptive.wgsl.
+// Pieces of the source's texels as leaves of adaptive quadrature. crates/core/src/cpu/subtexel.rs derives the
+// rule. Reads `lobe`, `angles` and `source` of adaptive.wgsl.
 
 // A piece of a texel of the source: the grid's column and row in an image, the image, and the piece's first
 // corner and side in texels.

@@ -1,4 +1,5 @@
-// Memory layout of the planes of an OEM: `Table` of crates/gpu/src/stages/oem.rs. Stages over planes bind it at binding 0.
+// Memory layout of the planes of an OEM: `Table` of crates/gpu/src/stages/oem.rs. Stages over planes bind it
+// at binding 0.
 
 struct Table {
     inner: u32,

@@ -1,5 +1,5 @@
-// What tints (crates/core/src/geometry/tint.rs) of red and blue add to the channels of a leaf; crates/core/src/cpu/adaptive.rs
-// derives it. Reads `field`, `Leaf` and `Sums` of adaptive.wgsl.
+// What tints (crates/core/src/geometry/tint.rs) of red and blue add to the channels of a leaf;
+// crates/core/src/cpu/adaptive.rs derives it. Reads `field`, `Leaf` and `Sums` of adaptive.wgsl.
 
 // A tint with a smaller share of its channel's energy is rounding error.
 const NEGLIGIBLE_TINT = 1.0f / 1048576.0f;

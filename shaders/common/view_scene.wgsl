@@ -1,6 +1,6 @@
-// Uniforms and textures of every viewer pipeline: crates/view/src/picture/frame.rs. Radiance is linear; roughness is
-// perceptual. No branch depends on the uniform alone: Mesa's lavapipe specialises code for the values in such
-// branches and would recompile it whenever the camera moves.
+// Uniforms and textures of every viewer pipeline: crates/view/src/picture/frame.rs. Radiance is linear;
+// roughness is perceptual. No branch depends on the uniform alone: Mesa's lavapipe specialises code for the
+// values in such branches and would recompile it whenever the camera moves.
 
 #include "common/harmonics.wgsl"
 

@@ -1,6 +1,6 @@
-// Textures of moving scenes: crates/view/src/scene/texture.rs. Images of all sizes lie in one buffer. They are
-// filtered by hand, so that texels are at the same positions with every driver.
-// The including file declares scene_texels: array<u32> (storage), four bytes in sRGB each.
+// Textures of moving scenes: crates/view/src/scene/texture.rs. Images of all sizes lie in one buffer. They
+// are filtered by hand, so that texels are at the same positions with every driver. The including file
+// declares scene_texels: array<u32> (storage), four bytes in sRGB each.
 
 // Address modes along u; those along v are in the next two bits. 0 repeats the image.
 const MIRROR = 1u;

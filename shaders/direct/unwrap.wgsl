@@ -1,5 +1,5 @@
-// Draws triangles into a panel of the tennis-ball map by unwrapping their corners: crates/gpu/src/direct/unwrap.rs.
-// Angles are in radians.
+// Draws triangles into a panel of the tennis-ball map by unwrapping their corners:
+// crates/gpu/src/direct/unwrap.rs. Angles are in radians.
 #include "common/direct.wgsl"
 
 // Values of `Panel.remedy`.

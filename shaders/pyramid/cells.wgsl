@@ -1,4 +1,5 @@
-// Moments of the light without suns in square cells, irradiance and harmonics: crates/core/src/pyramid/cells.rs.
+// Moments of the light without suns in square cells, irradiance and harmonics:
+// crates/core/src/pyramid/cells.rs.
 #include "common/direction.wgsl"
 #include "common/harmonics.wgsl"
 #include "common/octahedral.wgsl"

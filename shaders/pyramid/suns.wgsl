@@ -1,6 +1,6 @@
-// Finds the seeds of an OEM's suns, what the rest is clamped to, the scale of the maps, and the suns: `Suns` of
-// crates/core/src/pyramid/suns.rs. Planes hold energies (radiance times solid angle, float32) and solid angles in
-// steradians.
+// Finds the seeds of an OEM's suns, what the rest is clamped to, the scale of the maps, and the suns: `Suns`
+// of crates/core/src/pyramid/suns.rs. Planes hold energies (radiance times solid angle, float32) and solid
+// angles in steradians.
 #include "common/direction.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/reduce.wgsl"
@@ -10,7 +10,8 @@
 const GROUP_SIZE = 256u;
 // Blocks along an edge of the finest grid.
 const FINEST = 128u;
-// Texels closer to a seed than this, on the unit sphere, are no seeds; at twice the distance they count fully.
+// Texels closer to a seed than this, on the unit sphere, are no seeds; at twice the distance they count
+// fully.
 const NEAR = 0.02f;
 // The same in texels of the map, over its edge.
 const NEAR_TEXELS = 7.0f;
@@ -19,8 +20,8 @@ const NEAR_TEXELS = 7.0f;
 @group(0) @binding(2) var<storage, read> green: array<f32>;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
-// For each block the bits of its greatest brightness, which sort like it, those of the greatest that counts beside
-// the seeds, and the texel that has that; then the seeds.
+// For each block the bits of its greatest brightness, which sort like it, those of the greatest that counts
+// beside the seeds, and the texel that has that; then the seeds.
 @group(0) @binding(5) var<storage, read_write> blocks: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read_write> light: OctaglossLight;
 

@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a f8ab3a4055db8ed9.
+// Translated from pyramid.wgsl, FNV-1a e14e252ce66459c9.
 // Metal; the resources are arguments of each function.
 // language: metal1.0
 #include <metal_stdlib>

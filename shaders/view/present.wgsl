@@ -1,5 +1,5 @@
-// Tone-maps the linear picture for the display: `Present` of crates/view/src/picture/present.rs. The picture holds
-// exposed radiance.
+// Tone-maps the linear picture for the display: `Present` of crates/view/src/picture/present.rs. The picture
+// holds exposed radiance.
 
 struct Present {
     // Upper left corner and size of the picture in the target, and size of the linear picture, in pixels.

@@ -158,8 +158,8 @@ fn drawn_triangles_match_the_oracle() {
 ///
 /// A sum over a tree of depth d = 2 ceil(log2 n) takes d roundings of at most the absolute total, plus those
 /// of the mean and of the subtraction: (4 d + 3) units of the sum of the biased values' magnitudes bound it,
-/// as derived in `crates/core/src/analysis/sat_f32.rs`. The mean enters the bias of every texel and is compared
-/// separately.
+/// as derived in `crates/core/src/analysis/sat_f32.rs`. The mean enters the bias of every texel and is
+/// compared separately.
 fn f32_difference(oem: &Oem, entries: &[[f32; 4]], mean: [f32; 4]) -> Option<String> {
     let side = oem.size().bordered() as usize;
     assert_eq!(entries.len(), side * side, "entries");

@@ -20,7 +20,8 @@ fn bound(sources_a_texel: f64) -> f64 {
 }
 
 /// Error of the CPU's outlines over fine panoramas: 3e-5 of a texel's area at each of its four edges
-/// (crates/core/src/geometry/overlap/sweep.rs), filled with the brightest radiance at worst. The GPU uses no outlines.
+/// (crates/core/src/geometry/overlap/sweep.rs), filled with the brightest radiance at worst. The GPU uses no
+/// outlines.
 fn misplaced(environment: &Environment) -> f64 {
     let brightest = environment.texels().iter().flatten().fold(0.0_f32, |most, value| most.max(*value));
     match environment.layout() {

@@ -292,7 +292,8 @@ def between():
     tracer.send_signal(signal.SIGINT)
     tracer.wait(timeout=60)
     kinds = sorted(name.rsplit(".", 1)[1] for name in leftovers("b"))
-    check(not os.path.exists("b/out") and kinds == ["lock", "new", "old"], f"killed between: {os.listdir('b')}")
+    is_between = not os.path.exists("b/out") and kinds == ["lock", "new", "old"]
+    check(is_between, f"killed between: {os.listdir('b')}")
     code, _, err = run("bake", "hdr/sky.exr", "-o", r"b\out", "--format", "exr", *SMALL[:-1])
     check(code == 1 and "restored" in err and "already exists" in err, f"restoring: exit {code}: {err}")
     check(state(Path("b")) == old and not leftovers("b"), f"restored {os.listdir('b')}")

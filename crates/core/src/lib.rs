@@ -1,5 +1,5 @@
-//! The core of octagloss: maps of the sphere, lobes, tables of light, the CPU engine, bakes and files. Programs
-//! use the package `octagloss`, which exports what is public of it.
+//! The core of octagloss: maps of the sphere, lobes, tables of light, the CPU engine, bakes and files.
+//! Programs use the package `octagloss`, which exports what is public of it.
 
 #![allow(rustdoc::private_intra_doc_links, reason = "who works on the crate follows them")]
 

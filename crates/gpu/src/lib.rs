@@ -17,8 +17,8 @@
 //!
 //! [`direct`] draws triangles into octahedral maps, in place of a texture to reparameterise.
 //!
-//! A pass is a function ([`stages::sat_scan::stage`]) that binds pipelines to buffers: a [`Stage`], which records
-//! into the caller's encoder. Recording allocates nothing, submits nothing and waits for nothing. The
+//! A pass is a function ([`stages::sat_scan::stage`]) that binds pipelines to buffers: a [`Stage`], which
+//! records into the caller's encoder. Recording allocates nothing, submits nothing and waits for nothing. The
 //! [`Context`] compiles pipelines when they are first asked for, and keeps them.
 
 #![allow(rustdoc::private_intra_doc_links, reason = "who works on the crate follows them")]

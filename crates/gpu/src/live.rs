@@ -190,8 +190,8 @@ impl LiveEnvironment {
     }
 
     /// WGSL for the caller's shaders that draw into the map; their resource is declared in bind group
-    /// `group`. It can stand in one shader with [`Self::wgsl`] and [`crate::shadow::ShadowMap::wgsl`] of other
-    /// groups.
+    /// `group`. It can stand in one shader with [`Self::wgsl`] and [`crate::shadow::ShadowMap::wgsl`] of
+    /// other groups.
     ///
     /// - `octagloss_direct_position(position: vec3<f32>) -> vec4<f32>`: clip coordinates of a position in
     ///   world space, for the vertex stage.

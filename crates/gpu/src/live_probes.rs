@@ -28,9 +28,9 @@ impl LiveProbes {
     /// rounded up as [`LiveEnvironment::new`] does. All are black until their first update.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for a size of 0, and for no or more than [`Self::MAX`] environments;
-    /// [`octagloss_core::common::error::Error::Limit`] where their tables exceed one binding of the device, or its textures: it names
-    /// the count and size that fit.
+    /// [`octagloss_core::common::error::Error::Parameter`] for a size of 0, and for no or more than
+    /// [`Self::MAX`] environments; [`octagloss_core::common::error::Error::Limit`] where their tables exceed
+    /// one binding of the device, or its textures: it names the count and size that fit.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32, count: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
         Self::on(&context, size, count)

@@ -52,7 +52,8 @@ impl ShadowMap {
     /// Allocates a map of even `size` texels along an edge. Nothing is in shadow until the first draw.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for a size that is odd, 0, or beyond the device's textures.
+    /// [`octagloss_core::common::error::Error::Parameter`] for a size that is odd, 0, or beyond the device's
+    /// textures.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, size: u32) -> Result<Self> {
         let context = Context::from_device(device.clone(), queue.clone());
         let map = DirectMap::Octahedral { size };
@@ -83,7 +84,8 @@ impl ShadowMap {
     /// Lamp and `near` take effect with the next submission: submit once for each draw.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for a `near` that is not positive or a `lamp` that is not finite.
+    /// [`octagloss_core::common::error::Error::Parameter`] for a `near` that is not positive or a `lamp` that
+    /// is not finite.
     pub fn draw(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -121,7 +123,8 @@ impl ShadowMap {
         self.context.queue().write_buffer(&self.uniform, 0, bytemuck::bytes_of(&shadow));
     }
 
-    /// WGSL for the caller's shaders that draw into the map: that of [`crate::live::LiveEnvironment::draw_wgsl`].
+    /// WGSL for the caller's shaders that draw into the map: that of
+    /// [`crate::live::LiveEnvironment::draw_wgsl`].
     #[must_use]
     pub fn draw_wgsl(group: u32) -> String {
         draw_wgsl(group)

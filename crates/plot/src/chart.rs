@@ -139,7 +139,8 @@ impl Chart {
     /// Writes the chart to the file `path`; its extension selects `.png` or `.svg`.
     ///
     /// # Errors
-    /// As [`Chart::figure`] and [`write_file`]; [`octagloss_core::common::error::Error::Parameter`] for another extension.
+    /// As [`Chart::figure`] and [`write_file`]; [`octagloss_core::common::error::Error::Parameter`] for
+    /// another extension.
     pub fn write(&self, path: &Path, existing: Existing) -> Result<()> {
         let form = Form::from_path(path)?;
         let bytes = self.figure()?.bytes(form);

@@ -9,10 +9,10 @@
 //!
 //! [`Look`] describes the picture. [`Renderer`] draws it into any texture: in a window, or by
 //! [`screenshot()`] into an image. Surfaces follow glTF's metallic-roughness model by the split sum: radiance
-//! of the lobe around the mirrored view, times the reflectance from the table of [`octagloss_core::bake::dfg`], with
-//! multiple scattering; dielectrics add the irradiance of the environment's harmonics. Spheres and knots are
-//! metals; meshes use the materials of their files. [`scene`] shows moving scenes instead, which reflect
-//! themselves.
+//! of the lobe around the mirrored view, times the reflectance from the table of
+//! [`octagloss_core::bake::dfg`], with multiple scattering; dielectrics add the irradiance of the
+//! environment's harmonics. Spheres and knots are metals; meshes use the materials of their files. [`scene`]
+//! shows moving scenes instead, which reflect themselves.
 
 #![allow(rustdoc::private_intra_doc_links, reason = "who works on the crate follows them")]
 

@@ -37,7 +37,8 @@ use web_time::Instant;
 /// Bakes `environment` on the CPU.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for inconsistent settings, [`crate::common::error::Error::Limit`] if it needs more than
+/// [`crate::common::error::Error::Parameter`] for inconsistent settings,
+/// [`crate::common::error::Error::Limit`] if it needs more than
 /// `memory::LIMIT`.
 pub fn bake(environment: &Environment, settings: &BakeSettings) -> Result<Bake> {
     let mut bakes = bake_all(environment, std::slice::from_ref(settings), &unwatched)?;
@@ -48,8 +49,8 @@ pub fn bake(environment: &Environment, settings: &BakeSettings) -> Result<Bake> 
 /// map's resolution suits the sharpest lobe. If settings give its size or border, the largest applies.
 ///
 /// # Errors
-/// As [`bake`]; [`crate::common::error::Error::Parameter`] for no settings, [`crate::common::error::Error::Cancelled`] if `progress`
-/// returns [`ControlFlow::Break`].
+/// As [`bake`]; [`crate::common::error::Error::Parameter`] for no settings,
+/// [`crate::common::error::Error::Cancelled`] if `progress` returns [`ControlFlow::Break`].
 pub fn bake_all(
     environment: &Environment,
     settings: &[BakeSettings],

@@ -132,8 +132,8 @@ impl BakeSettings {
     /// Size and roughness of every level.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for a size of 0 or above 65,536, no levels, more levels than down to a
-    /// size of 1, or a filter that does not support the lobe or the scan.
+    /// [`crate::common::error::Error::Parameter`] for a size of 0 or above 65,536, no levels, more levels
+    /// than down to a size of 1, or a filter that does not support the lobe or the scan.
     pub fn level_specs(&self) -> Result<Vec<LevelSpec>> {
         if self.size == 0 {
             return wrong("`size` must be at least 1");

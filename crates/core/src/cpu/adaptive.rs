@@ -21,12 +21,12 @@
 //! sums of what lies above and what lies below. Lobes that are not smooth (cones, wide Phong) take k(a) and
 //! k(b). Charlie, which rises before it falls, has bounds of its own (`kernel`).
 //!
-//! The channels differ from the luminance by their tints (crates/core/src/geometry/tint.rs). With D, Q and X a tint's
-//! dipole, quadrupole and variation, k' (D.(m - R)/2 + tr Q/4) + k'' ((R - m).Q.(R - m))/8 is added to the
-//! channel's estimate: the series of k up to second order over light of zero total. What is left over is at
-//! most X/2 times the range over [a, b] of k minus that series, which falls from a to b, as k'' does; and the
-//! sum is at most X/2 times the range of k, to which it is clipped. So it is continuous in R. The luminance's
-//! tint is zero: its estimate and bound are those above.
+//! The channels differ from the luminance by their tints (crates/core/src/geometry/tint.rs). With D, Q and X
+//! a tint's dipole, quadrupole and variation, k' (D.(m - R)/2 + tr Q/4) + k'' ((R - m).Q.(R - m))/8 is added
+//! to the channel's estimate: the series of k up to second order over light of zero total. What is left over
+//! is at most X/2 times the range over [a, b] of k minus that series, which falls from a to b, as k'' does;
+//! and the sum is at most X/2 times the range of k, to which it is clipped. So it is continuous in R. The
+//! luminance's tint is zero: its estimate and bound are those above.
 //!
 //! V is used as ((R - m).C.(R - m)), which keeps its precision near the peak; what that leaves out is the
 //! radial part (l - m).m, whose deviation is at most sqrt(tr C) rho/2 (Bhatia and Davis 2000 on [1 - rho^2/2,

@@ -19,8 +19,8 @@ pub struct Level {
 }
 
 impl Level {
-    /// A cube level with faces of `size` x `size` texels and no bounds. [`crate::bake::Bake::write`] checks the
-    /// number of texels, as of any level.
+    /// A cube level with faces of `size` x `size` texels and no bounds. [`crate::bake::Bake::write`] checks
+    /// the number of texels, as of any level.
     #[must_use]
     pub const fn cube(size: u32, roughness: f64, texels: Vec<Rgb>) -> Self {
         Self { layout: Layout::Cube { size }, roughness, texels, bounds: None }

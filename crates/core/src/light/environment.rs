@@ -225,8 +225,8 @@ impl Environment {
     /// An environment of `texels` in `layout`, unrotated.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] if the count is not the layout's, a side is zero, a panorama is neither
-    /// 2:1 nor one texel, or a texel is negative or not finite.
+    /// [`crate::common::error::Error::Parameter`] if the count is not the layout's, a side is zero, a
+    /// panorama is neither 2:1 nor one texel, or a texel is negative or not finite.
     pub fn new(layout: Layout, texels: Vec<Rgb>) -> Result<Self> {
         if let Layout::Panorama { width, height } = layout
             && (width, height) != (1, 1)

@@ -66,7 +66,8 @@ impl Filter {
     /// Checks that the filter reads a summed-area table if a `scan` other than the default is requested.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for a filter without such a table, and those of [`Scan::check`].
+    /// [`crate::common::error::Error::Parameter`] for a filter without such a table, and those of
+    /// [`Scan::check`].
     pub fn check_scan(self, scan: Scan) -> Result<()> {
         if scan != Scan::default() && !self.reads_sat() {
             return wrong(format!(
@@ -79,8 +80,8 @@ impl Filter {
     /// Checks that the filter supports `lobe`, and an OEM of `inner` texels if given.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for an adaptive error outside [1e-6, 1); for a pyramid of a lobe other
-    /// than GGX, or over an OEM that is not a power of two from 32 to 2048.
+    /// [`crate::common::error::Error::Parameter`] for an adaptive error outside [1e-6, 1); for a pyramid of a
+    /// lobe other than GGX, or over an OEM that is not a power of two from 32 to 2048.
     pub fn check(self, lobe: Lobe, inner: Option<u32>) -> Result<()> {
         match self {
             Self::Adaptive(error) if !(MIN_ERROR..1.0).contains(&error) => wrong(format!(

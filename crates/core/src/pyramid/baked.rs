@@ -25,9 +25,9 @@ impl BakedPyramid {
     /// The pyramid of `environment` over a map of `size` texels along an edge.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for a `size` that is not a power of two from 32 to 2048, and for light
-    /// that is too dim or too bright for shaders in float32; [`crate::common::error::Error::Limit`] if the overlaps of
-    /// texels exceed the memory.
+    /// [`crate::common::error::Error::Parameter`] for a `size` that is not a power of two from 32 to 2048,
+    /// and for light that is too dim or too bright for shaders in float32;
+    /// [`crate::common::error::Error::Limit`] if the overlaps of texels exceed the memory.
     pub(crate) fn new(environment: &Environment, size: u32) -> Result<Self> {
         Octaves::over(size)?;
         let scale = LightScale::new(environment);

@@ -194,8 +194,8 @@ impl Pyramid {
     /// to 2048.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for another size, [`crate::common::error::Error::Limit`] if the overlaps of texels exceed
-    /// the memory.
+    /// [`crate::common::error::Error::Parameter`] for another size, [`crate::common::error::Error::Limit`] if
+    /// the overlaps of texels exceed the memory.
     pub fn build(environment: &Environment, size: u32) -> Result<Self> {
         Octaves::over(size)?;
         Self::of_oem(&oem_from_environment(environment, OemSize { inner: size, border: 0 })?)

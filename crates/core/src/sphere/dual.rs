@@ -1,7 +1,8 @@
 //! One disc, or two of a hemisphere each: the sphere map, the dual paraboloid and the dual equidistant map.
 //!
-//! Component 0 lies around +Z, component 1 around -Z; u and v are those of the cube's faces +Z and -Z. The rims
-//! of two discs are glued to each other; outside the discs the projections continue into the other hemisphere.
+//! Component 0 lies around +Z, component 1 around -Z; u and v are those of the cube's faces +Z and -Z. The
+//! rims of two discs are glued to each other; outside the discs the projections continue into the other
+//! hemisphere.
 
 use super::azimuthal::{Disc, Profile};
 use super::map::{Place, SphereMap};
@@ -20,10 +21,10 @@ pub(crate) const EQUIDISTANT: Discs = Discs(Profile::Equidistant { rate: FRAC_PI
 
 /// OpenGL's sphere map: the sphere as a mirror ball, +Z at its centre and -Z around its rim.
 ///
-/// OpenGL specification 1.1 (1995), section 2.10.4: s = rx/m + 1/2 with m = 2 sqrt(rx^2 + ry^2 + (rz+1)^2), here as
-/// u = 2s - 1 and v = 1 - 2t, downwards. Its cartographic name is Lambert's azimuthal equal-area projection. The
-/// rim is singular: all of it is -Z, as is every texel outside the disc, and the stretch grows without bound
-/// towards it.
+/// OpenGL specification 1.1 (1995), section 2.10.4: s = rx/m + 1/2 with m = 2 sqrt(rx^2 + ry^2 + (rz+1)^2),
+/// here as u = 2s - 1 and v = 1 - 2t, downwards. Its cartographic name is Lambert's azimuthal equal-area
+/// projection. The rim is singular: all of it is -Z, as is every texel outside the disc, and the stretch
+/// grows without bound towards it.
 pub(crate) const MIRROR_BALL: Discs = Discs(Profile::EqualArea, 1);
 
 impl Discs {

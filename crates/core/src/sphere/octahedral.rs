@@ -9,8 +9,8 @@
 //! where i + j is even, and the square turned by 180 degrees where it is odd. [`wrap_oct`] and [`wrap_texel`]
 //! bring any point and any texel of that plane back to the square.
 //!
-//! The map itself is [`super::octahedral_perspective::PLANAR`], the perspective projection with the octahedron's
-//! faces as image planes.
+//! The map itself is [`super::octahedral_perspective::PLANAR`], the perspective projection with the
+//! octahedron's faces as image planes.
 
 use super::{clip, projected_solid_angle};
 use glam::{DVec2, DVec3};

@@ -65,7 +65,8 @@ impl NamedMap {
     /// the others.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for a component that there is not, and a point outside its rectangle.
+    /// [`crate::common::error::Error::Parameter`] for a component that there is not, and a point outside its
+    /// rectangle.
     pub fn direction(&self, place: Place) -> Result<DVec3> {
         self.check(place)?;
         Ok(self.map.direction(place.component, place.uv))

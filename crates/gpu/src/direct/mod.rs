@@ -123,7 +123,8 @@ impl Direct {
     /// Compiles the pipelines for targets whose colour has `format`.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for formats other than `Rgba16Float` and, with [`Overlap::Nearest`],
+    /// [`octagloss_core::common::error::Error::Parameter`] for formats other than `Rgba16Float` and, with
+    /// [`Overlap::Nearest`],
     /// `Rgba32Float`.
     pub fn new(context: &Context, format: wgpu::TextureFormat, overlap: Overlap) -> Result<Self> {
         check_format(format)?;
@@ -167,8 +168,9 @@ impl Direct {
     /// the 1-norm for an octahedral map, in the greatest coordinate for a cube. The target is cleared to 0.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for a target of another map or format and for an invalid `near`,
-    /// [`octagloss_core::common::error::Error::Limit`] if lists of triangles exceed the device's buffers.
+    /// [`octagloss_core::common::error::Error::Parameter`] for a target of another map or format and for an
+    /// invalid `near`, [`octagloss_core::common::error::Error::Limit`] if lists of triangles exceed the
+    /// device's buffers.
     pub fn frame(
         &self,
         method: Method,

@@ -28,7 +28,8 @@ impl OctantDraws {
     /// Moves the map to `centre`, which the caller calls `name`, from the next submission on.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for an invalid `near` and a `centre` that is not finite or beyond [`MAX`].
+    /// [`octagloss_core::common::error::Error::Parameter`] for an invalid `near` and a `centre` that is not
+    /// finite or beyond [`MAX`].
     pub(crate) fn place(&self, context: &Context, name: &str, centre: DVec3, near: f32) -> Result<()> {
         check_near(near)?;
         // Also true for NaN.

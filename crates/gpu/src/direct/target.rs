@@ -24,8 +24,8 @@ impl DirectTarget {
     /// and can be copied from.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for an octahedral map of odd size, a size of 0 or beyond the device's
-    /// textures, and formats other than `Rgba16Float` and `Rgba32Float`.
+    /// [`octagloss_core::common::error::Error::Parameter`] for an octahedral map of odd size, a size of 0 or
+    /// beyond the device's textures, and formats other than `Rgba16Float` and `Rgba32Float`.
     pub fn new(context: &Context, map: DirectMap, format: wgpu::TextureFormat) -> Result<Self> {
         check_format(format)?;
         let colour = texture(context, map, "direct colour", format)?;
@@ -88,8 +88,8 @@ fn texture(
 /// A texture of the depth of `map`.
 ///
 /// # Errors
-/// [`octagloss_core::common::error::Error::Parameter`] for an octahedral map of odd size, and a size of 0 or beyond the device's
-/// textures.
+/// [`octagloss_core::common::error::Error::Parameter`] for an octahedral map of odd size, and a size of 0 or
+/// beyond the device's textures.
 pub fn depth_texture(context: &Context, map: DirectMap) -> Result<wgpu::Texture> {
     texture(context, map, "direct depth", DEPTH)
 }

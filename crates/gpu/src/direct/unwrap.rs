@@ -61,7 +61,8 @@ impl Unwrap {
     /// Compiles the pipeline for targets whose colour has `format`.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for formats other than `Rgba16Float` and `Rgba32Float`.
+    /// [`octagloss_core::common::error::Error::Parameter`] for formats other than `Rgba16Float` and
+    /// `Rgba32Float`.
     pub fn new(context: &Context, format: wgpu::TextureFormat) -> Result<Self> {
         check_format(format)?;
         let draw = Draw {
@@ -79,7 +80,8 @@ impl Unwrap {
     /// `near` are cut away; depth is `near` over the distance.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for a target of another map or format and for an invalid `near`.
+    /// [`octagloss_core::common::error::Error::Parameter`] for a target of another map or format and for an
+    /// invalid `near`.
     pub fn frame(
         &self,
         remedy: Remedy,

@@ -52,7 +52,8 @@ pub struct CellTree {
     pub(super) reconstruction: Reconstruction,
     /// The least radiance of each channel, padded to four floats.
     pub least: wgpu::Buffer,
-    /// The quads, four times `QUAD_FIELDS` floats each, in the order of [`octagloss_core::cpu::cells::Cells`].
+    /// The quads, four times `QUAD_FIELDS` floats each, in the order of
+    /// [`octagloss_core::cpu::cells::Cells`].
     pub quads: wgpu::Buffer,
     /// First quad and quads along an edge, from the finest level to the root.
     pub(super) levels: Vec<[u32; 2]>,

@@ -41,8 +41,8 @@ impl Triangles {
     /// Triangles of three `indices` each into `corners`.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for an empty mesh, indices that are out of range or not whole triangles,
-    /// and corners that are not finite or beyond [`MAX`].
+    /// [`octagloss_core::common::error::Error::Parameter`] for an empty mesh, indices that are out of range
+    /// or not whole triangles, and corners that are not finite or beyond [`MAX`].
     pub fn new(corners: Vec<Corner>, indices: Vec<u32>) -> Result<Self> {
         if corners.is_empty() || indices.is_empty() {
             return wrong(format!(

@@ -74,8 +74,8 @@ pub(crate) trait WindowContent {
     /// Whether the next frame will differ from the last.
     fn is_busy(&self) -> bool;
 
-    /// Opens the file `path`, with the content `bytes` if it is in memory. On failure sets the message and keeps
-    /// the current content.
+    /// Opens the file `path`, with the content `bytes` if it is in memory. On failure sets the message and
+    /// keeps the current content.
     fn open(&mut self, path: &Path, bytes: Option<&[u8]>);
 
     /// The camera.

@@ -71,7 +71,8 @@ impl Light {
     /// `table`.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for an OEM of no texels, [`octagloss_core::common::error::Error::Limit`] if the tables exceed
+    /// [`octagloss_core::common::error::Error::Parameter`] for an OEM of no texels,
+    /// [`octagloss_core::common::error::Error::Limit`] if the tables exceed
     /// [`octagloss_core::bake::memory::LIMIT`] or do not fit the device.
     pub(super) fn new(
         context: &Context,

@@ -23,7 +23,8 @@ pub struct Screenshot {
 /// `truth` answers if the look needs the certified tier.
 ///
 /// # Errors
-/// [`octagloss_core::common::error::Error::Parameter`] for an unsupported look or size, [`octagloss_core::common::error::Error::Gpu`] if the device fails.
+/// [`octagloss_core::common::error::Error::Parameter`] for an unsupported look or size,
+/// [`octagloss_core::common::error::Error::Gpu`] if the device fails.
 ///
 /// # Panics
 /// If the look needs the certified tier and `truth` is `None`.

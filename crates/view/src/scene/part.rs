@@ -121,7 +121,8 @@ impl Part {
     /// Checks it as part `number` of a scene with `images`.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for indices out of range and numbers that are not finite.
+    /// [`octagloss_core::common::error::Error::Parameter`] for indices out of range and numbers that are not
+    /// finite.
     pub(super) fn check(&self, number: usize, images: &[Image]) -> Result<()> {
         let Self { corners, indices, place, motion, gloss, .. } = self;
         let Motion { axis, across, rate, phase, spin } = *motion;

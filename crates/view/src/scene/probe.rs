@@ -95,8 +95,8 @@ impl Probe {
     /// A probe at glossy part `part` for the tables of `live`, drawn by `method`.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Limit`] and [`octagloss_core::common::error::Error::Parameter`] if the scene or the map does not fit the
-    /// device.
+    /// [`octagloss_core::common::error::Error::Limit`] and
+    /// [`octagloss_core::common::error::Error::Parameter`] if the scene or the map does not fit the device.
     pub(super) fn new(
         context: &Context,
         passes: &ProbePasses,

@@ -49,8 +49,8 @@ pub struct SceneStart {
 /// Opens a window with a scene and runs its event loop until it is closed.
 ///
 /// # Errors
-/// [`octagloss_core::common::error::Error::Gpu`] if no window or no device is available, [`octagloss_core::common::error::Error::Limit`] if the scene does
-/// not fit it.
+/// [`octagloss_core::common::error::Error::Gpu`] if no window or no device is available,
+/// [`octagloss_core::common::error::Error::Limit`] if the scene does not fit it.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn run_scene(start: SceneStart) -> Result<()> {
     let (name, size) = (start.name.clone(), start.size);
@@ -90,8 +90,9 @@ impl SceneViewer {
     /// Changes what the panel selects.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] naming a value and its range, [`octagloss_core::common::error::Error::Limit`] for maps that do not
-    /// fit the device; nothing changes then.
+    /// [`octagloss_core::common::error::Error::Parameter`] naming a value and its range,
+    /// [`octagloss_core::common::error::Error::Limit`] for maps that do not fit the device; nothing changes
+    /// then.
     pub(crate) fn set_controls(&mut self, mut controls: Controls) -> Result<()> {
         controls.check()?;
         controls.settings.probes = controls.settings.probes.min(self.renderer.scene().glossy_parts());

@@ -37,7 +37,8 @@ impl Sides {
     /// Shows `side`, with or without the panel as before.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Limit`] if the built-in scene does not fit the device; the side stays.
+    /// [`octagloss_core::common::error::Error::Limit`] if the built-in scene does not fit the device; the
+    /// side stays.
     pub(super) fn show(&mut self, side: SideName) -> Result<()> {
         let was_hidden = self.content().panel().is_hidden;
         if side == SideName::Scene && self.scene.is_none() {

@@ -327,7 +327,8 @@ impl Settings {
     /// Checks that everything can be measured.
     ///
     /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] for a size, a roughness or an error that cannot be measured.
+    /// [`octagloss_core::common::error::Error::Parameter`] for a size, a roughness or an error that cannot be
+    /// measured.
     pub fn check(&self) -> Result<()> {
         let Self { size, turns, directions, roughnesses, error, subjects, methods, .. } = self;
         if !(8..=MAX_SIZE).contains(size) {

@@ -166,8 +166,8 @@ fn broken_level_folders_are_named() {
     fs::write(folder.path().join("report.json"), r#"{"levels":[{"level":0,"size":4,"roughness":2}]}"#)
         .unwrap();
     fails(format!(
-        "{place}{MAIN_SEPARATOR}report.json: its entry 0 is level 0 of size 4 and roughness 2; level 0 of size 4 and a \
-         roughness in [0, 1] is needed"
+        "{place}{MAIN_SEPARATOR}report.json: its entry 0 is level 0 of size 4 and roughness 2; level 0 of \
+         size 4 and a roughness in [0, 1] is needed"
     ));
     fs::write(folder.path().join("report.json"), r#"{"levels":[]}"#).unwrap();
     fails(format!("{place}{MAIN_SEPARATOR}report.json: it lists no levels"));

@@ -82,8 +82,8 @@ impl<'a> Oracle<'a> {
     /// no mirror.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for a roughness outside [0, 1], and a direction that is zero or not
-    /// finite.
+    /// [`crate::common::error::Error::Parameter`] for a roughness outside [0, 1], and a direction that is
+    /// zero or not finite.
     pub fn reflect(&self, lobe: Lobe, roughness: f64, direction: DVec3) -> Result<[f64; 3]> {
         if !(0.0..=1.0).contains(&roughness) {
             return wrong(format!("roughness {roughness} is outside [0, 1]"));

@@ -39,8 +39,8 @@ pub struct Made {
     pub clamped: Vec<u64>,
 }
 
-/// The text of the shader of that name that reads a file: `octagloss_shaders::reader`. The core hands it on, so
-/// that a changed shader does not build it again.
+/// The text of the shader of that name that reads a file: `octagloss_shaders::reader`. The core hands it on,
+/// so that a changed shader does not build it again.
 pub type Readers = fn(&str) -> Option<Cow<'static, str>>;
 
 /// Encodes the files of `plan` from `bake` for the environment called `name`. `metadata` are key/value pairs

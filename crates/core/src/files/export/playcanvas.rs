@@ -49,7 +49,8 @@ const SHINY: u32 = 6;
 /// Encodes the atlas of `chain` and `irradiance`, cubes flipped for the reader.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for a size that is not a power of two, and for another number of levels.
+/// [`crate::common::error::Error::Parameter`] for a size that is not a power of two, and for another number
+/// of levels.
 pub(crate) fn atlas_bytes(chain: &Chain, irradiance: &Level) -> Result<CubeFile> {
     let size = chain.levels.first().map_or(0, Level::size);
     check_atlas(size, chain.levels.len() as u32)?;

@@ -21,8 +21,8 @@ use std::collections::BTreeMap;
 /// when one is added.
 pub const SCHEMA_VERSION: u32 = 2;
 
-/// A bake's report; its fields are the keys of `report.json`. [`crate::files::io::side_report`] reads those of all
-/// versions.
+/// A bake's report; its fields are the keys of `report.json`. [`crate::files::io::side_report`] reads those
+/// of all versions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
     /// [`SCHEMA_VERSION`].

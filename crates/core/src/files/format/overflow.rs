@@ -62,7 +62,8 @@ impl Overflow {
     /// the writers perform.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the texel.
+    /// [`crate::common::error::Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the
+    /// texel.
     pub(crate) fn apply(self, index: usize, level: &mut Level, pixel: Pixel) -> Result<u64> {
         let layout = level.layout;
         let place = |at: usize| {

@@ -66,8 +66,8 @@ pub struct Origin<'a> {
 /// brightest one, else the brighter side behind its left shoulder.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for a chain without levels, [`crate::common::error::Error::Limit`] for an environment whose
-/// panorama does not fit.
+/// [`crate::common::error::Error::Parameter`] for a chain without levels,
+/// [`crate::common::error::Error::Limit`] for an environment whose panorama does not fit.
 pub fn contact_sheet(chain: &Chain, origin: Origin<'_>, exposure: Exposure) -> Result<Scene> {
     let distance = |level: &Level| (level.roughness - BACKDROP_ROUGHNESS).abs();
     let nearest = (0..chain.levels.len())

@@ -15,8 +15,8 @@ use crate::sphere::cube::Face;
 /// flip.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel format that
-/// the container cannot hold ([`Container::holds`]), and for invalid keys.
+/// [`crate::common::error::Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel
+/// format that the container cannot hold ([`Container::holds`]), and for invalid keys.
 pub fn cube_bytes(
     container: Container,
     chain: &Chain,

@@ -112,8 +112,8 @@ impl Listing {
             return Err(Error::input(
                 &path,
                 format!(
-                    "it has roughness {roughness} for level {level}, the files {found}: it belongs to another \
-                     bake; remove it"
+                    "it has roughness {roughness} for level {level}, the files {found}: it belongs to \
+                     another bake; remove it"
                 ),
             ));
         }

@@ -27,8 +27,8 @@ pub struct ImageFormat<'a> {
 /// lines.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for other containers, for pixel formats that the container does not support,
-/// and if the samples do not fill the image.
+/// [`crate::common::error::Error::Parameter`] for other containers, for pixel formats that the container does
+/// not support, and if the samples do not fill the image.
 pub(crate) fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat<'_>) -> Result<Vec<u8>> {
     let ImageFormat { container, pixel, roughness, metadata } = *format;
     let count = match samples {
@@ -54,7 +54,8 @@ pub(crate) fn image_bytes(width: u32, samples: Samples<'_>, format: &ImageFormat
 /// `metadata` in attributes.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for other levels, and for pixel formats that EXR does not support.
+/// [`crate::common::error::Error::Parameter`] for other levels, and for pixel formats that EXR does not
+/// support.
 pub(crate) fn mips_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let Some(Layout::Panorama { width, height }) = levels.first().map(|level| level.layout) else {
         return wrong("a lat-long MIP map is made of panoramas");

@@ -45,8 +45,8 @@ const CONVENTIONS: [(&str, &str); 4] = [
 /// `m0`, `m1`, ... `metadata` are further text key/value pairs.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for other containers or levels, and for pixel formats and keys that the
-/// container cannot hold.
+/// [`crate::common::error::Error::Parameter`] for other containers or levels, and for pixel formats and keys
+/// that the container cannot hold.
 pub fn oem_bytes(
     container: Container,
     levels: &[Level],

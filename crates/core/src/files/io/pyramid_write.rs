@@ -40,8 +40,8 @@ const WEIGHT_ROWS: usize = WEIGHTS / 4;
 /// Encodes the maps of `baked`. `metadata` are text key/value pairs.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for a map of less than 64 texels, for pixels that KTX2 cannot hold or that end
-/// below the light of half floats, and for keys that it cannot hold.
+/// [`crate::common::error::Error::Parameter`] for a map of less than 64 texels, for pixels that KTX2 cannot
+/// hold or that end below the light of half floats, and for keys that it cannot hold.
 pub(crate) fn maps_bytes(
     baked: &BakedPyramid,
     pixel: Pixel,

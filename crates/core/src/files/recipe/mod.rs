@@ -298,7 +298,8 @@ pub struct InputOptions {
 /// the command line; null for the default.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for an option that there is not, and for a value that it cannot have.
+/// [`crate::common::error::Error::Parameter`] for an option that there is not, and for a value that it cannot
+/// have.
 pub fn from_json<T: Default + Serialize + DeserializeOwned>(options: Map<String, Value>) -> Result<T> {
     let mut all = fields(&T::default());
     let mut parsed = T::default();
@@ -341,7 +342,8 @@ impl Recipe {
     /// Checks each option on its own, and those that no target or source decides.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for a number out of range, and for options that contradict each other.
+    /// [`crate::common::error::Error::Parameter`] for a number out of range, and for options that contradict
+    /// each other.
     pub fn check(&self) -> Result<()> {
         let ranges = [
             ("size", self.size, 1, MAX_SIZE),
@@ -375,7 +377,8 @@ impl TableOptions {
     /// Checks them for `filter`.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for a number out of range, and for a scan that the filter does not make.
+    /// [`crate::common::error::Error::Parameter`] for a number out of range, and for a scan that the filter
+    /// does not make.
     pub fn check(&self, filter: Filter) -> Result<()> {
         in_ranges(&[("oem_size", self.oem_size, 1, MAX_SIZE), ("border", self.border, 0, MAX_SIZE)])?;
         match self.scan {
@@ -391,7 +394,8 @@ impl InputOptions {
     /// Checks them.
     ///
     /// # Errors
-    /// [`crate::common::error::Error::Parameter`] for a number out of range, and for options that contradict each other.
+    /// [`crate::common::error::Error::Parameter`] for a number out of range, and for options that contradict
+    /// each other.
     pub fn check(&self) -> Result<()> {
         if let Some(degrees) = self.rotate_y.filter(|degrees| degrees.is_nan() || degrees.abs() > MAX_DEGREES)
         {

@@ -1,7 +1,7 @@
 //! Targets: presets of bakes for engines, and their files.
 //!
-//! A [`Target`] is a row of [`TARGETS`]; a [`TargetPlan`] is a row with overrides. [`crate::files::export::files`]
-//! encodes its files from a bake.
+//! A [`Target`] is a row of [`TARGETS`]; a [`TargetPlan`] is a row with overrides.
+//! [`crate::files::export::files`] encodes its files from a bake.
 
 mod flip;
 pub(crate) mod sizes;

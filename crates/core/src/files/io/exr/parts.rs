@@ -34,8 +34,8 @@ pub struct Part<'a> {
 /// floats. The display window is that of the largest part.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for no parts, empty or duplicate names, texels that do not fill their image,
-/// and pixel formats that EXR does not support.
+/// [`crate::common::error::Error::Parameter`] for no parts, empty or duplicate names, texels that do not fill
+/// their image, and pixel formats that EXR does not support.
 pub(crate) fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8>> {
     let display = (
         parts.iter().map(|part| part.width).max().unwrap_or(0),
@@ -73,7 +73,8 @@ pub(crate) fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8
 /// texel.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for other levels, and for pixel formats that EXR does not support.
+/// [`crate::common::error::Error::Parameter`] for other levels, and for pixel formats that EXR does not
+/// support.
 pub(crate) fn exr_mips_bytes(
     (width, height): (u32, u32),
     levels: &[&[Rgb]],

@@ -53,8 +53,8 @@ pub enum Samples<'a> {
 /// floats are clamped to their maximum.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] if the samples do not fill the image, a side is zero or above 2^31, or EXR
-/// does not support `pixel`.
+/// [`crate::common::error::Error::Parameter`] if the samples do not fill the image, a side is zero or above
+/// 2^31, or EXR does not support `pixel`.
 pub fn exr_bytes(
     width: u32,
     height: u32,

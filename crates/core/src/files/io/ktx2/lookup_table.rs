@@ -17,7 +17,8 @@ pub enum Channels {
 /// maximum; `description` is stored under the key `octaglossContent`.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] if the texels do not fill the table, or the description contains a NUL.
+/// [`crate::common::error::Error::Parameter`] if the texels do not fill the table, or the description
+/// contains a NUL.
 pub fn table_bytes(size: u32, texels: &[[f32; 3]], channels: Channels, description: &str) -> Result<Vec<u8>> {
     if texels.is_empty() || texels.len() != size as usize * size as usize || description.contains('\0') {
         return wrong(format!("a table of {size}x{size} cannot hold {} texels", texels.len()));
