@@ -4,6 +4,7 @@
 //! writes it as SVG. [`style`] has colours, sizes and margins, [`scale`] the colour scales, `page` titles and
 //! colour bars.
 
+#![doc(hidden)]
 #![allow(missing_docs, reason = "only crates of this workspace use it")]
 
 pub mod font;

@@ -1,5 +1,6 @@
 //! Triangle meshes: a torus knot, and meshes from glTF and OBJ files.
 
+#![doc(hidden)]
 #![allow(rustdoc::private_intra_doc_links, reason = "who works on the crate follows them")]
 
 mod accessor;

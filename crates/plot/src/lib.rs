@@ -1,6 +1,7 @@
 //! Charts and figures, drawn once and written as PNG and as SVG. Equal inputs give equal files. The drawing
 //! is that of all pictures; SVG names the same font and falls back to the reader's sans-serif.
 
+#![doc(hidden)]
 #![allow(missing_docs, reason = "only crates of this workspace use it")]
 
 pub mod chart;

@@ -14,6 +14,7 @@
 //! environment's harmonics. Spheres and knots are metals; meshes use the materials of their files. [`scene`]
 //! shows moving scenes instead, which reflect themselves.
 
+#![doc(hidden)]
 #![allow(rustdoc::private_intra_doc_links, reason = "who works on the crate follows them")]
 
 mod interface;
