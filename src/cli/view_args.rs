@@ -266,7 +266,7 @@ impl LookArgs {
 }
 
 /// Options that a scene does not have: by their names in [`ViewArgs`] and what it contains.
-const WITHOUT: [&str; 26] = [
+const WITHOUT: [&str; 18] = [
     "inputs",
     "border",
     "scan",
@@ -284,15 +284,8 @@ const WITHOUT: [&str; 26] = [
     "ground",
     "turn",
     "show",
-    "layout",
-    "rotate_y",
-    "mirror",
-    "scale",
-    "crop",
-    "pad",
-    "sanitize",
-    "strict",
-    "extract_sun",
+    // The name that clap gives to the group of its options.
+    "InputOptions",
 ];
 
 /// Greatest --probes.

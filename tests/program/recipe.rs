@@ -120,6 +120,36 @@ fn typings_have_every_option() {
     }
 }
 
+#[test]
+fn typings_page_and_help_have_every_word() {
+    let read =
+        |path: &str| std::fs::read_to_string(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let (typings, page) = (read("npm/js/index.d.ts"), read("web/bake.js"));
+    let help = std::process::Command::new(env!("CARGO_BIN_EXE_octagloss")).args(["bake", "--help"]).output();
+    let help = String::from_utf8(help.unwrap().stdout).unwrap();
+    let mut lists = 0;
+    for name in serde_json::to_value(Recipe::default()).unwrap().as_object().unwrap().keys() {
+        let kebab = name.replace('_', "-");
+        assert!(help.contains(&format!("--{kebab}")), "the help lacks --{kebab}");
+        let Err(error) = from_json::<Recipe>(options(json!({ (name): "?" }))) else { continue };
+        let error = error.to_string();
+        let Some((_, words)) = error.split_once("must be ") else { continue };
+        let words: Vec<&str> = words.split(", ").flat_map(|words| words.split(" or ")).collect();
+        if words.len() < 3 || words.iter().any(|word| word.contains([' ', ':'])) {
+            continue;
+        }
+        lists += 1;
+        assert!(page.contains(&format!("'{kebab}'")), "web/bake.js lacks {kebab}");
+        for word in words {
+            assert!(typings.contains(&format!("'{word}'")), "npm/js/index.d.ts lacks {word} of {name}");
+            assert!(help.contains(word), "the help lacks {word} of --{kebab}");
+            let held = [" ", "'"].map(|c| page.contains(&format!("{word}{c}")));
+            assert!(held.contains(&true), "web/bake.js lacks {word} of {kebab}");
+        }
+    }
+    assert!(lists >= 9, "{lists} options have words");
+}
+
 /// Bakes are judged against their source as they record it.
 #[test]
 fn files_record_every_option_that_changes_the_input() {
