@@ -61,24 +61,56 @@ fn between_levels(probe: u32, direction: vec3<f32>, level: f32) -> vec3<f32> {
     return mix(read_mirror(probe, at), read_sharp(probe, at), level);
 }
 
-// GGX with Smith's height-correlated masking, and (1 - v.h)^5, of a light of `spread`: `Brdf::around` of
+// Smith's S.
+fn masking_of(w: vec3<f32>, alpha: vec2<f32>) -> f32 {
+    return length(vec3<f32>(alpha * w.xy, w.z));
+}
+
+// GGX with Smith's height-correlated masking, and (1 - v.h)^5, of a sun of `spread`: `Brdf::around` of
 // crates/core/src/pyramid/brdf.rs. In axes of the surface with its normal z.
 fn brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32) -> vec2<f32> {
-    if light.z <= 0.0 {
+    let radius = sqrt(2.0 * spread);
+    if light.z <= -radius {
         return vec2<f32>();
     }
-    let half_vector = normalize(view + light);
-    let cosine = dot(view, half_vector);
-    let across = vec2<f32>(-view.y, view.x) / cosine;
-    let squares = alpha * alpha + 0.5 * spread * (1.0 + across * across);
-    let mixed = 0.5 * spread * across.x * across.y;
-    let determinant = squares.x * squares.y - mixed * mixed;
-    let h = half_vector.xy;
-    let slopes = squares.y * h.x * h.x - 2.0 * mixed * h.x * h.y + squares.x * h.y * h.y;
-    let bend = slopes / determinant + half_vector.z * half_vector.z;
-    let masking = light.z * length(vec3<f32>(alpha * view.xy, view.z))
-        + view.z * length(vec3<f32>(alpha * light.xy, light.z));
-    let value = 0.5 * light.z / (masking * 3.14159265 * sqrt(determinant) * bend * bend);
+    let left = min(0.5 * (light.z + radius) / max(radius, 1e-9), 1.0);
+    let l = normalize(vec3<f32>(light.xy, max(light.z, left * radius)));
+    let above = spread * left * left;
+    let middle = view + (1.0 - above) * l;
+    let length2 = dot(middle, middle);
+    let h = middle * inverseSqrt(length2);
+    let shape = vec3<f32>(alpha.y / alpha.x, alpha.x / alpha.y, alpha.x * alpha.y);
+    let bent = shape * h;
+    let bend = dot(h, bent);
+    let along = dot(h, l);
+    // The cone of half vectors, and the root of its cubic.
+    let size = above * (2.0 - above) / (length2 * bend);
+    let trace = size * dot(shape, 1.0 - l * l);
+    let aside = trace - size * squared(cross(l, bent)) / bend;
+    let masking = masking_of(l, alpha);
+    let determinant = size * size * masking * masking;
+    let near = shape.z * along * along / (bend * masking * masking);
+    let last = determinant * near;
+    let linear = 1.0 - trace;
+    var x = max(0.5 * (linear + sqrt(linear * linear + 4.0 * trace * near)), near);
+    var side = 0.0;
+    var slope = 1.0;
+    for (var step = 0u; step < 3u; step++) {
+        x = max(x + side * (side - ((x + trace) * x + determinant) * x) / slope, near);
+        side = (x + aside) * x + last;
+        slope = (((x + 2.0 * aside) * x + 3.0 * last + trace * aside - determinant) * x
+            + 2.0 * trace * last) * x + determinant * last;
+    }
+    let inverse = 1.0 / (size * shape + x);
+    let towards = size * dot(l, inverse * bent) / (x * dot(l, inverse * l));
+    let axis = normalize(inverse * (h + towards * l));
+    let cosine = dot(view, axis);
+    let lit = 2.0 * cosine * axis - view;
+    let facing = max(lit.z, 0.0);
+    let lobe = sqrt(side / (x * slope * bend * dot(axis, shape * axis))) * shape.z / (3.14159265 * bend);
+    let share = left * left * (3.0 - 2.0 * left) * (1.0 - 0.5 * above);
+    let visible = facing / (facing * masking_of(view, alpha) + view.z * masking_of(lit, alpha));
+    let value = share * 2.0 * along * cosine / length2 * lobe * visible;
     return vec2<f32>(value, pow(max(1.0 - cosine, 0.0), 5.0));
 }
 

@@ -11,6 +11,9 @@
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
+/// Steps to the root of a disc's cubic.
+const STEPS: u32 = 2;
+
 /// Alpha along the tangent and across it at `roughness` and `anisotropy` in [0, 1].
 pub fn alphas(roughness: f64, anisotropy: f64) -> DVec2 {
     let alpha = roughness * roughness;
@@ -39,29 +42,86 @@ impl Brdf {
 
     /// Radiance per irradiance from the unit vector `light`, F = 1, and the factor (1 - v.h)^5 of f90.
     pub fn at(&self, light: DVec3) -> (f64, f64) {
-        self.around(light, 0.0)
-    }
-
-    /// That of a light whose mean squared distance from `light` is `spread`.
-    ///
-    /// A light of variance v sees the lobe's slopes blurred, by v / 8 in the plane of incidence and more
-    /// across it; near its centre, that is a lobe whose squared alphas are greater by four times that.
-    pub fn around(&self, light: DVec3, spread: f64) -> (f64, f64) {
         if light.z <= 0.0 {
             return (0.0, 0.0);
         }
-        let middle = self.view + light;
-        let length = middle.length();
-        let half = middle / length;
+        let half = (self.view + light).normalize();
+        let area = self.alpha.x * self.alpha.y;
+        let bend = half.dot(self.shape() * half);
         let cosine = self.view.dot(half);
-        let across = DVec2::new(-self.view.y, self.view.x) / cosine;
-        let [xx, yy] = [0, 1].map(|k| self.alpha[k].powi(2) + 0.5 * spread * (1.0 + across[k] * across[k]));
-        let xy = 0.5 * spread * across.x * across.y;
-        let determinant = xx * yy - xy * xy;
-        let slopes = yy * half.x * half.x - 2.0 * xy * half.x * half.y + xx * half.y * half.y;
-        let bend = slopes / determinant + half.z * half.z;
-        let masking = |w: DVec3| (self.alpha * w.truncate()).length().hypot(w.z);
-        let visible = 0.5 * light.z / (light.z * masking(self.view) + self.view.z * masking(light));
-        (visible / (PI * determinant.sqrt() * bend * bend), (1.0 - cosine).max(0.0).powi(5))
+        (area / (PI * bend * bend) * self.visible(light), (1.0 - cosine).max(0.0).powi(5))
+    }
+
+    /// Their mean over a disc whose mean squared distance from its centre `light` is `spread`. Of a disc that
+    /// the horizon crosses counts a smaller one above, with its share of the area.
+    ///
+    /// ```text
+    /// integral of D (h.n) dh = integral of cos / pi     over a cone of half vectors, stretched by 1 / alpha
+    /// D (n.l) V dl           = D (h.n) dh times 4 (v.h) (n.l) V / (h.n)
+    /// ```
+    ///
+    /// The disc's rim lies in a plane, and h = v + l there: an elliptic cone, and of any such the clamped
+    /// cosine has a closed form, with the one positive root of a cubic. What it is multiplied by varies less,
+    /// and is taken at the cone's axis.
+    pub fn around(&self, light: DVec3, spread: f64) -> (f64, f64) {
+        let radius = (2.0 * spread).sqrt();
+        if light.z <= -radius {
+            return (0.0, 0.0);
+        }
+        let left = (0.5 * (light.z + radius) / radius.max(1e-9)).min(1.0);
+        let light = light.with_z(light.z.max(left * radius)).normalize();
+        let spread = spread * left * left;
+        // The axis of the disc's plane, and the quadratic form of GGX, times both alphas.
+        let middle = self.view + (1.0 - spread) * light;
+        let length2 = middle.length_squared();
+        let half = middle / length2.sqrt();
+        let area = self.alpha.x * self.alpha.y;
+        let shape = self.shape();
+        let bent = shape * half;
+        let (bend, along) = (half.dot(bent), half.dot(light));
+        // The ellipse around its plane's foot, all over the distance to its centre: trace and determinant of
+        // its squared axes, the square of the plane's distance, and what else the cubic has.
+        let size = spread * (2.0 - spread) / (length2 * bend);
+        let trace = size * shape.dot(1.0 - light * light);
+        let aside = trace - size * light.cross(bent).length_squared() / bend;
+        let determinant = (size * self.masking(light)).powi(2);
+        let near = area * (along / self.masking(light)).powi(2) / bend;
+        let last = determinant * near;
+        // x (x^2 + trace x + determinant) = x^2 + aside x + last, by Newton's method for the quotient of both
+        // sides, from below.
+        let linear = 1.0 - trace;
+        let mut x = (0.5 * (linear + (linear * linear + 4.0 * trace * near).sqrt())).max(near);
+        let (mut side, mut slope) = (0.0, 1.0);
+        for _ in 0..=STEPS {
+            x = (x + side * (side - ((x + trace) * x + determinant) * x) / slope).max(near);
+            side = (x + aside) * x + last;
+            let square = 3.0 * last + trace * aside - determinant;
+            slope = (((x + 2.0 * aside) * x + square) * x + 2.0 * trace * last) * x + determinant * last;
+        }
+        let inverse = (size * shape + x).recip();
+        let towards = size * light.dot(inverse * bent) / (x * light.dot(inverse * light));
+        let axis = (inverse * (half + towards * light)).normalize();
+        let cosine = self.view.dot(axis);
+        let lobe = (side / (x * slope * bend * axis.dot(shape * axis))).sqrt() * area / (PI * bend);
+        let share = left * left * (3.0 - 2.0 * left) * (1.0 - 0.5 * spread);
+        let visible = self.visible(2.0 * cosine * axis - self.view);
+        (share * 4.0 * along * cosine / length2 * lobe * visible, (1.0 - cosine).max(0.0).powi(5))
+    }
+
+    /// The quadratic form of h that GGX falls with, times both alphas.
+    fn shape(&self) -> DVec3 {
+        let [x, y] = self.alpha.to_array();
+        DVec3::new(y / x, x / y, x * y)
+    }
+
+    /// Smith's S.
+    fn masking(&self, w: DVec3) -> f64 {
+        (self.alpha * w.truncate()).length().hypot(w.z)
+    }
+
+    /// V (n.l).
+    fn visible(&self, light: DVec3) -> f64 {
+        let cosine = light.z.max(0.0);
+        0.5 * cosine / (cosine * self.masking(self.view) + self.view.z * self.masking(light))
     }
 }
