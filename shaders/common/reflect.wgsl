@@ -96,7 +96,7 @@ fn brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32)
     var side = 0.0;
     var slope = 1.0;
     for (var step = 0u; step < 3u; step++) {
-        x = max(x + side * (side - ((x + trace) * x + determinant) * x) / slope, near);
+        x += side * (side - ((x + trace) * x + determinant) * x) / slope;
         side = (x + aside) * x + last;
         slope = (((x + 2.0 * aside) * x + 3.0 * last + trace * aside - determinant) * x
             + 2.0 * trace * last) * x + determinant * last;
@@ -108,7 +108,7 @@ fn brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32)
     let lit = 2.0 * cosine * axis - view;
     let facing = max(lit.z, 0.0);
     let lobe = sqrt(side / (x * slope * bend * dot(axis, shape * axis))) * shape.z / (3.14159265 * bend);
-    let share = left * left * (3.0 - 2.0 * left) * (1.0 - 0.5 * above);
+    let share = pow(left, 1.25) * (1.0 - 0.5 * above);
     let visible = facing / (facing * masking_of(view, alpha) + view.z * masking_of(lit, alpha));
     let value = share * 2.0 * along * cosine / length2 * lobe * visible;
     return vec2<f32>(value, pow(max(1.0 - cosine, 0.0), 5.0));

@@ -66,6 +66,112 @@ fn the_kernel_is_reciprocal_and_the_anisotropic_one_contains_the_isotropic() {
     }
 }
 
+/// Mean of the reflection over a disc, and of what is left of it for f90: by rings and spokes.
+fn over_disc(brdf: &Brdf, light: DVec3, spread: f64) -> [f64; 2] {
+    const RINGS: u32 = 60;
+    let (x, y) = light.any_orthonormal_pair();
+    let mut sums = [0.0; 2];
+    for (ring, spoke) in (0..RINGS).flat_map(|ring| (0..2 * RINGS).map(move |spoke| (ring, spoke))) {
+        let cosine = 1.0 - spread * (f64::from(ring) + 0.5) / f64::from(RINGS);
+        let (up, right) = (PI * (f64::from(spoke) + 0.5) / f64::from(RINGS)).sin_cos();
+        let (value, fresnel) =
+            brdf.at(light * cosine + (x * right + y * up) * (1.0 - cosine * cosine).sqrt());
+        sums = [sums[0] + value, sums[1] + value * fresnel];
+    }
+    sums.map(|sum| sum / f64::from(2 * RINGS * RINGS))
+}
+
+#[test]
+fn suns_are_discs() {
+    let (mut random, mut as_points, mut count) = (Random::new(17), 0.0_f64, 0);
+    for _ in 0..400 {
+        let (roughness, anisotropy) = (random.between(0.2, 1.0), random.between(-0.8, 0.8).max(0.0));
+        let (nv, radius) = (random.between(0.15, 1.0), random.between(0.0, 0.03));
+        let turn = random.between(0.0, 2.0 * PI);
+        let view = ((1.0 - nv * nv).sqrt() * glam::DVec2::from_angle(turn)).extend(nv);
+        let brdf = Brdf::new(view, roughness, anisotropy);
+        // Within the lobe.
+        let slopes = glam::DVec2::from_angle(random.between(0.0, 2.0 * PI)) * random.between(0.0, 3.0);
+        let half = (alphas(roughness, anisotropy) * slopes).extend(1.0).normalize();
+        let light = half * (2.0 * view.dot(half)) - view;
+        if light.z < 2.0 * radius {
+            continue;
+        }
+        let spread = 0.5 * radius * radius;
+        let [expected, grazing] = over_disc(&brdf, light, spread);
+        let (found, fresnel) = brdf.around(light, spread);
+        let name = format!("r {roughness} anisotropy {anisotropy} n.v {nv}, {radius} around {light}");
+        assert!((found / expected - 1.0).abs() < 0.02, "{name}: {found}, not {expected}");
+        assert!((fresnel - grazing / expected).abs() < 0.02, "{name}: {fresnel}, not {}", grazing / expected);
+        as_points = as_points.max((brdf.at(light).0 / expected - 1.0).abs());
+        count += 1;
+    }
+    assert!(count > 200 && as_points > 0.3, "{count} suns, as points off by {as_points}");
+    // Points have none.
+    let (view, light) = (DVec3::new(0.6, 0.0, 0.8), DVec3::new(-0.8, 0.0, 0.6));
+    let brdf = Brdf::new(view, 0.4, 0.3);
+    assert!((brdf.around(light, 0.0).0 / brdf.at(light).0 - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn suns_set() {
+    let radius = 0.03_f64;
+    let spread = 0.5 * radius * radius;
+    for (nv, roughness, anisotropy) in [(0.15, 0.3, 0.0), (0.3, 0.5, 0.5), (0.6, 0.8, 0.0), (0.02, 0.6, 0.0)]
+    {
+        let view = DVec3::new((1.0_f64 - nv * nv).sqrt(), 0.0, nv);
+        let brdf = Brdf::new(view, roughness, anisotropy);
+        let heights = (-40..=80).map(|k| 1e-3 * f64::from(k));
+        let seen: Vec<[f64; 2]> = heights
+            .map(|z| {
+                let light = DVec3::new(-(1.0 - z * z).sqrt(), 0.0, z);
+                let found = brdf.around(light, spread).0;
+                assert_eq!(z <= -radius, found == 0.0, "n.v {nv}, height {z}: {found}");
+                [found, over_disc(&brdf, light, spread)[0]]
+            })
+            .collect();
+        let peak = seen.iter().map(|seen| seen[1]).fold(0.0, f64::max);
+        for pair in seen.windows(2) {
+            let ([before, _], [found, expected]) = (pair[0], pair[1]);
+            assert!((found - before).abs() < 0.05 * peak, "n.v {nv}: from {before} to {found} of {peak}");
+            assert!((found - expected).abs() < 0.05 * peak, "n.v {nv}: {found}, not {expected} of {peak}");
+        }
+    }
+}
+
+#[test]
+fn reflections_of_a_sun_are_near_the_oracle() {
+    // Three texels at the panorama's seam.
+    let layout = Layout::Panorama { width: 256, height: 128 };
+    let mut texels = vec![[0.0; 3]; 256 * 128];
+    for k in [0, 1, 255] {
+        texels[40 * 256 + k] = [1e4; 3];
+    }
+    let world = Environment::new(layout, texels).expect("a panorama");
+    let (oracle, pyramid) = (Oracle::new(&world), Pyramid::build(&world, 256).expect("a size"));
+    let sun = layout.direction_from_texel(0, 0, 40);
+    let mut random = Random::new(6);
+    for (roughness, anisotropy, nv) in
+        [(0.2, 0.0, 0.5), (0.3, 0.0, 0.15), (0.3, 0.5, 0.3), (0.5, 0.0, 0.3), (0.7, 0.0, 0.15)]
+    {
+        let (mut error, mut square) = (0.0, 0.0);
+        for _ in 0..20 {
+            let reflected = (sun + 3.0 * roughness * roughness * random.direction()).normalize();
+            let aside = random.direction();
+            let aside = (aside - reflected * aside.dot(reflected)).normalize();
+            let normal = reflected * nv + aside * (1.0 - nv * nv).sqrt();
+            let frame = Frame::new(normal, normal * (2.0 * nv) - reflected, random.direction());
+            let frame = frame.expect("a frame");
+            let expected = reflection(&oracle, &frame, f64::from(roughness as f32), anisotropy)[0][0];
+            let found = pyramid.reflect(&frame, roughness as f32, anisotropy as f32, [1.0; 3], 1.0)[0];
+            error += (f64::from(found) - expected).powi(2);
+            square += expected * expected;
+        }
+        let epsilon = (error / square).sqrt();
+        assert!(epsilon < 0.03, "r {roughness} anisotropy {anisotropy} n.v {nv}: {epsilon}");
+    }
+}
+
 /// The integral of the reflection over lights, by half vectors: a quadrature that shares nothing with either.
 fn albedo(view: DVec3, roughness: f64, anisotropy: f64) -> [f64; 2] {
     let brdf = Brdf::new(view, roughness, anisotropy);

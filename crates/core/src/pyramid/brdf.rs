@@ -11,9 +11,6 @@
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Steps to the root of a disc's cubic.
-const STEPS: u32 = 2;
-
 /// Alpha along the tangent and across it at `roughness` and `anisotropy` in [0, 1].
 pub fn alphas(roughness: f64, anisotropy: f64) -> DVec2 {
     let alpha = roughness * roughness;
@@ -53,7 +50,7 @@ impl Brdf {
     }
 
     /// Their mean over a disc whose mean squared distance from its centre `light` is `spread`. Of a disc that
-    /// the horizon crosses counts a smaller one above, with its share of the area.
+    /// the horizon crosses counts a smaller one above, with its share of the light.
     ///
     /// ```text
     /// integral of D (h.n) dh = integral of cos / pi     over a cone of half vectors, stretched by 1 / alpha
@@ -87,13 +84,13 @@ impl Brdf {
         let determinant = (size * self.masking(light)).powi(2);
         let near = area * (along / self.masking(light)).powi(2) / bend;
         let last = determinant * near;
-        // x (x^2 + trace x + determinant) = x^2 + aside x + last, by Newton's method for the quotient of both
-        // sides, from below.
+        // x (x^2 + trace x + determinant) = x^2 + aside x + last, by two steps of Newton's method for the
+        // quotient of both sides, from below.
         let linear = 1.0 - trace;
         let mut x = (0.5 * (linear + (linear * linear + 4.0 * trace * near).sqrt())).max(near);
         let (mut side, mut slope) = (0.0, 1.0);
-        for _ in 0..=STEPS {
-            x = (x + side * (side - ((x + trace) * x + determinant) * x) / slope).max(near);
+        for _ in 0..3 {
+            x += side * (side - ((x + trace) * x + determinant) * x) / slope;
             side = (x + aside) * x + last;
             let square = 3.0 * last + trace * aside - determinant;
             slope = (((x + 2.0 * aside) * x + square) * x + 2.0 * trace * last) * x + determinant * last;
@@ -103,7 +100,7 @@ impl Brdf {
         let axis = (inverse * (half + towards * light)).normalize();
         let cosine = self.view.dot(axis);
         let lobe = (side / (x * slope * bend * axis.dot(shape * axis))).sqrt() * area / (PI * bend);
-        let share = left * left * (3.0 - 2.0 * left) * (1.0 - 0.5 * spread);
+        let share = left.powf(1.25) * (1.0 - 0.5 * spread);
         let visible = self.visible(2.0 * cosine * axis - self.view);
         (share * 4.0 * along * cosine / length2 * lobe * visible, (1.0 - cosine).max(0.0).powi(5))
     }
