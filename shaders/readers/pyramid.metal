@@ -4,7 +4,7 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a e14e252ce66459c9.
+// Translated from pyramid.wgsl, FNV-1a 47844b192686c925.
 // Metal; the resources are arguments of each function.
 // language: metal1.0
 #include <metal_stdlib>
@@ -117,13 +117,13 @@ constant float octagloss_SKEWED = 0.2;
 type_12 octagloss_harmonic_basis(
     metal::float3 d
 ) {
-    float x = d.x;
+    float x_1 = d.x;
     float y = d.y;
     float z = d.z;
-    float xx = x * x;
+    float xx = x_1 * x_1;
     float yy = y * y;
     float zz = z * z;
-    return type_12 {{0.28209478, 0.48860252 * y, 0.48860252 * z, 0.48860252 * x, (1.0925485 * x) * y, (1.0925485 * y) * z, 0.31539157 * ((3.0 * zz) - 1.0), (1.0925485 * x) * z, 0.54627424 * (xx - yy), (0.5900436 * y) * ((3.0 * xx) - yy), ((2.8906114 * x) * y) * z, (0.4570458 * y) * ((5.0 * zz) - 1.0), (0.37317634 * z) * ((5.0 * zz) - 3.0), (0.4570458 * x) * ((5.0 * zz) - 1.0), (1.4453057 * z) * (xx - yy), (0.5900436 * x) * (xx - (3.0 * yy)), ((2.5033429 * x) * y) * (xx - yy), ((1.7701308 * y) * z) * ((3.0 * xx) - yy), ((0.9461747 * x) * y) * ((7.0 * zz) - 1.0), ((0.6690465 * y) * z) * ((7.0 * zz) - 3.0), 0.10578555 * ((((35.0 * zz) * zz) - (30.0 * zz)) + 3.0), ((0.6690465 * x) * z) * ((7.0 * zz) - 3.0), (0.47308734 * (xx - yy)) * ((7.0 * zz) - 1.0), ((1.7701308 * x) * z) * (xx - (3.0 * yy)), 0.6258357 * (((xx * xx) - ((6.0 * xx) * yy)) + (yy * yy))}};
+    return type_12 {{0.28209478, 0.48860252 * y, 0.48860252 * z, 0.48860252 * x_1, (1.0925485 * x_1) * y, (1.0925485 * y) * z, 0.31539157 * ((3.0 * zz) - 1.0), (1.0925485 * x_1) * z, 0.54627424 * (xx - yy), (0.5900436 * y) * ((3.0 * xx) - yy), ((2.8906114 * x_1) * y) * z, (0.4570458 * y) * ((5.0 * zz) - 1.0), (0.37317634 * z) * ((5.0 * zz) - 3.0), (0.4570458 * x_1) * ((5.0 * zz) - 1.0), (1.4453057 * z) * (xx - yy), (0.5900436 * x_1) * (xx - (3.0 * yy)), ((2.5033429 * x_1) * y) * (xx - yy), ((1.7701308 * y) * z) * ((3.0 * xx) - yy), ((0.9461747 * x_1) * y) * ((7.0 * zz) - 1.0), ((0.6690465 * y) * z) * ((7.0 * zz) - 3.0), 0.10578555 * ((((35.0 * zz) * zz) - (30.0 * zz)) + 3.0), ((0.6690465 * x_1) * z) * ((7.0 * zz) - 3.0), (0.47308734 * (xx - yy)) * ((7.0 * zz) - 1.0), ((1.7701308 * x_1) * z) * (xx - (3.0 * yy)), 0.6258357 * (((xx * xx) - ((6.0 * xx) * yy)) + (yy * yy))}};
 }
 
 metal::float3 octagloss_source_from_world(
@@ -578,26 +578,95 @@ metal::float3 octagloss_between_levels(
     return metal::mix(_e17, _e18, level_2);
 }
 
+float octagloss_masking_of(
+    metal::float3 w,
+    metal::float2 alpha
+) {
+    return metal::length(metal::float3(alpha * w.xy, w.z));
+}
+
 metal::float2 octagloss_brdf_around(
     metal::float3 view,
     metal::float3 light,
-    metal::float2 alpha,
+    metal::float2 alpha_1,
     float spread
 ) {
-    if (light.z <= 0.0) {
+    float x = {};
+    float side = 0.0;
+    float slope = 1.0;
+    uint step = 0u;
+    float radius = metal::sqrt(2.0 * spread);
+    if (light.z <= -(radius)) {
         return metal::float2 {};
     }
-    metal::float3 half_vector = metal::normalize(view + light);
-    float cosine_10 = metal::dot(view, half_vector);
-    metal::float2 across = metal::float2(-(view.y), view.x) / metal::float2(cosine_10);
-    metal::float2 squares = (alpha * alpha) + ((0.5 * spread) * (metal::float2(1.0) + (across * across)));
-    float mixed = ((0.5 * spread) * across.x) * across.y;
-    float determinant = (squares.x * squares.y) - (mixed * mixed);
-    metal::float2 h = half_vector.xy;
-    float slopes = (((squares.y * h.x) * h.x) - (((2.0 * mixed) * h.x) * h.y)) + ((squares.x * h.y) * h.y);
-    float bend = (slopes / determinant) + (half_vector.z * half_vector.z);
-    float masking = (light.z * metal::length(metal::float3(alpha * view.xy, view.z))) + (view.z * metal::length(metal::float3(alpha * light.xy, light.z)));
-    float value = (0.5 * light.z) / ((((masking * 3.1415927) * metal::sqrt(determinant)) * bend) * bend);
+    float left_1 = metal::min((0.5 * (light.z + radius)) / metal::max(radius, 0.000000001), 1.0);
+    metal::float3 l = metal::normalize(metal::float3(light.xy, metal::max(light.z, left_1 * radius)));
+    float above = (spread * left_1) * left_1;
+    metal::float3 middle = view + ((1.0 - above) * l);
+    float length2_ = metal::dot(middle, middle);
+    metal::float3 h = middle * metal::rsqrt(length2_);
+    metal::float3 shape = metal::float3(alpha_1.y / alpha_1.x, alpha_1.x / alpha_1.y, alpha_1.x * alpha_1.y);
+    metal::float3 bent = shape * h;
+    float bend = metal::dot(h, bent);
+    float along_2 = metal::dot(h, l);
+    float size_1 = (above * (2.0 - above)) / (length2_ * bend);
+    float trace = size_1 * metal::dot(shape, metal::float3(1.0) - (l * l));
+    float _e60 = octagloss_squared(metal::cross(l, bent));
+    float aside_1 = trace - ((size_1 * _e60) / bend);
+    float _e64 = octagloss_masking_of(l, alpha_1);
+    float determinant = ((size_1 * size_1) * _e64) * _e64;
+    float near = ((shape.z * along_2) * along_2) / ((bend * _e64) * _e64);
+    float last_1 = determinant * near;
+    float linear = 1.0 - trace;
+    x = metal::max(0.5 * (linear + metal::sqrt((linear * linear) + ((4.0 * trace) * near))), near);
+    bool loop_init_6 = true;
+    while(true) {
+        if (!loop_init_6) {
+            uint _e140 = step;
+            step = _e140 + 1u;
+        }
+        loop_init_6 = false;
+        uint _e94 = step;
+        if (_e94 < 3u) {
+        } else {
+            break;
+        }
+        {
+            float _e97 = x;
+            float _e98 = side;
+            float _e99 = side;
+            float _e100 = x;
+            float _e102 = x;
+            float _e105 = x;
+            float _e109 = slope;
+            x = _e97 + ((_e98 * (_e99 - ((((_e100 + trace) * _e102) + determinant) * _e105))) / _e109);
+            float _e112 = x;
+            float _e114 = x;
+            side = ((_e112 + aside_1) * _e114) + last_1;
+            float _e117 = x;
+            float _e121 = x;
+            float _e129 = x;
+            float _e135 = x;
+            slope = ((((((((_e117 + (2.0 * aside_1)) * _e121) + (3.0 * last_1)) + (trace * aside_1)) - determinant) * _e129) + ((2.0 * trace) * last_1)) * _e135) + (determinant * last_1);
+        }
+    }
+    float _e143 = x;
+    metal::float3 inverse = metal::float3(1.0) / ((size_1 * shape) + metal::float3(_e143));
+    float _e152 = x;
+    float towards = (size_1 * metal::dot(l, inverse * bent)) / (_e152 * metal::dot(l, inverse * l));
+    metal::float3 axis_1 = metal::normalize(inverse * (h + (towards * l)));
+    float cosine_10 = metal::dot(view, axis_1);
+    metal::float3 lit = ((2.0 * cosine_10) * axis_1) - view;
+    float facing_1 = metal::max(lit.z, 0.0);
+    float _e169 = side;
+    float _e170 = x;
+    float _e171 = slope;
+    float lobe_1 = (metal::sqrt(_e169 / (((_e170 * _e171) * bend) * metal::dot(axis_1, shape * axis_1))) * shape.z) / (3.1415927 * bend);
+    float share_2 = metal::pow(left_1, 1.25) * (1.0 - (0.5 * above));
+    float _e191 = octagloss_masking_of(view, alpha_1);
+    float _e194 = octagloss_masking_of(lit, alpha_1);
+    float visible = facing_1 / ((facing_1 * _e191) + (view.z * _e194));
+    float value = (((((share_2 * 2.0) * along_2) * cosine_10) / length2_) * lobe_1) * visible;
     return metal::float2(value, metal::pow(metal::max(1.0 - cosine_10, 0.0), 5.0));
 }
 
@@ -612,13 +681,13 @@ type_19 octagloss_harmonic_orders(
     uint k_3 = {};
     type_12 _e2 = octagloss_harmonic_basis(d_2);
     basis_1 = _e2;
-    bool loop_init_6 = true;
+    bool loop_init_7 = true;
     while(true) {
-        if (!loop_init_6) {
+        if (!loop_init_7) {
             uint _e43 = order_1;
             order_1 = _e43 + 1u;
         }
-        loop_init_6 = false;
+        loop_init_7 = false;
         uint _e8 = order_1;
         if (_e8 < 5u) {
         } else {
@@ -628,13 +697,13 @@ type_19 octagloss_harmonic_orders(
             uint _e11 = order_1;
             uint _e12 = order_1;
             k_3 = _e11 * _e12;
-            bool loop_init_7 = true;
+            bool loop_init_8 = true;
             while(true) {
-                if (!loop_init_7) {
+                if (!loop_init_8) {
                     uint _e40 = k_3;
                     k_3 = _e40 + 1u;
                 }
-                loop_init_7 = false;
+                loop_init_8 = false;
                 uint _e15 = k_3;
                 uint _e16 = order_1;
                 uint _e19 = order_1;
@@ -686,13 +755,13 @@ metal::float3 octagloss_harmonics_reflected(
     type_19 orders = {};
     uint order_2 = {};
     texels = pairs;
-    bool loop_init_8 = true;
+    bool loop_init_9 = true;
     while(true) {
-        if (!loop_init_8) {
+        if (!loop_init_9) {
             uint _e84 = k_4;
             k_4 = _e84 + 1u;
         }
-        loop_init_8 = false;
+        loop_init_9 = false;
         uint _e29 = k_4;
         if (_e29 < 5u) {
         } else {
@@ -707,13 +776,13 @@ metal::float3 octagloss_harmonics_reflected(
             orders = _e45;
             uint _e47 = k_4;
             order_2 = _e47;
-            bool loop_init_9 = true;
+            bool loop_init_10 = true;
             while(true) {
-                if (!loop_init_9) {
+                if (!loop_init_10) {
                     uint _e81 = order_2;
                     order_2 = _e81 + 1u;
                 }
-                loop_init_9 = false;
+                loop_init_10 = false;
                 uint _e49 = order_2;
                 if (_e49 < 5u) {
                 } else {
@@ -742,7 +811,7 @@ metal::float3 octagloss_suns_reflected(
     uint probe_12,
     octagloss_SurfaceFrame surface_1,
     metal::float2 tangent,
-    metal::float2 alpha_1,
+    metal::float2 alpha_2,
     metal::float3 f0_1,
     float f90_1,
     constant type_7& octagloss_lights,
@@ -753,19 +822,19 @@ metal::float3 octagloss_suns_reflected(
     type_22 channels = {};
     type_23 values = {};
     uint c = {};
-    metal::float3 across_1 = metal::cross(surface_1.normal, surface_1.towards);
-    metal::float3 x_1 = (surface_1.towards * tangent.x) + (across_1 * tangent.y);
-    metal::float3 y_1 = (across_1 * tangent.x) - (surface_1.towards * tangent.y);
+    metal::float3 across = metal::cross(surface_1.normal, surface_1.towards);
+    metal::float3 x_2 = (surface_1.towards * tangent.x) + (across * tangent.y);
+    metal::float3 y_1 = (across * tangent.x) - (surface_1.towards * tangent.y);
     metal::float3 view_5 = metal::float3(surface_1.sine * tangent.x, -(surface_1.sine) * tangent.y, surface_1.cosine);
     float _e30 = octagloss_map_inner(octagloss_maps);
-    metal::float2 wide = metal::max(alpha_1, metal::float2(0.9 / _e30));
-    bool loop_init_10 = true;
+    metal::float2 wide = metal::max(alpha_2, metal::float2(0.9 / _e30));
+    bool loop_init_11 = true;
     while(true) {
-        if (!loop_init_10) {
+        if (!loop_init_11) {
             uint _e109 = k_5;
             k_5 = _e109 + 1u;
         }
-        loop_init_10 = false;
+        loop_init_11 = false;
         uint _e39 = k_5;
         if (_e39 < octagloss_SUNS) {
         } else {
@@ -777,13 +846,13 @@ metal::float3 octagloss_suns_reflected(
             channels = type_22 {{sun_2.red, sun_2.green, sun_2.blue}};
             values = type_23 {};
             c = 0u;
-            bool loop_init_11 = true;
+            bool loop_init_12 = true;
             while(true) {
-                if (!loop_init_11) {
+                if (!loop_init_12) {
                     uint _e77 = c;
                     c = _e77 + 1u;
                 }
-                loop_init_11 = false;
+                loop_init_12 = false;
                 uint _e57 = c;
                 if (_e57 < 3u) {
                 } else {
@@ -793,7 +862,7 @@ metal::float3 octagloss_suns_reflected(
                     uint _e60 = c;
                     metal::float4 _e62 = channels.inner[_e60];
                     metal::float3 to = _e62.xyz;
-                    metal::float3 light_1 = metal::float3(metal::dot(to, x_1), metal::dot(to, y_1), metal::dot(to, surface_1.normal));
+                    metal::float3 light_1 = metal::float3(metal::dot(to, x_2), metal::dot(to, y_1), metal::dot(to, surface_1.normal));
                     uint _e69 = c;
                     uint _e71 = c;
                     float _e74 = channels.inner[_e71].w;
@@ -842,20 +911,20 @@ metal::float3 octagloss_reflected_isotropic(
     uint k_7 = 0u;
     metal::float3 n_1 = surface_2.normal;
     float cosine_11 = surface_2.cosine;
-    metal::float3 along_2 = surface_2.towards * surface_2.sine;
-    metal::float3 v_1 = along_2 + (n_1 * cosine_11);
+    metal::float3 along_3 = surface_2.towards * surface_2.sine;
+    metal::float3 v_1 = along_3 + (n_1 * cosine_11);
     metal::float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_11, octagloss_tables, octagloss_linear);
     metal::float2 _e14 = octagloss_round_albedo(cosine_11, roughness_4, octagloss_tables);
     metal::float2 _e16 = octagloss_albedo_share(_e14, _e13.zw);
     metal::float3 scaled = f0_2 * _e16.x;
     float grazing = f90_2 * _e16.y;
-    bool loop_init_12 = true;
+    bool loop_init_13 = true;
     while(true) {
-        if (!loop_init_12) {
+        if (!loop_init_13) {
             uint _e64 = k_6;
             k_6 = _e64 + 1u;
         }
-        loop_init_12 = false;
+        loop_init_13 = false;
         uint _e27 = k_6;
         if (_e27 < octagloss_READS) {
         } else {
@@ -864,8 +933,8 @@ metal::float3 octagloss_reflected_isotropic(
         {
             uint _e30 = k_6;
             metal::float4 _e31 = octagloss_reflection_node(_e30, roughness_4, cosine_11, octagloss_tables, octagloss_linear);
-            metal::float3 half_vector_1 = metal::normalize(n_1 + (_e31.x * along_2));
-            metal::float3 direction_5 = (half_vector_1 * (2.0 * metal::dot(v_1, half_vector_1))) - v_1;
+            metal::float3 half_vector = metal::normalize(n_1 + (_e31.x * along_3));
+            metal::float3 direction_5 = (half_vector * (2.0 * metal::dot(v_1, half_vector))) - v_1;
             metal::float3 _e41 = sum_5;
             metal::float3 _e49 = octagloss_between_levels(probe_13, direction_5, _e31.y, octagloss_maps, octagloss_linear);
             sum_5 = _e41 + (((scaled * _e31.z) + metal::float3(grazing * _e31.w)) * _e49);
@@ -876,13 +945,13 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float3 _e66 = sum_5;
     metal::float3 _e73 = octagloss_cosine_light(probe_13, n_1, octagloss_maps, octagloss_linear);
     sum_5 = _e66 + (((scaled * _e13.x) + metal::float3(grazing * _e13.y)) * _e73);
-    bool loop_init_13 = true;
+    bool loop_init_14 = true;
     while(true) {
-        if (!loop_init_13) {
+        if (!loop_init_14) {
             uint _e90 = k_7;
             k_7 = _e90 + 1u;
         }
-        loop_init_13 = false;
+        loop_init_14 = false;
         uint _e80 = k_7;
         if (_e80 < 8u) {
         } else {
@@ -903,11 +972,11 @@ metal::float3 octagloss_reflected_isotropic(
     float _e102 = octagloss_lights.inner[probe_13].unscale;
     sum_5 = metal::max(_e96, metal::float3 {}) * _e102;
     float _e104 = in_mirror;
-    float share_2 = metal::max(1.0 - (_e104 / (_e13.z + _e13.w)), 0.0);
-    metal::float2 alpha_10 = metal::float2(roughness_4 * roughness_4);
+    float share_3 = metal::max(1.0 - (_e104 / (_e13.z + _e13.w)), 0.0);
+    metal::float2 alpha_11 = metal::float2(roughness_4 * roughness_4);
     metal::float3 _e115 = sum_5;
-    metal::float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_10, f0_2, f90_2, octagloss_lights, octagloss_maps);
-    return _e115 + (share_2 * _e119);
+    metal::float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_2, f90_2, octagloss_lights, octagloss_maps);
+    return _e115 + (share_3 * _e119);
 }
 
 octagloss_SurfaceFrame octagloss_surface_of(
@@ -928,8 +997,8 @@ octagloss_SurfaceFrame octagloss_surface_of(
     }
     metal::float3 _e31 = level_view;
     metal::float3 _e32 = level_view;
-    metal::float3 towards = metal::normalize(_e31 - (_e3 * metal::dot(_e3, _e32)));
-    return octagloss_SurfaceFrame {_e3, towards, cosine_12, metal::sqrt(1.0 - (cosine_12 * cosine_12))};
+    metal::float3 towards_1 = metal::normalize(_e31 - (_e3 * metal::dot(_e3, _e32)));
+    return octagloss_SurfaceFrame {_e3, towards_1, cosine_12, metal::sqrt(1.0 - (cosine_12 * cosine_12))};
 }
 
 metal::float3 octagloss_reflect_isotropic(
@@ -952,33 +1021,33 @@ metal::float2 octagloss_row_alphas(
     float roughness_6,
     float anisotropy
 ) {
-    float alpha_11 = roughness_6 * roughness_6;
-    return metal::float2(alpha_11 + (((1.0 - alpha_11) * anisotropy) * anisotropy), alpha_11);
+    float alpha_12 = roughness_6 * roughness_6;
+    return metal::float2(alpha_12 + (((1.0 - alpha_12) * anisotropy) * anisotropy), alpha_12);
 }
 
 float octagloss_row_share(
-    metal::float2 alpha_2
+    metal::float2 alpha_3
 ) {
-    return metal::smoothstep(0.0, 1.0, (alpha_2.x - alpha_2.y) / (octagloss_BLEND * metal::max(alpha_2.y, 0.000001)));
+    return metal::smoothstep(0.0, 1.0, (alpha_3.x - alpha_3.y) / (octagloss_BLEND * metal::max(alpha_3.y, 0.000001)));
 }
 
 metal::float4 octagloss_row_places(
-    metal::float2 alpha_3,
+    metal::float2 alpha_4,
     float cosine_2,
     metal::float2 tangent_1
 ) {
-    float sharp = metal::max(alpha_3.y, octagloss_ROW_SHARP);
+    float sharp = metal::max(alpha_4.y, octagloss_ROW_SHARP);
     float azimuth = metal::atan2(metal::abs(tangent_1.y), metal::abs(tangent_1.x)) * 0.63661975;
-    metal::float4 places_1 = metal::float4(metal::log2(1.0 + (5.0 * metal::sqrt(alpha_3.y))) * 0.3868528, metal::sqrt(cosine_2), 1.0 - metal::pow(metal::max(1.0 - azimuth, 0.0), 0.6666667), metal::log2(metal::max(alpha_3.x, sharp) / sharp) / -(metal::log2(metal::min(sharp, 0.999999))));
+    metal::float4 places_1 = metal::float4(metal::log2(1.0 + (5.0 * metal::sqrt(alpha_4.y))) * 0.3868528, metal::sqrt(cosine_2), 1.0 - metal::pow(metal::max(1.0 - azimuth, 0.0), 0.6666667), metal::log2(metal::max(alpha_4.x, sharp) / sharp) / -(metal::log2(metal::min(sharp, 0.999999))));
     return metal::clamp(places_1, metal::float4 {}, metal::float4(1.0));
 }
 
 octagloss_RowPlace octagloss_row_place(
-    metal::float2 alpha_4,
+    metal::float2 alpha_5,
     float cosine_3,
     metal::float2 tangent_2
 ) {
-    metal::float4 _e3 = octagloss_row_places(alpha_4, cosine_3, tangent_2);
+    metal::float4 _e3 = octagloss_row_places(alpha_5, cosine_3, tangent_2);
     metal::float4 place_4 = _e3 * metal::float4(15.0, 9.0, 7.0, 6.0);
     float lower = metal::min(metal::floor(place_4.w), 5.0);
     metal::float2 inside_1 = metal::clamp(place_4.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
@@ -1021,13 +1090,13 @@ metal::float4 octagloss_row_block(
 }
 
 metal::float4 octagloss_row_more(
-    metal::float2 alpha_5,
+    metal::float2 alpha_6,
     float cosine_4,
     metal::float2 tangent_3,
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float4 _e3 = octagloss_row_places(alpha_5, cosine_4, tangent_3);
+    metal::float4 _e3 = octagloss_row_places(alpha_6, cosine_4, tangent_3);
     metal::float4 place_5 = _e3 * metal::float4(15.0, 9.0, 7.0, 12.0);
     float lower_1 = metal::min(metal::floor(place_5.w), 11.0);
     metal::float3 inside_2 = metal::float3(metal::clamp(place_5.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625)), place_5.z);
@@ -1037,15 +1106,15 @@ metal::float4 octagloss_row_more(
 }
 
 metal::float2 octagloss_row_albedo(
-    metal::float2 alpha_6,
+    metal::float2 alpha_7,
     float cosine_5,
     float along,
     metal::float2 more,
     metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
-    metal::float2 squares_1 = alpha_6 * alpha_6;
-    float mean_1 = metal::sqrt(0.5 * (squares_1.x + squares_1.y));
-    float seen_1 = metal::sqrt(metal::mix(squares_1.y, squares_1.x, along));
+    metal::float2 squares = alpha_7 * alpha_7;
+    float mean_1 = metal::sqrt(0.5 * (squares.x + squares.y));
+    float seen_1 = metal::sqrt(metal::mix(squares.y, squares.x, along));
     metal::float2 _e17 = octagloss_round_albedo(cosine_5, metal::sqrt(metal::mix(seen_1, mean_1, cosine_5)), octagloss_tables);
     return metal::max(_e17 + more, metal::float2 {});
 }
@@ -1060,31 +1129,31 @@ float octagloss_row_number(
 }
 
 octagloss_Row octagloss_row_of(
-    metal::float2 alpha_7,
+    metal::float2 alpha_8,
     metal::float2 tangent_4,
     float cosine_6
 ) {
     metal::float2 axis = metal::float2(1.0, 0.0);
-    metal::float2 squares_2 = alpha_7 * alpha_7;
-    float difference = squares_2.x - squares_2.y;
-    float along_3 = squares_2.y + ((difference * tangent_4.x) * tangent_4.x);
-    float across_2 = ((squares_2.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_6) * cosine_6;
-    float mixed_1 = ((difference * tangent_4.x) * tangent_4.y) * cosine_6;
-    float apart_1 = 0.5 * (along_3 - across_2);
-    float root_1 = metal::length(metal::float2(apart_1, mixed_1));
-    float greatest = metal::max((0.5 * (along_3 + across_2)) + root_1, 0.000000000000000000000000000001);
+    metal::float2 squares_1 = alpha_8 * alpha_8;
+    float difference = squares_1.x - squares_1.y;
+    float along_4 = squares_1.y + ((difference * tangent_4.x) * tangent_4.x);
+    float across_1 = ((squares_1.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_6) * cosine_6;
+    float mixed = ((difference * tangent_4.x) * tangent_4.y) * cosine_6;
+    float apart_1 = 0.5 * (along_4 - across_1);
+    float root_1 = metal::length(metal::float2(apart_1, mixed));
+    float greatest = metal::max((0.5 * (along_4 + across_1)) + root_1, 0.000000000000000000000000000001);
     if (root_1 > 0.0) {
-        metal::float2 steep = metal::float2(metal::abs(mixed_1), (root_1 - apart_1) * ((mixed_1 >= 0.0) ? 1.0 : -1.0));
-        axis = metal::normalize(((apart_1 >= 0.0) ? metal::float2(apart_1 + root_1, mixed_1) : steep) / metal::float2(root_1));
+        metal::float2 steep = metal::float2(metal::abs(mixed), (root_1 - apart_1) * ((mixed >= 0.0) ? 1.0 : -1.0));
+        axis = metal::normalize(((apart_1 >= 0.0) ? metal::float2(apart_1 + root_1, mixed) : steep) / metal::float2(root_1));
     }
-    float x_2 = metal::log(metal::max(((alpha_7.x * alpha_7.y) * cosine_6) / greatest, octagloss_NARROWEST));
+    float x_3 = metal::log(metal::max(((alpha_8.x * alpha_8.y) * cosine_6) / greatest, octagloss_NARROWEST));
     float extent = metal::sqrt(greatest);
     float y_2 = metal::log(1.0 + (6.0 * extent));
     float _e75 = axis.x;
     float tilt = _e75 * metal::smoothstep(0.0, octagloss_TILTED, metal::sqrt(1.0 - (cosine_6 * cosine_6)));
     float _e85 = axis.x;
     float e_1 = _e85 * tilt;
-    type_22 terms_1 = type_22 {{metal::float4(1.0, x_2, x_2 * x_2, y_2), metal::float4(x_2 * y_2, y_2 * y_2, e_1, e_1 * x_2), metal::float4((x_2 * x_2) * x_2, (y_2 * y_2) * y_2, (x_2 * x_2) * y_2, (x_2 * y_2) * y_2)}};
+    type_22 terms_1 = type_22 {{metal::float4(1.0, x_3, x_3 * x_3, y_2), metal::float4(x_3 * y_2, y_2 * y_2, e_1, e_1 * x_3), metal::float4((x_3 * x_3) * x_3, (y_2 * y_2) * y_2, (x_3 * x_3) * y_2, (x_3 * y_2) * y_2)}};
     float _e119 = octagloss_row_number(terms_1, metal::float4(-0.822, -0.434, 0.191, 0.225), metal::float4(-0.113, -0.022, -0.153, -0.163), metal::float4(-0.008, 0.111, -0.063, -0.064));
     float _e135 = octagloss_row_number(terms_1, metal::float4(-0.509, -0.287, 0.427, -0.088), metal::float4(0.234, -0.052, -0.085, 0.361), metal::float4(0.054, 0.157, 0.012, 0.191));
     float _e151 = octagloss_row_number(terms_1, metal::float4(-0.565, -0.221, -0.153, -0.803), metal::float4(-0.329, 0.168, -0.066, -0.018), metal::float4(-0.016, 0.148, -0.022, 0.161));
@@ -1103,22 +1172,22 @@ metal::float2 octagloss_row_read(
     metal::texture2d_array<float, metal::access::sample> octagloss_maps
 ) {
     float place_6 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
-    float slope = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_6)) / row_1.steps.y;
+    float slope_1 = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_6)) / row_1.steps.y;
     float wider = (naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation);
-    float growth = row_1.steps.w * slope;
+    float growth = row_1.steps.w * slope_1;
     float width = ((wider * row_1.steps.z) * metal::sqrt(1.0 + (growth * growth))) * row_1.extent;
     float _e44 = octagloss_map_inner(octagloss_maps);
-    float last_1 = metal::log2(_e44) - 3.0;
-    float sharp_1 = last_1 + metal::log2(metal::max(width, 0.000000001) / 0.35);
+    float last_2 = metal::log2(_e44) - 3.0;
+    float sharp_1 = last_2 + metal::log2(metal::max(width, 0.000000001) / 0.35);
     float below = metal::max(metal::log2((metal::max(width, 0.000000001) * _e44) / 1.8) * 0.610706, 0.0);
-    return metal::float2(slope, (sharp_1 >= 1.0) ? metal::min(sharp_1, last_1) : below);
+    return metal::float2(slope_1, (sharp_1 >= 1.0) ? metal::min(sharp_1, last_2) : below);
 }
 
 metal::float3 octagloss_reflect_in_row(
     uint probe_15,
     octagloss_SurfaceFrame surface_3,
     metal::float2 tangent_5,
-    metal::float2 alpha_8,
+    metal::float2 alpha_9,
     metal::float3 f0_4,
     float f90_4,
     constant type_7& octagloss_lights,
@@ -1132,7 +1201,7 @@ metal::float3 octagloss_reflect_in_row(
     uint distance = 0u;
     metal::float2 mean = {};
     metal::float2 skew = {};
-    uint side = {};
+    uint side_1 = {};
     type_20 pairs_2 = type_20 {};
     uint k_8 = 0u;
     type_24 aside = type_24 {{metal::float3(0.4620342, 0.54655075, -0.6984316), metal::float3(0.8966183, 0.38650447, 0.21607853), metal::float3(0.11814805, 0.3835753, 0.91592085), metal::float3(0.14011177, 0.8172301, -0.5590202)}};
@@ -1143,23 +1212,23 @@ metal::float3 octagloss_reflect_in_row(
     type_19 other = {};
     uint order_3 = {};
     metal::float3 n_2 = surface_3.normal;
-    metal::float3 across_3 = metal::cross(n_2, surface_3.towards);
+    metal::float3 across_2 = metal::cross(n_2, surface_3.towards);
     metal::float3 v_2 = (surface_3.towards * surface_3.sine) + (n_2 * surface_3.cosine);
-    octagloss_RowPlace _e16 = octagloss_row_place(alpha_8, surface_3.cosine, tangent_5);
-    octagloss_Row _e18 = octagloss_row_of(alpha_8, tangent_5, surface_3.cosine);
-    metal::float3 axis_1 = (surface_3.towards * _e18.axis.x) + (across_3 * _e18.axis.y);
-    metal::float4 _e28 = octagloss_row_more(alpha_8, surface_3.cosine, tangent_5, octagloss_linear, octagloss_rows);
+    octagloss_RowPlace _e16 = octagloss_row_place(alpha_9, surface_3.cosine, tangent_5);
+    octagloss_Row _e18 = octagloss_row_of(alpha_9, tangent_5, surface_3.cosine);
+    metal::float3 axis_2 = (surface_3.towards * _e18.axis.x) + (across_2 * _e18.axis.y);
+    metal::float4 _e28 = octagloss_row_more(alpha_9, surface_3.cosine, tangent_5, octagloss_linear, octagloss_rows);
     metal::float2 more_1 = _e28.xy;
-    metal::float2 _e34 = octagloss_row_albedo(alpha_8, surface_3.cosine, tangent_5.x * tangent_5.x, more_1, octagloss_tables);
+    metal::float2 _e34 = octagloss_row_albedo(alpha_9, surface_3.cosine, tangent_5.x * tangent_5.x, more_1, octagloss_tables);
     metal::float3 scaled_1 = f0_4 * _e34.x;
     float grazing_1 = f90_4 * _e34.y;
-    bool loop_init_14 = true;
+    bool loop_init_15 = true;
     while(true) {
-        if (!loop_init_14) {
+        if (!loop_init_15) {
             uint _e142 = distance;
             distance = _e142 + 1u;
         }
-        loop_init_14 = false;
+        loop_init_15 = false;
         uint _e45 = distance;
         if (_e45 <= octagloss_ROW_MIDDLE) {
         } else {
@@ -1179,15 +1248,15 @@ metal::float3 octagloss_reflect_in_row(
                 mean = 0.5 * (_e49.xy + _e49.zw);
                 skew = (0.5 * _e18.skew) * (_e49.xy - _e49.zw);
             }
-            side = 0u;
-            bool loop_init_15 = true;
+            side_1 = 0u;
+            bool loop_init_16 = true;
             while(true) {
-                if (!loop_init_15) {
-                    uint _e139 = side;
-                    side = _e139 + 1u;
+                if (!loop_init_16) {
+                    uint _e139 = side_1;
+                    side_1 = _e139 + 1u;
                 }
-                loop_init_15 = false;
-                uint _e81 = side;
+                loop_init_16 = false;
+                uint _e81 = side_1;
                 uint _e82 = distance;
                 if (_e81 < metal::min(_e82 + 1u, 2u)) {
                 } else {
@@ -1198,14 +1267,14 @@ metal::float3 octagloss_reflect_in_row(
                     metal::float2 _e89 = skew;
                     metal::float2 _e91 = mean;
                     metal::float2 _e92 = skew;
-                    uint _e94 = side;
+                    uint _e94 = side_1;
                     metal::float2 weights_3 = (_e94 == 0u) ? (_e91 + _e92) : (_e88 - _e89);
                     uint _e99 = distance;
                     uint _e102 = distance;
-                    uint _e104 = side;
+                    uint _e104 = side_1;
                     metal::float2 _e108 = octagloss_row_read(_e18, (_e104 == 0u) ? (octagloss_ROW_MIDDLE + _e102) : (octagloss_ROW_MIDDLE - _e99), octagloss_maps);
-                    metal::float3 half_vector_2 = metal::normalize(n_2 + (_e108.x * axis_1));
-                    metal::float3 direction_6 = (half_vector_2 * (2.0 * metal::dot(v_2, half_vector_2))) - v_2;
+                    metal::float3 half_vector_1 = metal::normalize(n_2 + (_e108.x * axis_2));
+                    metal::float3 direction_6 = (half_vector_1 * (2.0 * metal::dot(v_2, half_vector_1))) - v_2;
                     metal::float3 _e118 = sum_6;
                     metal::float3 _e126 = octagloss_between_levels(probe_15, direction_6, _e108.y, octagloss_maps, octagloss_linear);
                     sum_6 = _e118 + (((scaled_1 * weights_3.x) + metal::float3(grazing_1 * weights_3.y)) * _e126);
@@ -1215,13 +1284,13 @@ metal::float3 octagloss_reflect_in_row(
             }
         }
     }
-    bool loop_init_16 = true;
+    bool loop_init_17 = true;
     while(true) {
-        if (!loop_init_16) {
+        if (!loop_init_17) {
             uint _e158 = k_8;
             k_8 = _e158 + 1u;
         }
-        loop_init_16 = false;
+        loop_init_17 = false;
         uint _e148 = k_8;
         if (_e148 < 8u) {
         } else {
@@ -1238,16 +1307,16 @@ metal::float3 octagloss_reflect_in_row(
     type_20 _e161 = pairs_2;
     metal::float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled_1, grazing_1, octagloss_lights);
     sum_6 = _e160 + _e162;
-    metal::float3 mirrored = across_3 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
+    metal::float3 mirrored = across_2 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
     metal::float4 _e192 = pairs_2.inner[7];
     texel_1 = _e192;
-    bool loop_init_17 = true;
+    bool loop_init_18 = true;
     while(true) {
-        if (!loop_init_17) {
+        if (!loop_init_18) {
             uint _e280 = k_9;
             k_9 = _e280 + 1u;
         }
-        loop_init_17 = false;
+        loop_init_18 = false;
         uint _e198 = k_9;
         if (_e198 < 4u) {
         } else {
@@ -1269,13 +1338,13 @@ metal::float3 octagloss_reflect_in_row(
             other = _e227;
             uint _e229 = k_9;
             order_3 = _e229 + 1u;
-            bool loop_init_18 = true;
+            bool loop_init_19 = true;
             while(true) {
-                if (!loop_init_18) {
+                if (!loop_init_19) {
                     uint _e277 = order_3;
                     order_3 = _e277 + 1u;
                 }
-                loop_init_18 = false;
+                loop_init_19 = false;
                 uint _e233 = order_3;
                 if (_e233 < 5u) {
                 } else {
@@ -1308,10 +1377,10 @@ metal::float3 octagloss_reflect_in_row(
     float _e288 = octagloss_lights.inner[probe_15].unscale;
     sum_6 = metal::max(_e282, metal::float3 {}) * _e288;
     float _e290 = in_mirror_1;
-    float share_3 = metal::max(1.0 - (_e290 / (_e34.x + _e34.y)), 0.0);
+    float share_4 = metal::max(1.0 - (_e290 / (_e34.x + _e34.y)), 0.0);
     metal::float3 _e299 = sum_6;
-    metal::float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_5, alpha_8, f0_4, f90_4, octagloss_lights, octagloss_maps);
-    return _e299 + (share_3 * _e300);
+    metal::float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_5, alpha_9, f0_4, f90_4, octagloss_lights, octagloss_maps);
+    return _e299 + (share_4 * _e300);
 }
 
 metal::float3 octagloss_reflect_of(
@@ -1340,8 +1409,8 @@ metal::float3 octagloss_reflect_of(
     bool _e19 = local;
     if (_e19) {
         metal::float3 _e20 = octagloss_source_from_world(probe_16, tangent_6, octagloss_lights);
-        metal::float3 across_4 = metal::cross(_e8.normal, _e8.towards);
-        level_3 = metal::float2(metal::dot(_e20, _e8.towards), metal::dot(_e20, across_4));
+        metal::float3 across_3 = metal::cross(_e8.normal, _e8.towards);
+        level_3 = metal::float2(metal::dot(_e20, _e8.towards), metal::dot(_e20, across_3));
     }
     metal::float2 _e28 = level_3;
     metal::float2 _e29 = level_3;
@@ -1381,13 +1450,13 @@ metal::float3 octagloss_reflect(
 }
 
 metal::float2 octagloss_faded_albedo(
-    metal::float2 alpha_9,
+    metal::float2 alpha_10,
     float cosine_7,
     metal::float2 own_2,
     metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
-    metal::float2 _e8 = octagloss_round_albedo(cosine_7, metal::sqrt(metal::sqrt(alpha_9.x * alpha_9.y)), octagloss_tables);
-    float _e9 = octagloss_row_share(alpha_9);
+    metal::float2 _e8 = octagloss_round_albedo(cosine_7, metal::sqrt(metal::sqrt(alpha_10.x * alpha_10.y)), octagloss_tables);
+    float _e9 = octagloss_row_share(alpha_10);
     return metal::mix(_e8, own_2, _e9);
 }
 
@@ -1427,10 +1496,10 @@ metal::float2 octagloss_albedo_along(
     }
     metal::float2 _e9 = octagloss_row_alphas(roughness_10, metal::min(anisotropy_4, 1.0));
     float seen_3 = metal::clamp(cosine_9, octagloss_LEAST_COSINE, 1.0);
-    float x_3 = metal::min(metal::abs(along_1) / metal::max(metal::sqrt(1.0 - (seen_3 * seen_3)), 0.0001), 1.0);
-    metal::float4 _e28 = octagloss_row_more(_e9, seen_3, metal::float2(x_3, metal::sqrt(1.0 - (x_3 * x_3))), octagloss_linear, octagloss_rows);
+    float x_4 = metal::min(metal::abs(along_1) / metal::max(metal::sqrt(1.0 - (seen_3 * seen_3)), 0.0001), 1.0);
+    metal::float4 _e28 = octagloss_row_more(_e9, seen_3, metal::float2(x_4, metal::sqrt(1.0 - (x_4 * x_4))), octagloss_linear, octagloss_rows);
     metal::float2 more_3 = _e28.xy;
-    metal::float2 _e31 = octagloss_row_albedo(_e9, seen_3, x_3 * x_3, more_3, octagloss_tables);
+    metal::float2 _e31 = octagloss_row_albedo(_e9, seen_3, x_4 * x_4, more_3, octagloss_tables);
     metal::float2 _e32 = octagloss_faded_albedo(_e9, seen_3, _e31, octagloss_tables);
     return _e32;
 }
