@@ -30,8 +30,11 @@ pub const FILES: &[(&str, &str)] = &files![
     "common/plane.wgsl",
     "common/pyramid.wgsl",
     "common/pyramid_file.wgsl",
+    "common/pyramid_file_cube.wgsl",
+    "common/pyramid_file_tables.wgsl",
     "common/pyramid_group.wgsl",
     "common/pyramid_maps.wgsl",
+    "common/pyramid_squares.wgsl",
     "common/light.wgsl",
     "common/quad.wgsl",
     "common/reduce.wgsl",
@@ -83,17 +86,21 @@ pub const FILES: &[(&str, &str)] = &files![
     "view/truth.wgsl",
 ];
 
-/// What `pyramid.wgsl` of [`reader`] includes. Programs that have no GPU link no other shader.
+/// What `pyramid.wgsl` and `pyramid_cube.wgsl` of [`reader`] include. Programs that have no GPU link no other shader.
 const LOOK_UPS: &[(&str, &str)] = &files![
     "common/anisotropic.wgsl",
     "common/harmonics.wgsl",
     "common/light.wgsl",
     "common/pyramid.wgsl",
     "common/pyramid_file.wgsl",
+    "common/pyramid_file_cube.wgsl",
+    "common/pyramid_file_tables.wgsl",
+    "common/pyramid_squares.wgsl",
     "common/reflect.wgsl",
 ];
 
-/// Shader code for reading octahedral maps and pyramids, by file name.
+/// Shader code for reading octahedral maps and pyramids, by file name. Those of pyramids have lines for the
+/// octahedral map and lines for the cube, as [`on_map`] sorts them.
 pub const READERS: [(&str, &str); 6] = [
     ("oem.wgsl", include_str!("readers/oem.wgsl")),
     ("oem.glsl", include_str!("readers/oem.glsl")),
@@ -103,12 +110,33 @@ pub const READERS: [(&str, &str); 6] = [
     ("pyramid.metal", include_str!("readers/pyramid.metal")),
 ];
 
-/// The file of that name of [`READERS`], or `pyramid.wgsl`, which is made of the shaders.
+/// The file of that name of [`READERS`], or `pyramid.wgsl`, which is made of the shaders; `pyramid_cube.*`
+/// are those of pyramids on cubes.
 pub fn reader(name: &str) -> Option<Cow<'static, str>> {
-    if name == "pyramid.wgsl" {
-        return Some(pyramid_wgsl().into());
+    let on_cube = name.strip_prefix("pyramid_cube.");
+    let own = on_cube.map_or_else(|| name.to_owned(), |extension| format!("pyramid.{extension}"));
+    if own == "pyramid.wgsl" {
+        return Some(pyramid_wgsl(on_cube.is_some()).into());
     }
-    READERS.iter().find(|(own, _)| *own == name).map(|(_, code)| (*code).into())
+    let (_, code) = READERS.iter().find(|(name, _)| *name == own)?;
+    Some(if own.starts_with("pyramid") { on_map(code, on_cube.is_some()).into() } else { (*code).into() })
+}
+
+/// `code` without directives and what they keep for the other map.
+fn on_map(code: &str, is_cube: bool) -> String {
+    let mut is_kept = true;
+    let mut text = String::with_capacity(code.len());
+    for line in code.lines() {
+        match line {
+            "#ifdef OCTAGLOSS_CUBE" => is_kept = is_cube,
+            "#ifndef OCTAGLOSS_CUBE" => is_kept = !is_cube,
+            "#else" => is_kept = !is_kept,
+            "#endif" => is_kept = true,
+            _ if is_kept => text.extend([line, "\n"]),
+            _ => {}
+        }
+    }
+    text
 }
 
 /// The text of `path` with its includes resolved. Each file appears once, before the files that include it.
@@ -166,15 +194,24 @@ const READER: &str = "\
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 ";
 
+/// Added for cubes.
+const ON_CUBE: &str = "\
+// The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
+";
+
 /// WGSL of the look-ups of pyramids in files, with their resources in group 0.
-fn pyramid_wgsl() -> String {
+fn pyramid_wgsl(is_cube: bool) -> String {
+    let (file, maps, usage) = match is_cube {
+        true => ("common/pyramid_file_cube.wgsl", "var octagloss_maps: texture_cube<f32>", ON_CUBE),
+        false => ("common/pyramid_file.wgsl", "var octagloss_maps: texture_2d_array<f32>", ""),
+    };
     let resources = [
         "var<uniform> octagloss_lights: array<OctaglossLight, 1>",
-        "var octagloss_maps: texture_2d_array<f32>",
+        maps,
         "var octagloss_tables: texture_2d<f32>",
         "var octagloss_linear: sampler",
         "var octagloss_rows: texture_3d<f32>",
     ];
-    let source = source_of("common/pyramid_file.wgsl", LOOK_UPS);
-    READER.to_owned() + &with_resources(&source, &resources, 0, "octagloss")
+    let source = source_of(file, LOOK_UPS);
+    format!("{READER}{usage}{}", with_resources(&source, &resources, 0, "octagloss"))
 }

@@ -27,6 +27,7 @@ const CHOICES = [
     ['out-layout', 'faces cross cross-vertical strip strip-vertical equirect octahedral parts mips'],
     ['overflow', 'clamp compress error'],
     ['flip', 'none x z'],
+    ['map', 'octahedral cube'],
     ['diffuse', 'none cube sh both'],
     ['layout', 'auto equirect cross strip octahedral'],
     ['pad', 'black edge'],

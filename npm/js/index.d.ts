@@ -86,6 +86,8 @@ export interface BakeOptions extends InputOptions, CallOptions {
     shOrder?: number;
     shWindow?: string;
     flip?: 'none' | 'x' | 'z';
+    /** Map of a pyramid; default: octahedral. */
+    map?: 'octahedral' | 'cube';
     diffuse?: 'none' | 'cube' | 'sh' | 'both';
     /** Files with every texel's certified error bound. */
     bounds?: boolean;

@@ -3,6 +3,7 @@
 import {
     ClampToEdgeWrapping,
     CompressedArrayTexture,
+    CompressedCubeTexture,
     Data3DTexture,
     DataTexture,
     HalfFloatType,
@@ -42,12 +43,27 @@ async function opened(bytes) {
         const [width, height] = [file.pixelWidth >> level, file.pixelHeight >> level];
         return { data, width, height, depth: file.pixelDepth };
     });
-    return { mipmaps, format, type, layers: Math.max(file.layerCount, 1), keys: file.keyValue };
+    const [layers, faces] = [Math.max(file.layerCount, 1), file.faceCount];
+    return { mipmaps, format, type, layers, faces, keys: file.keyValue };
+}
+
+// The faces of a cube whose levels have them one after the other.
+export function facesOf(mipmaps) {
+    const [{ width, height }] = mipmaps;
+    return Array.from({ length: 6 }, (_, face) => ({
+        width,
+        height,
+        mipmaps: mipmaps.map((level) => {
+            const length = level.data.length / 6;
+            return { ...level, data: level.data.subarray(face * length, (face + 1) * length) };
+        }),
+    }));
 }
 
 function linear(texture) {
     texture.magFilter = LinearFilter;
-    texture.minFilter = texture.mipmaps.length > 1 ? LinearMipmapLinearFilter : LinearFilter;
+    const { mipmaps } = texture.isCubeTexture ? texture.image[0] : texture;
+    texture.minFilter = mipmaps.length > 1 ? LinearMipmapLinearFilter : LinearFilter;
     texture.wrapS = texture.wrapT = texture.wrapR = ClampToEdgeWrapping;
     texture.generateMipmaps = false;
     texture.flipY = false;
@@ -163,8 +179,8 @@ class Pyramid {
                 shader.fragmentShader = shader.fragmentShader.replace(chunk, changed(chunk));
             }
         };
-        const kind = uniforms.octagloss_rows.value ? 'octagloss pyramid with rows' : 'octagloss pyramid';
-        material.customProgramCacheKey = () => kind;
+        const kinds = [uniforms.octagloss_maps.value.isCubeTexture, Boolean(uniforms.octagloss_rows.value)];
+        material.customProgramCacheKey = () => `octagloss pyramid, on a cube and with rows: ${kinds}`;
         material.needsUpdate = true;
         return this;
     }
@@ -207,24 +223,21 @@ async function rowsOf(bytes) {
 }
 
 // A pyramid of its files: maps, tables and, for anisotropy, rows as bytes, the GLSL as text.
-export async function pyramidOf(maps, tables, code, rows) {
-    const [levels, table] = await Promise.all([opened(maps), opened(tables)]);
+export async function pyramidOf(file, tables, code, rows) {
+    const [levels, table] = await Promise.all([opened(file), opened(tables)]);
     if (!levels.keys[KEY]) throw new Error('the file is no pyramid; bake it with the target pyramid');
     const { uniform } = JSON.parse(textOf(levels.keys[KEY]));
-    const { width, height } = levels.mipmaps[0];
-    const array = new CompressedArrayTexture(
-        levels.mipmaps,
-        width,
-        height,
-        levels.layers,
-        levels.format,
-        levels.type,
-    );
+    const { mipmaps, format, type, layers, faces } = levels;
+    const [{ width, height }] = mipmaps;
+    const maps =
+        faces === 6
+            ? new CompressedCubeTexture(facesOf(mipmaps), format, type)
+            : new CompressedArrayTexture(mipmaps, width, height, layers, format, type);
     const [{ data, width: columns, height: lines }] = table.mipmaps;
     const uniforms = {
         octagloss_share: { value: 1 },
         octagloss_lights: { value: [lightOf(uniform)] },
-        octagloss_maps: { value: linear(array) },
+        octagloss_maps: { value: linear(maps) },
         octagloss_tables: { value: linear(new DataTexture(data, columns, lines, table.format, table.type)) },
         octagloss_rows: { value: rows ? await rowsOf(rows) : null },
     };

@@ -31,7 +31,7 @@ export interface PyramidOptions extends Omit<BakeOptions, 'target' | 'format'> {
     scene?: Object3D;
     /** Address of pyramid_tables.ktx2. Default: beside the file. */
     tables?: string;
-    /** Address of pyramid.glsl. Default: beside the file. */
+    /** Address of pyramid.glsl, for a cube pyramid_cube.glsl. Default: beside the file. */
     reader?: string;
     /**
      * Address of the table of anisotropic reflections, by `octagloss reader --rows`, for the anisotropy of

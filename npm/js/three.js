@@ -2,7 +2,7 @@
 import { CompressedCubeTexture, LightProbe, LinearFilter, LinearMipmapLinearFilter } from 'three';
 import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
 import { read } from 'three/addons/libs/ktx-parse.module.js';
-import { pyramidOf } from './pyramid.js';
+import { facesOf, pyramidOf } from './pyramid.js';
 
 const KTX2 = [0xab, 0x4b, 0x54, 0x58, 0x20, 0x32, 0x30, 0xbb];
 
@@ -26,22 +26,9 @@ function targetOf(bytes) {
 // KTX2Loader makes one texture of an uncompressed cube, with the six faces one after the other.
 function cubeOf(loaded) {
     if (loaded.isCubeTexture) return loaded;
-    const {
-        image: { width, height },
-        mipmaps,
-        format,
-        type,
-    } = loaded;
-    const faces = Array.from({ length: 6 }, (_, face) => ({
-        width,
-        height,
-        mipmaps: mipmaps.map((level) => {
-            const length = level.data.length / 6;
-            return { ...level, data: level.data.subarray(face * length, (face + 1) * length) };
-        }),
-    }));
+    const { mipmaps, format, type } = loaded;
     loaded.dispose();
-    return new CompressedCubeTexture(faces, format, type);
+    return new CompressedCubeTexture(facesOf(mipmaps), format, type);
 }
 
 async function textureOf(bytes, renderer) {
@@ -105,7 +92,7 @@ export async function loadPyramid(source, { scene, tables, reader, rows, signal,
         const beside = (name) => url?.replace(/[^/]*$/, name);
         const [tablesAt, readerAt] = [
             tables ?? beside('pyramid_tables.ktx2'),
-            reader ?? beside('pyramid.glsl'),
+            reader ?? beside(read(bytes).faceCount === 6 ? 'pyramid_cube.glsl' : 'pyramid.glsl'),
         ];
         if (!tablesAt || !readerAt) {
             throw new TypeError('a pyramid in memory needs the addresses of its files: { tables, reader }');
@@ -117,7 +104,7 @@ export async function loadPyramid(source, { scene, tables, reader, rows, signal,
         const input = source.name ?? url?.split(/[?#]/)[0].split('/').pop() ?? 'environment';
         const result = await bake(bytes, { input, ...options, target: 'pyramid', signal });
         const made = (suffix) => result.files.find(({ name }) => name.endsWith(suffix)).bytes;
-        const code = new TextDecoder().decode(made('pyramid.glsl'));
+        const code = new TextDecoder().decode(made('.glsl'));
         files = [made('_pyramid.ktx2'), made('pyramid_tables.ktx2'), code];
     }
     const pyramid = await pyramidOf(...files, rows && (await bytesAt(rows)));

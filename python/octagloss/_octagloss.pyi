@@ -215,6 +215,7 @@ def bake(
     scan: Union[str, None] = None,
     target: Union[str, None] = None,
     flip: Union[Literal["none", "x", "z"], None] = None,
+    map: Union[Literal["octahedral", "cube"], None] = None,
     diffuse: Union[Literal["none", "cube", "sh", "both"], None] = None,
     output: Union[_Path, None] = None,
     container: Union[str, None] = None,

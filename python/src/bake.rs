@@ -254,8 +254,8 @@ impl Bake {
 /// spherical harmonics. oem_size, border, scan: of the octahedral map and its summed-area table.
 ///
 /// target: the preset of an engine; it sets size, levels, ladder and layout unless given; flip and diffuse
-/// change it. output: a path to write to, as Bake.write does, with container, pixel, overflow, name and
-/// force.
+/// change it, and map, octahedral or cube, that of a pyramid. output: a path to write to, as Bake.write does,
+/// with container, pixel, overflow, name and force.
 #[pyfunction]
 #[pyo3(signature = (environment, *, output=None, force=false, **options))]
 pub(crate) fn bake(

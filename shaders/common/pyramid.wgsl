@@ -1,6 +1,6 @@
 // Glossy reflections of any roughness and irradiance out of a pyramid: `Pyramid` of
-// crates/core/src/pyramid/mod.rs. At most five bilinear reads. Maps and table are read by functions: those of
-// pyramid_maps.wgsl or pyramid_file.wgsl.
+// crates/core/src/pyramid/mod.rs. At most five bilinear reads. Maps and table are read by functions at places
+// of type MapPlace: those of pyramid_maps.wgsl, pyramid_file.wgsl or pyramid_file_cube.wgsl.
 #include "common/harmonics.wgsl"
 #include "common/light.wgsl"
 
@@ -12,16 +12,6 @@ const INTERVALS = 640u;
 fn source_from_world(probe: u32, direction: vec3<f32>) -> vec3<f32> {
     let axes = octagloss_lights[probe].world_from_source;
     return normalize(vec3<f32>(dot(direction, axes[0]), dot(direction, axes[1]), dot(direction, axes[2])));
-}
-
-// Texture coordinates of `direction`, the same in all maps with borders that halve with the texels.
-fn place_of(direction: vec3<f32>) -> vec2<f32> {
-    let p = direction / (abs(direction.x) + abs(direction.y) + abs(direction.z));
-    let folded = 1.0 - abs(p.zx);
-    let turned = vec2<f32>(select(-folded.x, folded.x, p.x >= 0.0), select(-folded.y, folded.y, p.z >= 0.0));
-    let uv = select(turned, p.xz, p.y >= 0.0);
-    let inner = map_inner();
-    return 0.5 + uv * (0.5 * inner / (inner + 2.0 * map_border()));
 }
 
 // Harmonics of radiance around the unit vector `d`, the sum of each order times its weight.
@@ -73,7 +63,7 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
         }
     }
     if c.y != 0.0 {
-        sum += c.y * read_cosine(probe, place_in_cosine(at));
+        sum += c.y * read_cosine(probe, at);
     }
     sum += harmonics_around(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
@@ -100,12 +90,6 @@ fn squared(v: vec3<f32>) -> f32 {
     return dot(v, v);
 }
 
-// The same place in the cosine map, which has a border of one texel around 32.
-fn place_in_cosine(at: vec2<f32>) -> vec2<f32> {
-    let size = map_inner() + 2.0 * map_border();
-    return 0.5 + (at - 0.5) * (size / map_inner() * (32.0 / 34.0));
-}
-
 // Irradiance on a surface with `normal` (world space, any length but zero) over pi: the radiance that a white
 // diffuse surface reflects.
 fn octagloss_irradiance(normal: vec3<f32>) -> vec3<f32> {
@@ -115,7 +99,7 @@ fn octagloss_irradiance(normal: vec3<f32>) -> vec3<f32> {
 // The same in the environment `probe`.
 fn octagloss_irradiance_of(probe: u32, normal: vec3<f32>) -> vec3<f32> {
     let d = source_from_world(probe, normal);
-    var sum = read_cosine(probe, place_in_cosine(place_of(d))) * octagloss_lights[probe].unscale;
+    var sum = read_cosine(probe, place_of(d)) * octagloss_lights[probe].unscale;
     for (var k = 0u; k < SUNS; k++) {
         let sun = octagloss_lights[probe].suns[k];
         let facing = vec3<f32>(dot(d, sun.red.xyz), dot(d, sun.green.xyz), dot(d, sun.blue.xyz));

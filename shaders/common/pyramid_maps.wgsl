@@ -1,5 +1,6 @@
 // Reads of pyramids in textures that several environments share, and their look-ups.
 #include "common/pyramid.wgsl"
+#include "common/pyramid_squares.wgsl"
 
 // The table of crates/core/src/pyramid/fit.rs, and the maps' size.
 struct OctaglossPyramid {
@@ -39,5 +40,5 @@ fn read_levels(probe: u32, at: vec2<f32>, level: f32) -> vec3<f32> {
 }
 
 fn read_cosine(probe: u32, at: vec2<f32>) -> vec3<f32> {
-    return textureSampleLevel(octagloss_cosine, octagloss_linear, at, probe, 0.0).xyz;
+    return textureSampleLevel(octagloss_cosine, octagloss_linear, place_in_cosine(at), probe, 0.0).xyz;
 }

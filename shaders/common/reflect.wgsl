@@ -128,7 +128,7 @@ fn harmonic_orders(probe: u32, d: vec3<f32>) -> array<vec3<f32>, 5> {
 
 // The cosine level around the unit vector `n`.
 fn cosine_light(probe: u32, n: vec3<f32>) -> vec3<f32> {
-    return read_cosine(probe, place_in_cosine(place_of(n)));
+    return read_cosine(probe, place_of(n));
 }
 
 // Harmonics around five directions in the plane of incidence, of orders from their place up: `pairs` are

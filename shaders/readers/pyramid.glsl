@@ -4,7 +4,12 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 47844b192686c925.
+#ifdef OCTAGLOSS_CUBE
+// The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
+// Translated from pyramid_cube.wgsl, FNV-1a d2efe0e61a89a15f.
+#else
+// Translated from pyramid.wgsl, FNV-1a c17472e0021b8653.
+#endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
     vec4 red;
@@ -42,9 +47,11 @@ struct octagloss_Row {
 };
 const uint octagloss_SUNS = 8u;
 const uint octagloss_INTERVALS = 640u;
+#ifndef OCTAGLOSS_CUBE
 const int octagloss_MIRROR = 1;
 const int octagloss_SHARP = 2;
 const int octagloss_LEVELS = 0;
+#endif
 const uint octagloss_READS = 9u;
 const uint octagloss_LAYERS = 18u;
 const vec2 octagloss_NODES = vec2(46.0, 26.0);
@@ -68,7 +75,11 @@ const float octagloss_SKEWED = 0.2;
 
 layout(std140) uniform OctaglossLights { OctaglossLight octagloss_lights[1]; };
 
+#ifdef OCTAGLOSS_CUBE
+uniform highp samplerCube octagloss_maps;
+#else
 uniform highp sampler2DArray octagloss_maps;
+#endif
 
 uniform highp sampler2D octagloss_tables;
 
@@ -87,24 +98,6 @@ float[25] octagloss_harmonic_basis(vec3 d) {
 vec3 octagloss_source_from_world(uint probe, vec3 direction) {
     mat3x3 axes = octagloss_lights[probe].world_from_source;
     return normalize(vec3(dot(direction, axes[0]), dot(direction, axes[1]), dot(direction, axes[2])));
-}
-
-float octagloss_map_inner() {
-    return (float(uvec2(textureSize(octagloss_maps, 0).xy).x) * 0.9411765);
-}
-
-float octagloss_map_border() {
-    return (float(uvec2(textureSize(octagloss_maps, 0).xy).x) / 34.0);
-}
-
-vec2 octagloss_place_of(vec3 direction_1) {
-    vec3 p = (direction_1 / vec3(((abs(direction_1.x) + abs(direction_1.y)) + abs(direction_1.z))));
-    vec2 folded = (vec2(1.0) - abs(p.zx));
-    vec2 turned = vec2(((p.x >= 0.0) ? folded.x : -(folded.x)), ((p.z >= 0.0) ? folded.y : -(folded.y)));
-    vec2 uv = ((p.y >= 0.0) ? p.xz : turned);
-    float _e36 = octagloss_map_inner();
-    float _e39 = octagloss_map_border();
-    return (vec2(0.5) + (uv * ((0.5 * _e36) / (_e36 + (2.0 * _e39)))));
 }
 
 vec3 octagloss_harmonics_around(uint probe_1, vec3 d_1, float weights[5]) {
@@ -163,6 +156,31 @@ vec3 octagloss_harmonics_around(uint probe_1, vec3 d_1, float weights[5]) {
     }
     vec3 _e52 = sum;
     return _e52;
+#ifndef OCTAGLOSS_CUBE
+}
+
+float octagloss_map_inner() {
+    return (float(uvec2(textureSize(octagloss_maps, 0).xy).x) * 0.9411765);
+}
+
+float octagloss_map_border() {
+    return (float(uvec2(textureSize(octagloss_maps, 0).xy).x) / 34.0);
+#endif
+}
+
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_place_of(vec3 direction_1) {
+    return direction_1;
+#else
+vec2 octagloss_place_of(vec3 direction_1) {
+    vec3 p = (direction_1 / vec3(((abs(direction_1.x) + abs(direction_1.y)) + abs(direction_1.z))));
+    vec2 folded = (vec2(1.0) - abs(p.zx));
+    vec2 turned = vec2(((p.x >= 0.0) ? folded.x : -(folded.x)), ((p.z >= 0.0) ? folded.y : -(folded.y)));
+    vec2 uv = ((p.y >= 0.0) ? p.xz : turned);
+    float _e36 = octagloss_map_inner();
+    float _e39 = octagloss_map_border();
+    return (vec2(0.5) + (uv * ((0.5 * _e36) / (_e36 + (2.0 * _e39)))));
+#endif
 }
 
 vec4[4] octagloss_node_weights(uint node) {
@@ -189,36 +207,63 @@ vec4[4] octagloss_node_weights(uint node) {
     }
     vec4 _e20[4] = weights_1;
     return _e20;
+#ifndef OCTAGLOSS_CUBE
 }
 
 vec3 octagloss_read_mirror(uint probe_2, vec2 at_1) {
     vec4 _e6 = textureLod(octagloss_maps, vec3(at_1, octagloss_MIRROR), 0.0);
     return _e6.xyz;
+#endif
 }
 
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_read_mirror(uint probe_2, vec3 at_1) {
+    vec4 _e5 = textureLod(octagloss_maps, vec3(at_1), 0.0);
+    return _e5.xyz;
+#else
 vec3 octagloss_read_sharp(uint probe_3, vec2 at_2) {
     vec4 _e6 = textureLod(octagloss_maps, vec3(at_2, octagloss_SHARP), 0.0);
     return _e6.xyz;
+#endif
 }
 
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_read_sharp(uint probe_3, vec3 at_2) {
+    vec4 _e5 = textureLod(octagloss_maps, vec3(at_2), 1.0);
+    return _e5.xyz;
+#else
 vec3 octagloss_read_levels(uint probe_4, vec2 at_3, float level) {
     vec4 _e6 = textureLod(octagloss_maps, vec3(at_3, octagloss_LEVELS), level);
     return _e6.xyz;
+#endif
 }
 
-vec3 octagloss_read_cosine(uint probe_5, vec2 at_4) {
-    float _e2 = octagloss_map_inner();
-    float last = roundEven(log2((_e2 / 32.0)));
-    vec4 _e10 = textureLod(octagloss_maps, vec3(at_4, octagloss_MIRROR), last);
-    return _e10.xyz;
-}
-
-vec2 octagloss_place_in_cosine(vec2 at_5) {
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_read_levels(uint probe_4, vec3 at_3, float level) {
+    vec4 _e7 = textureLod(octagloss_maps, vec3(at_3), (level + 2.0));
+    return _e7.xyz;
+#else
+vec2 octagloss_place_in_cosine(vec2 at_4) {
     float _e1 = octagloss_map_inner();
     float _e2 = octagloss_map_border();
     float size = (_e1 + (2.0 * _e2));
     float _e9 = octagloss_map_inner();
-    return (vec2(0.5) + ((at_5 - vec2(0.5)) * ((size / _e9) * 0.9411765)));
+    return (vec2(0.5) + ((at_4 - vec2(0.5)) * ((size / _e9) * 0.9411765)));
+#endif
+}
+
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_read_cosine(uint probe_5, vec3 at_4) {
+    vec3 _e8 = octagloss_harmonics_around(probe_5, at_4, float[5](1.0, 0.6666667, 0.25, 0.0, -0.041666668));
+    return _e8;
+#else
+vec3 octagloss_read_cosine(uint probe_5, vec2 at_5) {
+    float _e2 = octagloss_map_inner();
+    float last = roundEven(log2((_e2 / 32.0)));
+    vec2 _e9 = octagloss_place_in_cosine(at_5);
+    vec4 _e11 = textureLod(octagloss_maps, vec3(_e9, octagloss_MIRROR), last);
+    return _e11.xyz;
+#endif
 }
 
 float octagloss_squared(vec3 v) {
@@ -233,7 +278,11 @@ vec3 octagloss_radiance_of(uint probe_6, vec3 direction_2, float roughness) {
     uint level_1 = 0u;
     uint k_1 = 0u;
     vec3 _e3 = octagloss_source_from_world(probe_6, direction_2);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e4 = octagloss_place_of(_e3);
+#else
     vec2 _e4 = octagloss_place_of(_e3);
+#endif
     float node_1 = (log2((1.0 + (50.0 * roughness))) * 112.826515);
     uint k_10 = min(uint(node_1), 639u);
     float share = (node_1 - float(k_10));
@@ -291,36 +340,35 @@ vec3 octagloss_radiance_of(uint probe_6, vec3 direction_2, float roughness) {
     }
     if ((c_2.y != 0.0)) {
         vec3 _e95 = sum_1;
-        vec2 _e97 = octagloss_place_in_cosine(_e4);
-        vec3 _e98 = octagloss_read_cosine(probe_6, _e97);
-        sum_1 = (_e95 + (c_2.y * _e98));
+        vec3 _e97 = octagloss_read_cosine(probe_6, _e4);
+        sum_1 = (_e95 + (c_2.y * _e97));
     }
-    vec3 _e101 = sum_1;
-    vec3 _e108 = octagloss_harmonics_around(probe_6, _e3, float[5](c_2.z, c_2.w, e.x, e.y, e.z));
-    sum_1 = (_e101 + _e108);
-    vec3 _e110 = sum_1;
-    float _e116 = octagloss_lights[probe_6].unscale;
-    sum_1 = (max(_e110, vec3(0.0)) * _e116);
+    vec3 _e100 = sum_1;
+    vec3 _e107 = octagloss_harmonics_around(probe_6, _e3, float[5](c_2.z, c_2.w, e.x, e.y, e.z));
+    sum_1 = (_e100 + _e107);
+    vec3 _e109 = sum_1;
+    float _e115 = octagloss_lights[probe_6].unscale;
+    sum_1 = (max(_e109, vec3(0.0)) * _e115);
     float a2_ = (((roughness * roughness) * roughness) * roughness);
     bool loop_init_4 = true;
     while(true) {
         if (!loop_init_4) {
-            uint _e213 = k_1;
-            k_1 = (_e213 + 1u);
+            uint _e212 = k_1;
+            k_1 = (_e212 + 1u);
         }
         loop_init_4 = false;
-        uint _e123 = k_1;
-        if ((_e123 < octagloss_SUNS)) {
+        uint _e122 = k_1;
+        if ((_e122 < octagloss_SUNS)) {
         } else {
             break;
         }
         {
-            uint _e129 = k_1;
-            OctaglossSun sun = octagloss_lights[probe_6].suns[_e129];
-            float _e135 = octagloss_squared((_e3 - sun.red.xyz));
-            float _e139 = octagloss_squared((_e3 - sun.green.xyz));
-            float _e143 = octagloss_squared((_e3 - sun.blue.xyz));
-            vec3 apart = vec3(_e135, _e139, _e143);
+            uint _e128 = k_1;
+            OctaglossSun sun = octagloss_lights[probe_6].suns[_e128];
+            float _e134 = octagloss_squared((_e3 - sun.red.xyz));
+            float _e138 = octagloss_squared((_e3 - sun.green.xyz));
+            float _e142 = octagloss_squared((_e3 - sun.blue.xyz));
+            vec3 apart = vec3(_e134, _e138, _e142);
             vec3 s = min((0.25 * apart), vec3(0.5));
             vec3 radius2_ = (0.5 * vec3(sun.red.w, sun.green.w, sun.blue.w));
             vec3 nearness = ((s + (a2_ * (vec3(1.0) - s))) - radius2_);
@@ -328,12 +376,12 @@ vec3 octagloss_radiance_of(uint probe_6, vec3 direction_2, float roughness) {
             vec3 outside = (vec3((2.0 * a2_)) / (root * max((root + nearness), vec3(1e-30))));
             vec3 inside = ((root - nearness) / ((2.0 * max(radius2_, vec3(1e-30))) * root));
             vec3 lobe = ((0.31830987 * mix(inside, outside, greaterThan(nearness, vec3(0.0)))) * (vec3(1.0) - (2.0 * s)));
-            vec3 _e202 = sum_1;
-            sum_1 = (_e202 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
+            vec3 _e201 = sum_1;
+            sum_1 = (_e201 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
         }
     }
-    vec3 _e215 = sum_1;
-    return _e215;
+    vec3 _e214 = sum_1;
+    return _e214;
 }
 
 vec3 octagloss_radiance(vec3 direction_3, float roughness_1) {
@@ -345,33 +393,36 @@ vec3 octagloss_irradiance_of(uint probe_7, vec3 normal) {
     vec3 sum_2 = vec3(0.0);
     uint k_2 = 0u;
     vec3 _e2 = octagloss_source_from_world(probe_7, normal);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e3 = octagloss_place_of(_e2);
+#else
     vec2 _e3 = octagloss_place_of(_e2);
-    vec2 _e4 = octagloss_place_in_cosine(_e3);
-    vec3 _e5 = octagloss_read_cosine(probe_7, _e4);
-    float _e9 = octagloss_lights[probe_7].unscale;
-    sum_2 = (_e5 * _e9);
+#endif
+    vec3 _e4 = octagloss_read_cosine(probe_7, _e3);
+    float _e8 = octagloss_lights[probe_7].unscale;
+    sum_2 = (_e4 * _e8);
     bool loop_init_5 = true;
     while(true) {
         if (!loop_init_5) {
-            uint _e42 = k_2;
-            k_2 = (_e42 + 1u);
+            uint _e41 = k_2;
+            k_2 = (_e41 + 1u);
         }
         loop_init_5 = false;
-        uint _e14 = k_2;
-        if ((_e14 < octagloss_SUNS)) {
+        uint _e13 = k_2;
+        if ((_e13 < octagloss_SUNS)) {
         } else {
             break;
         }
         {
-            uint _e20 = k_2;
-            OctaglossSun sun_1 = octagloss_lights[probe_7].suns[_e20];
+            uint _e19 = k_2;
+            OctaglossSun sun_1 = octagloss_lights[probe_7].suns[_e19];
             vec3 facing = vec3(dot(_e2, sun_1.red.xyz), dot(_e2, sun_1.green.xyz), dot(_e2, sun_1.blue.xyz));
-            vec3 _e33 = sum_2;
-            sum_2 = (_e33 + (sun_1.energy * (0.31830987 * max(facing, vec3(0.0)))));
+            vec3 _e32 = sum_2;
+            sum_2 = (_e32 + (sun_1.energy * (0.31830987 * max(facing, vec3(0.0)))));
         }
     }
-    vec3 _e44 = sum_2;
-    return _e44;
+    vec3 _e43 = sum_2;
+    return _e43;
 }
 
 vec3 octagloss_irradiance(vec3 normal_1) {
@@ -379,17 +430,30 @@ vec3 octagloss_irradiance(vec3 normal_1) {
     return _e2;
 }
 
+#ifdef OCTAGLOSS_CUBE
+vec4 octagloss_read_reflections(uint layer, vec2 at_5) {
+#else
 vec4 octagloss_read_reflections(uint layer, vec2 at_6) {
+#endif
     vec2 corner = vec2((1.0 + (float(layer) * 48.0)), 0.0);
+#ifdef OCTAGLOSS_CUBE
+    vec4 _e17 = textureLod(octagloss_tables, vec2((((at_5 * octagloss_NODES) + corner) / octagloss_TABLES)), 0.0);
+#else
     vec4 _e17 = textureLod(octagloss_tables, vec2((((at_6 * octagloss_NODES) + corner) / octagloss_TABLES)), 0.0);
+#endif
     return _e17;
 }
 
 vec4 octagloss_reflection_node(uint layer_1, float roughness_2, float cosine) {
     float sine = sqrt(max((1.0 - (cosine * cosine)), 0.0));
     vec2 place_2 = vec2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * inversesqrt((1.0 + sine)))));
+#ifdef OCTAGLOSS_CUBE
+    vec2 at_7 = (((place_2 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
+    vec4 _e31 = octagloss_read_reflections(layer_1, at_7);
+#else
     vec2 at_8 = (((place_2 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
     vec4 _e31 = octagloss_read_reflections(layer_1, at_8);
+#endif
     return _e31;
 }
 
@@ -414,7 +478,11 @@ vec2 octagloss_round_albedo(float cosine_1, float roughness_3) {
 }
 
 vec3 octagloss_between_levels(uint probe_8, vec3 direction_4, float level_2) {
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e3 = octagloss_place_of(direction_4);
+#else
     vec2 _e3 = octagloss_place_of(direction_4);
+#endif
     if ((level_2 >= 2.0)) {
         vec3 _e8 = octagloss_read_levels(probe_8, _e3, (level_2 - 2.0));
         return _e8;
@@ -452,14 +520,31 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
     vec3 bent = (shape * h);
     float bend = dot(h, bent);
     float along_2 = dot(h, l);
+#ifdef OCTAGLOSS_CUBE
+    float size = ((above * (2.0 - above)) / (length2_ * bend));
+    float trace = (size * dot(shape, (vec3(1.0) - (l * l))));
+#else
     float size_1 = ((above * (2.0 - above)) / (length2_ * bend));
     float trace = (size_1 * dot(shape, (vec3(1.0) - (l * l))));
+#endif
     float _e60 = octagloss_squared(cross(l, bent));
+#ifdef OCTAGLOSS_CUBE
+    float aside_1 = (trace - ((size * _e60) / bend));
+#else
     float aside_1 = (trace - ((size_1 * _e60) / bend));
+#endif
     float _e64 = octagloss_masking_of(l, alpha_1);
+#ifdef OCTAGLOSS_CUBE
+    float determinant_ = (((size * size) * _e64) * _e64);
+#else
     float determinant_ = (((size_1 * size_1) * _e64) * _e64);
+#endif
     float near = (((shape.z * along_2) * along_2) / ((bend * _e64) * _e64));
+#ifdef OCTAGLOSS_CUBE
+    float last = (determinant_ * near);
+#else
     float last_1 = (determinant_ * near);
+#endif
     float linear = (1.0 - trace);
     x = max((0.5 * (linear + sqrt(((linear * linear) + ((4.0 * trace) * near))))), near);
     bool loop_init_6 = true;
@@ -485,18 +570,34 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
             x = (_e97 + ((_e98 * (_e99 - ((((_e100 + trace) * _e102) + determinant_) * _e105))) / _e109));
             float _e112 = x;
             float _e114 = x;
+#ifdef OCTAGLOSS_CUBE
+            side = (((_e112 + aside_1) * _e114) + last);
+#else
             side = (((_e112 + aside_1) * _e114) + last_1);
+#endif
             float _e117 = x;
             float _e121 = x;
             float _e129 = x;
             float _e135 = x;
+#ifdef OCTAGLOSS_CUBE
+            slope = (((((((((_e117 + (2.0 * aside_1)) * _e121) + (3.0 * last)) + (trace * aside_1)) - determinant_) * _e129) + ((2.0 * trace) * last)) * _e135) + (determinant_ * last));
+#else
             slope = (((((((((_e117 + (2.0 * aside_1)) * _e121) + (3.0 * last_1)) + (trace * aside_1)) - determinant_) * _e129) + ((2.0 * trace) * last_1)) * _e135) + (determinant_ * last_1));
+#endif
         }
     }
     float _e143 = x;
+#ifdef OCTAGLOSS_CUBE
+    vec3 inverse_ = (vec3(1.0) / ((size * shape) + vec3(_e143)));
+#else
     vec3 inverse_ = (vec3(1.0) / ((size_1 * shape) + vec3(_e143)));
+#endif
     float _e152 = x;
+#ifdef OCTAGLOSS_CUBE
+    float towards = ((size * dot(l, (inverse_ * bent))) / (_e152 * dot(l, (inverse_ * l))));
+#else
     float towards = ((size_1 * dot(l, (inverse_ * bent))) / (_e152 * dot(l, (inverse_ * l))));
+#endif
     vec3 axis_1 = normalize((inverse_ * (h + (towards * l))));
     float cosine_10 = dot(view, axis_1);
     vec3 lit = (((2.0 * cosine_10) * axis_1) - view);
@@ -567,10 +668,13 @@ vec3[5] octagloss_harmonic_orders(uint probe_9, vec3 d_2) {
 }
 
 vec3 octagloss_cosine_light(uint probe_10, vec3 n) {
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e2 = octagloss_place_of(n);
+#else
     vec2 _e2 = octagloss_place_of(n);
-    vec2 _e3 = octagloss_place_in_cosine(_e2);
-    vec3 _e4 = octagloss_read_cosine(probe_10, _e3);
-    return _e4;
+#endif
+    vec3 _e3 = octagloss_read_cosine(probe_10, _e2);
+    return _e3;
 }
 
 vec3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surface, vec4 pairs[8], vec3 f0_, float f90_) {
@@ -632,6 +736,12 @@ vec3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surface
     }
     vec3 _e86 = sum_3;
     return _e86;
+#ifdef OCTAGLOSS_CUBE
+}
+
+float octagloss_map_inner() {
+    return float(uvec2(textureSize(octagloss_maps, 0).xy).x);
+#endif
 }
 
 vec3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1, vec2 tangent, vec2 alpha_2, vec3 f0_1, float f90_1) {
@@ -832,15 +942,26 @@ octagloss_RowPlace octagloss_row_place(vec2 alpha_5, float cosine_3, vec2 tangen
     return octagloss_RowPlace((texel_3 / octagloss_ROW_SIZE), (place_4.w - lower));
 }
 
+#ifdef OCTAGLOSS_CUBE
+vec4 octagloss_read_rows(vec3 at_6) {
+    vec4 _e4 = textureLod(octagloss_rows, vec3(at_6), 0.0);
+#else
 vec4 octagloss_read_rows(vec3 at_7) {
     vec4 _e4 = textureLod(octagloss_rows, vec3(at_7), 0.0);
+#endif
     return _e4;
 }
 
 vec4 octagloss_row_node(uint layer_2, octagloss_RowPlace place) {
+#ifdef OCTAGLOSS_CUBE
+    vec3 at_8 = vec3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
+    vec4 _e11 = octagloss_read_rows(at_8);
+    vec4 _e18 = octagloss_read_rows(vec3(at_8.x, (at_8.y + 0.125), at_8.z));
+#else
     vec3 at_9 = vec3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
     vec4 _e11 = octagloss_read_rows(at_9);
     vec4 _e18 = octagloss_read_rows(vec3(at_9.x, (at_9.y + 0.125), at_9.z));
+#endif
     return mix(_e11, _e18, place.share);
 }
 
@@ -915,10 +1036,19 @@ vec2 octagloss_row_read(octagloss_Row row_1, uint read) {
     float growth = (row_1.steps.w * slope_1);
     float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
     float _e44 = octagloss_map_inner();
+#ifdef OCTAGLOSS_CUBE
+    float last_1 = (log2(_e44) - 3.0);
+    float sharp_1 = (last_1 + log2((max(width, 1e-9) / 0.35)));
+#else
     float last_2 = (log2(_e44) - 3.0);
     float sharp_1 = (last_2 + log2((max(width, 1e-9) / 0.35)));
+#endif
     float below = max((log2(((max(width, 1e-9) * _e44) / 1.8)) * 0.610706), 0.0);
+#ifdef OCTAGLOSS_CUBE
+    return vec2(slope_1, ((sharp_1 >= 1.0) ? min(sharp_1, last_1) : below));
+#else
     return vec2(slope_1, ((sharp_1 >= 1.0) ? min(sharp_1, last_2) : below));
+#endif
 }
 
 vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, vec2 tangent_5, vec2 alpha_9, vec3 f0_4, float f90_4) {

@@ -4,7 +4,12 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 47844b192686c925.
+#ifdef OCTAGLOSS_CUBE
+// The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
+// Translated from pyramid_cube.wgsl, FNV-1a d2efe0e61a89a15f.
+#else
+// Translated from pyramid.wgsl, FNV-1a c17472e0021b8653.
+#endif
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
     float4 red;
@@ -66,9 +71,11 @@ struct octagloss_Row {
 
 static const uint octagloss_SUNS = 8u;
 static const uint octagloss_INTERVALS = 640u;
+#ifndef OCTAGLOSS_CUBE
 static const int octagloss_MIRROR = int(1);
 static const int octagloss_SHARP = int(2);
 static const int octagloss_LEVELS = int(0);
+#endif
 static const uint octagloss_READS = 9u;
 static const uint octagloss_LAYERS = 18u;
 static const float2 octagloss_NODES = float2(46.0, 26.0);
@@ -91,7 +98,11 @@ static const float octagloss_TILTED = 0.5;
 static const float octagloss_SKEWED = 0.2;
 
 cbuffer octagloss_lights : register(b0) { OctaglossLight octagloss_lights[1]; }
+#ifdef OCTAGLOSS_CUBE
+TextureCube<float4> octagloss_maps : register(t1);
+#else
 Texture2DArray<float4> octagloss_maps : register(t1);
+#endif
 Texture2D<float4> octagloss_tables : register(t2);
 SamplerState octagloss_linear : register(s0);
 Texture3D<float4> octagloss_rows : register(t4);
@@ -118,34 +129,6 @@ float3 octagloss_source_from_world(uint probe, float3 direction)
 {
     float3x3 axes = octagloss_lights[probe].world_from_source;
     return normalize(float3(dot(direction, axes[0]), dot(direction, axes[1]), dot(direction, axes[2])));
-}
-
-uint2 NagaDimensions2DArray(Texture2DArray<float4> tex)
-{
-    uint4 ret;
-    tex.GetDimensions(0, ret.x, ret.y, ret.z, ret.w);
-    return ret.xy;
-}
-
-float octagloss_map_inner()
-{
-    return (float(NagaDimensions2DArray(octagloss_maps).x) * 0.9411765);
-}
-
-float octagloss_map_border()
-{
-    return (float(NagaDimensions2DArray(octagloss_maps).x) / 34.0);
-}
-
-float2 octagloss_place_of(float3 direction_1)
-{
-    float3 p = (direction_1 / (((abs(direction_1.x) + abs(direction_1.y)) + abs(direction_1.z))).xxx);
-    float2 folded = ((1.0).xx - abs(p.zx));
-    float2 turned = float2(((p.x >= 0.0) ? folded.x : -(folded.x)), ((p.z >= 0.0) ? folded.y : -(folded.y)));
-    float2 uv = ((p.y >= 0.0) ? p.xz : turned);
-    const float _e36 = octagloss_map_inner();
-    const float _e39 = octagloss_map_border();
-    return ((0.5).xx + (uv * ((0.5 * _e36) / (_e36 + (2.0 * _e39)))));
 }
 
 float3 ZeroValuefloat3() {
@@ -210,6 +193,44 @@ float3 octagloss_harmonics_around(uint probe_1, float3 d_1, float weights[5])
     }
     float3 _e52 = sum;
     return _e52;
+#ifndef OCTAGLOSS_CUBE
+}
+
+uint2 NagaDimensions2DArray(Texture2DArray<float4> tex)
+{
+    uint4 ret;
+    tex.GetDimensions(0, ret.x, ret.y, ret.z, ret.w);
+    return ret.xy;
+}
+
+float octagloss_map_inner()
+{
+    return (float(NagaDimensions2DArray(octagloss_maps).x) * 0.9411765);
+}
+
+float octagloss_map_border()
+{
+    return (float(NagaDimensions2DArray(octagloss_maps).x) / 34.0);
+#endif
+}
+
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_place_of(float3 direction_1)
+#else
+float2 octagloss_place_of(float3 direction_1)
+#endif
+{
+#ifdef OCTAGLOSS_CUBE
+    return direction_1;
+#else
+    float3 p = (direction_1 / (((abs(direction_1.x) + abs(direction_1.y)) + abs(direction_1.z))).xxx);
+    float2 folded = ((1.0).xx - abs(p.zx));
+    float2 turned = float2(((p.x >= 0.0) ? folded.x : -(folded.x)), ((p.z >= 0.0) ? folded.y : -(folded.y)));
+    float2 uv = ((p.y >= 0.0) ? p.xz : turned);
+    const float _e36 = octagloss_map_inner();
+    const float _e39 = octagloss_map_border();
+    return ((0.5).xx + (uv * ((0.5 * _e36) / (_e36 + (2.0 * _e39)))));
+#endif
 }
 
 typedef float4 ret_ZeroValuearray4_float4_[4];
@@ -247,39 +268,83 @@ ret_octagloss_node_weights octagloss_node_weights(uint node)
     return _e20;
 }
 
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_read_mirror(uint probe_2, float3 at)
+#else
 float3 octagloss_read_mirror(uint probe_2, float2 at)
+#endif
 {
+#ifdef OCTAGLOSS_CUBE
+    float4 _e5 = octagloss_maps.SampleLevel(octagloss_linear, at, 0.0);
+    return _e5.xyz;
+#else
     float4 _e6 = octagloss_maps.SampleLevel(octagloss_linear, float3(at, octagloss_MIRROR), 0.0);
     return _e6.xyz;
+#endif
 }
 
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_read_sharp(uint probe_3, float3 at_1)
+#else
 float3 octagloss_read_sharp(uint probe_3, float2 at_1)
+#endif
 {
+#ifdef OCTAGLOSS_CUBE
+    float4 _e5 = octagloss_maps.SampleLevel(octagloss_linear, at_1, 1.0);
+    return _e5.xyz;
+#else
     float4 _e6 = octagloss_maps.SampleLevel(octagloss_linear, float3(at_1, octagloss_SHARP), 0.0);
     return _e6.xyz;
+#endif
 }
 
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_read_levels(uint probe_4, float3 at_2, float level)
+#else
 float3 octagloss_read_levels(uint probe_4, float2 at_2, float level)
+#endif
 {
+#ifdef OCTAGLOSS_CUBE
+    float4 _e7 = octagloss_maps.SampleLevel(octagloss_linear, at_2, (level + 2.0));
+    return _e7.xyz;
+#else
     float4 _e6 = octagloss_maps.SampleLevel(octagloss_linear, float3(at_2, octagloss_LEVELS), level);
     return _e6.xyz;
+#endif
 }
 
-float3 octagloss_read_cosine(uint probe_5, float2 at_3)
-{
-    const float _e2 = octagloss_map_inner();
-    float last = round(log2((_e2 / 32.0)));
-    float4 _e10 = octagloss_maps.SampleLevel(octagloss_linear, float3(at_3, octagloss_MIRROR), last);
-    return _e10.xyz;
-}
-
-float2 octagloss_place_in_cosine(float2 at_4)
+#ifdef OCTAGLOSS_CUBE
+typedef float ret_Constructarray5_float_[5];
+ret_Constructarray5_float_ Constructarray5_float_(float arg0, float arg1, float arg2, float arg3, float arg4) {
+    float ret[5] = { arg0, arg1, arg2, arg3, arg4 };
+    return ret;
+#else
+float2 octagloss_place_in_cosine(float2 at_3)
 {
     const float _e1 = octagloss_map_inner();
     const float _e2 = octagloss_map_border();
     float size = (_e1 + (2.0 * _e2));
     const float _e9 = octagloss_map_inner();
-    return ((0.5).xx + ((at_4 - (0.5).xx) * ((size / _e9) * 0.9411765)));
+    return ((0.5).xx + ((at_3 - (0.5).xx) * ((size / _e9) * 0.9411765)));
+#endif
+}
+
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_read_cosine(uint probe_5, float3 at_3)
+#else
+float3 octagloss_read_cosine(uint probe_5, float2 at_4)
+#endif
+{
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e8 = octagloss_harmonics_around(probe_5, at_3, Constructarray5_float_(1.0, 0.6666667, 0.25, 0.0, -0.041666668));
+    return _e8;
+#else
+    const float _e2 = octagloss_map_inner();
+    float last = round(log2((_e2 / 32.0)));
+    const float2 _e9 = octagloss_place_in_cosine(at_4);
+    float4 _e11 = octagloss_maps.SampleLevel(octagloss_linear, float3(_e9, octagloss_MIRROR), last);
+    return _e11.xyz;
+#endif
 }
 
 float octagloss_squared(float3 v)
@@ -290,12 +355,14 @@ float octagloss_squared(float3 v)
 typedef float ret_Constructarray7_float_[7];
 ret_Constructarray7_float_ Constructarray7_float_(float arg0, float arg1, float arg2, float arg3, float arg4, float arg5, float arg6) {
     float ret[7] = { arg0, arg1, arg2, arg3, arg4, arg5, arg6 };
+#ifndef OCTAGLOSS_CUBE
     return ret;
 }
 
 typedef float ret_Constructarray5_float_[5];
 ret_Constructarray5_float_ Constructarray5_float_(float arg0, float arg1, float arg2, float arg3, float arg4) {
     float ret[5] = { arg0, arg1, arg2, arg3, arg4 };
+#endif
     return ret;
 }
 
@@ -313,7 +380,11 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
     uint k_1 = 0u;
 
     const float3 _e3 = octagloss_source_from_world(probe_6, direction_2);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e4 = octagloss_place_of(_e3);
+#else
     const float2 _e4 = octagloss_place_of(_e3);
+#endif
     float node_1 = (log2((1.0 + (50.0 * roughness))) * 112.826515);
     uint k_10 = min(naga_f2u32(node_1), 639u);
     float share = (node_1 - float(k_10));
@@ -371,36 +442,35 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
     }
     if ((c_2.y != 0.0)) {
         float3 _e95 = sum_1;
-        const float2 _e97 = octagloss_place_in_cosine(_e4);
-        const float3 _e98 = octagloss_read_cosine(probe_6, _e97);
-        sum_1 = (_e95 + (c_2.y * _e98));
+        const float3 _e97 = octagloss_read_cosine(probe_6, _e4);
+        sum_1 = (_e95 + (c_2.y * _e97));
     }
-    float3 _e101 = sum_1;
-    const float3 _e108 = octagloss_harmonics_around(probe_6, _e3, Constructarray5_float_(c_2.z, c_2.w, e.x, e.y, e.z));
-    sum_1 = (_e101 + _e108);
-    float3 _e110 = sum_1;
-    float _e116 = octagloss_lights[probe_6].unscale;
-    sum_1 = (max(_e110, ZeroValuefloat3()) * _e116);
+    float3 _e100 = sum_1;
+    const float3 _e107 = octagloss_harmonics_around(probe_6, _e3, Constructarray5_float_(c_2.z, c_2.w, e.x, e.y, e.z));
+    sum_1 = (_e100 + _e107);
+    float3 _e109 = sum_1;
+    float _e115 = octagloss_lights[probe_6].unscale;
+    sum_1 = (max(_e109, ZeroValuefloat3()) * _e115);
     float a2_ = (((roughness * roughness) * roughness) * roughness);
     bool loop_init_4 = true;
     while(true) {
         if (!loop_init_4) {
-            uint _e213 = k_1;
-            k_1 = (_e213 + 1u);
+            uint _e212 = k_1;
+            k_1 = (_e212 + 1u);
         }
         loop_init_4 = false;
-        uint _e123 = k_1;
-        if ((_e123 < octagloss_SUNS)) {
+        uint _e122 = k_1;
+        if ((_e122 < octagloss_SUNS)) {
         } else {
             break;
         }
         {
-            uint _e129 = k_1;
-            OctaglossSun sun = octagloss_lights[probe_6].suns[_e129];
-            const float _e135 = octagloss_squared((_e3 - sun.red.xyz));
-            const float _e139 = octagloss_squared((_e3 - sun.green.xyz));
-            const float _e143 = octagloss_squared((_e3 - sun.blue.xyz));
-            float3 apart = float3(_e135, _e139, _e143);
+            uint _e128 = k_1;
+            OctaglossSun sun = octagloss_lights[probe_6].suns[_e128];
+            const float _e134 = octagloss_squared((_e3 - sun.red.xyz));
+            const float _e138 = octagloss_squared((_e3 - sun.green.xyz));
+            const float _e142 = octagloss_squared((_e3 - sun.blue.xyz));
+            float3 apart = float3(_e134, _e138, _e142);
             float3 s = min((0.25 * apart), (0.5).xxx);
             float3 radius2_ = (0.5 * float3(sun.red.w, sun.green.w, sun.blue.w));
             float3 nearness = ((s + (a2_ * ((1.0).xxx - s))) - radius2_);
@@ -408,12 +478,12 @@ float3 octagloss_radiance_of(uint probe_6, float3 direction_2, float roughness)
             float3 outside = (((2.0 * a2_)).xxx / (root * max((root + nearness), (1e-30).xxx)));
             float3 inside = ((root - nearness) / ((2.0 * max(radius2_, (1e-30).xxx)) * root));
             float3 lobe = ((0.31830987 * ((nearness > ZeroValuefloat3()) ? outside : inside)) * ((1.0).xxx - (2.0 * s)));
-            float3 _e202 = sum_1;
-            sum_1 = (_e202 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
+            float3 _e201 = sum_1;
+            sum_1 = (_e201 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
         }
     }
-    float3 _e215 = sum_1;
-    return _e215;
+    float3 _e214 = sum_1;
+    return _e214;
 }
 
 float3 octagloss_radiance(float3 direction_3, float roughness_1)
@@ -428,33 +498,36 @@ float3 octagloss_irradiance_of(uint probe_7, float3 normal)
     uint k_2 = 0u;
 
     const float3 _e2 = octagloss_source_from_world(probe_7, normal);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e3 = octagloss_place_of(_e2);
+#else
     const float2 _e3 = octagloss_place_of(_e2);
-    const float2 _e4 = octagloss_place_in_cosine(_e3);
-    const float3 _e5 = octagloss_read_cosine(probe_7, _e4);
-    float _e9 = octagloss_lights[probe_7].unscale;
-    sum_2 = (_e5 * _e9);
+#endif
+    const float3 _e4 = octagloss_read_cosine(probe_7, _e3);
+    float _e8 = octagloss_lights[probe_7].unscale;
+    sum_2 = (_e4 * _e8);
     bool loop_init_5 = true;
     while(true) {
         if (!loop_init_5) {
-            uint _e42 = k_2;
-            k_2 = (_e42 + 1u);
+            uint _e41 = k_2;
+            k_2 = (_e41 + 1u);
         }
         loop_init_5 = false;
-        uint _e14 = k_2;
-        if ((_e14 < octagloss_SUNS)) {
+        uint _e13 = k_2;
+        if ((_e13 < octagloss_SUNS)) {
         } else {
             break;
         }
         {
-            uint _e20 = k_2;
-            OctaglossSun sun_1 = octagloss_lights[probe_7].suns[_e20];
+            uint _e19 = k_2;
+            OctaglossSun sun_1 = octagloss_lights[probe_7].suns[_e19];
             float3 facing = float3(dot(_e2, sun_1.red.xyz), dot(_e2, sun_1.green.xyz), dot(_e2, sun_1.blue.xyz));
-            float3 _e33 = sum_2;
-            sum_2 = (_e33 + (sun_1.energy * (0.31830987 * max(facing, ZeroValuefloat3()))));
+            float3 _e32 = sum_2;
+            sum_2 = (_e32 + (sun_1.energy * (0.31830987 * max(facing, ZeroValuefloat3()))));
         }
     }
-    float3 _e44 = sum_2;
-    return _e44;
+    float3 _e43 = sum_2;
+    return _e43;
 }
 
 float3 octagloss_irradiance(float3 normal_1)
@@ -463,10 +536,18 @@ float3 octagloss_irradiance(float3 normal_1)
     return _e2;
 }
 
+#ifdef OCTAGLOSS_CUBE
+float4 octagloss_read_reflections(uint layer, float2 at_4)
+#else
 float4 octagloss_read_reflections(uint layer, float2 at_5)
+#endif
 {
     float2 corner = float2((1.0 + (float(layer) * 48.0)), 0.0);
+#ifdef OCTAGLOSS_CUBE
+    float4 _e17 = octagloss_tables.SampleLevel(octagloss_linear, (((at_4 * octagloss_NODES) + corner) / octagloss_TABLES), 0.0);
+#else
     float4 _e17 = octagloss_tables.SampleLevel(octagloss_linear, (((at_5 * octagloss_NODES) + corner) / octagloss_TABLES), 0.0);
+#endif
     return _e17;
 }
 
@@ -474,8 +555,13 @@ float4 octagloss_reflection_node(uint layer_1, float roughness_2, float cosine)
 {
     float sine = sqrt(max((1.0 - (cosine * cosine)), 0.0));
     float2 place_2 = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * rsqrt((1.0 + sine)))));
+#ifdef OCTAGLOSS_CUBE
+    float2 at_6 = (((place_2 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
+    const float4 _e31 = octagloss_read_reflections(layer_1, at_6);
+#else
     float2 at_7 = (((place_2 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
     const float4 _e31 = octagloss_read_reflections(layer_1, at_7);
+#endif
     return _e31;
 }
 
@@ -515,7 +601,11 @@ float2 octagloss_round_albedo(float cosine_1, float roughness_3)
 
 float3 octagloss_between_levels(uint probe_8, float3 direction_4, float level_2)
 {
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e3 = octagloss_place_of(direction_4);
+#else
     const float2 _e3 = octagloss_place_of(direction_4);
+#endif
     if ((level_2 >= 2.0)) {
         const float3 _e8 = octagloss_read_levels(probe_8, _e3, (level_2 - 2.0));
         return _e8;
@@ -556,14 +646,31 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha_1, float sp
     float3 bent = (shape * h);
     float bend = dot(h, bent);
     float along_2 = dot(h, l);
+#ifdef OCTAGLOSS_CUBE
+    float size = ((above * (2.0 - above)) / (length2_ * bend));
+    float trace = (size * dot(shape, ((1.0).xxx - (l * l))));
+#else
     float size_1 = ((above * (2.0 - above)) / (length2_ * bend));
     float trace = (size_1 * dot(shape, ((1.0).xxx - (l * l))));
+#endif
     const float _e60 = octagloss_squared(cross(l, bent));
+#ifdef OCTAGLOSS_CUBE
+    float aside_1 = (trace - ((size * _e60) / bend));
+#else
     float aside_1 = (trace - ((size_1 * _e60) / bend));
+#endif
     const float _e64 = octagloss_masking_of(l, alpha_1);
+#ifdef OCTAGLOSS_CUBE
+    float determinant_ = (((size * size) * _e64) * _e64);
+#else
     float determinant_ = (((size_1 * size_1) * _e64) * _e64);
+#endif
     float near = (((shape.z * along_2) * along_2) / ((bend * _e64) * _e64));
+#ifdef OCTAGLOSS_CUBE
+    float last = (determinant_ * near);
+#else
     float last_1 = (determinant_ * near);
+#endif
     float linear_ = (1.0 - trace);
     x = max((0.5 * (linear_ + sqrt(((linear_ * linear_) + ((4.0 * trace) * near))))), near);
     bool loop_init_6 = true;
@@ -589,18 +696,34 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha_1, float sp
             x = (_e97 + ((_e98 * (_e99 - ((((_e100 + trace) * _e102) + determinant_) * _e105))) / _e109));
             float _e112 = x;
             float _e114 = x;
+#ifdef OCTAGLOSS_CUBE
+            side = (((_e112 + aside_1) * _e114) + last);
+#else
             side = (((_e112 + aside_1) * _e114) + last_1);
+#endif
             float _e117 = x;
             float _e121 = x;
             float _e129 = x;
             float _e135 = x;
+#ifdef OCTAGLOSS_CUBE
+            slope = (((((((((_e117 + (2.0 * aside_1)) * _e121) + (3.0 * last)) + (trace * aside_1)) - determinant_) * _e129) + ((2.0 * trace) * last)) * _e135) + (determinant_ * last));
+#else
             slope = (((((((((_e117 + (2.0 * aside_1)) * _e121) + (3.0 * last_1)) + (trace * aside_1)) - determinant_) * _e129) + ((2.0 * trace) * last_1)) * _e135) + (determinant_ * last_1));
+#endif
         }
     }
     float _e143 = x;
+#ifdef OCTAGLOSS_CUBE
+    float3 inverse = ((1.0).xxx / ((size * shape) + (_e143).xxx));
+#else
     float3 inverse = ((1.0).xxx / ((size_1 * shape) + (_e143).xxx));
+#endif
     float _e152 = x;
+#ifdef OCTAGLOSS_CUBE
+    float towards = ((size * dot(l, (inverse * bent))) / (_e152 * dot(l, (inverse * l))));
+#else
     float towards = ((size_1 * dot(l, (inverse * bent))) / (_e152 * dot(l, (inverse * l))));
+#endif
     float3 axis_1 = normalize((inverse * (h + (towards * l))));
     float cosine_10 = dot(view, axis_1);
     float3 lit_ = (((2.0 * cosine_10) * axis_1) - view);
@@ -681,10 +804,13 @@ ret_octagloss_harmonic_orders octagloss_harmonic_orders(uint probe_9, float3 d_2
 
 float3 octagloss_cosine_light(uint probe_10, float3 n)
 {
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e2 = octagloss_place_of(n);
+#else
     const float2 _e2 = octagloss_place_of(n);
-    const float2 _e3 = octagloss_place_in_cosine(_e2);
-    const float3 _e4 = octagloss_read_cosine(probe_10, _e3);
-    return _e4;
+#endif
+    const float3 _e3 = octagloss_read_cosine(probe_10, _e2);
+    return _e3;
 }
 
 typedef float2 ret_Constructarray5_float2_[5];
@@ -754,6 +880,20 @@ float3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surfa
     }
     float3 _e86 = sum_3;
     return _e86;
+#ifdef OCTAGLOSS_CUBE
+}
+
+uint2 NagaDimensionsCube(TextureCube<float4> tex)
+{
+    uint4 ret;
+    tex.GetDimensions(0, ret.x, ret.y, ret.z);
+    return ret.xy;
+}
+
+float octagloss_map_inner()
+{
+    return float(NagaDimensionsCube(octagloss_maps).x);
+#endif
 }
 
 typedef float4 ret_Constructarray3_float4_[3];
@@ -1006,17 +1146,31 @@ octagloss_RowPlace octagloss_row_place(float2 alpha_5, float cosine_3, float2 ta
     return octagloss_rowplace;
 }
 
+#ifdef OCTAGLOSS_CUBE
+float4 octagloss_read_rows(float3 at_5)
+#else
 float4 octagloss_read_rows(float3 at_6)
+#endif
 {
+#ifdef OCTAGLOSS_CUBE
+    float4 _e4 = octagloss_rows.SampleLevel(octagloss_linear, at_5, 0.0);
+#else
     float4 _e4 = octagloss_rows.SampleLevel(octagloss_linear, at_6, 0.0);
+#endif
     return _e4;
 }
 
 float4 octagloss_row_node(uint layer_2, octagloss_RowPlace place)
 {
+#ifdef OCTAGLOSS_CUBE
+    float3 at_7 = float3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
+    const float4 _e11 = octagloss_read_rows(at_7);
+    const float4 _e18 = octagloss_read_rows(float3(at_7.x, (at_7.y + 0.125), at_7.z));
+#else
     float3 at_8 = float3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
     const float4 _e11 = octagloss_read_rows(at_8);
     const float4 _e18 = octagloss_read_rows(float3(at_8.x, (at_8.y + 0.125), at_8.z));
+#endif
     return lerp(_e11, _e18, place.share);
 }
 
@@ -1110,10 +1264,19 @@ float2 octagloss_row_read(octagloss_Row row_1, uint read)
     float growth = (row_1.steps.w * slope_1);
     float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
     const float _e44 = octagloss_map_inner();
+#ifdef OCTAGLOSS_CUBE
+    float last_1 = (log2(_e44) - 3.0);
+    float sharp_1 = (last_1 + log2((max(width, 1e-9) / 0.35)));
+#else
     float last_2 = (log2(_e44) - 3.0);
     float sharp_1 = (last_2 + log2((max(width, 1e-9) / 0.35)));
+#endif
     float below = max((log2(((max(width, 1e-9) * _e44) / 1.8)) * 0.610706), 0.0);
+#ifdef OCTAGLOSS_CUBE
+    return float2(slope_1, ((sharp_1 >= 1.0) ? min(sharp_1, last_1) : below));
+#else
     return float2(slope_1, ((sharp_1 >= 1.0) ? min(sharp_1, last_2) : below));
+#endif
 }
 
 typedef float3 ret_Constructarray4_float3_[4];

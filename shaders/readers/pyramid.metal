@@ -4,7 +4,12 @@
 // nothing; octagloss_linear is a sampler, linear in texels and in mip levels and clamped to the edge.
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
-// Translated from pyramid.wgsl, FNV-1a 47844b192686c925.
+#ifdef OCTAGLOSS_CUBE
+// The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
+// Translated from pyramid_cube.wgsl, FNV-1a d2efe0e61a89a15f.
+#else
+// Translated from pyramid.wgsl, FNV-1a c17472e0021b8653.
+#endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
 #include <metal_stdlib>
@@ -41,13 +46,23 @@ struct type_7 {
 struct type_12 {
     float inner[25];
 };
-struct type_14 {
+struct type_13 {
     float inner[5];
 };
+#ifdef OCTAGLOSS_CUBE
+typedef metal::float3 octagloss_MapPlace;
+struct type_14 {
+#else
+typedef metal::float2 octagloss_MapPlace;
 struct type_15 {
+#endif
     metal::float4 inner[4];
 };
+#ifdef OCTAGLOSS_CUBE
+struct type_16 {
+#else
 struct type_18 {
+#endif
     float inner[7];
 };
 struct octagloss_SurfaceFrame {
@@ -57,19 +72,39 @@ struct octagloss_SurfaceFrame {
     float sine;
     char _pad4[12];
 };
+#ifdef OCTAGLOSS_CUBE
+struct type_18 {
+#else
 struct type_19 {
+#endif
     metal::float3 inner[5];
 };
+#ifdef OCTAGLOSS_CUBE
+struct type_19 {
+#else
 struct type_20 {
+#endif
     metal::float4 inner[8];
 };
+#ifdef OCTAGLOSS_CUBE
+struct type_20 {
+#else
 struct type_21 {
+#endif
     metal::float2 inner[5];
 };
+#ifdef OCTAGLOSS_CUBE
+struct type_21 {
+#else
 struct type_22 {
+#endif
     metal::float4 inner[3];
 };
+#ifdef OCTAGLOSS_CUBE
+struct type_22 {
+#else
 struct type_23 {
+#endif
     metal::float2 inner[3];
 };
 struct octagloss_RowPlace {
@@ -85,14 +120,20 @@ struct octagloss_Row {
     float skew;
     char _pad6[8];
 };
+#ifdef OCTAGLOSS_CUBE
+struct type_23 {
+#else
 struct type_24 {
+#endif
     metal::float3 inner[4];
 };
 constant uint octagloss_SUNS = 8u;
 constant uint octagloss_INTERVALS = 640u;
+#ifndef OCTAGLOSS_CUBE
 constant int octagloss_MIRROR = 1;
 constant int octagloss_SHARP = 2;
 constant int octagloss_LEVELS = 0;
+#endif
 constant uint octagloss_READS = 9u;
 constant uint octagloss_LAYERS = 18u;
 constant metal::float2 octagloss_NODES = metal::float2(46.0, 26.0);
@@ -135,35 +176,10 @@ metal::float3 octagloss_source_from_world(
     return metal::normalize(metal::float3(metal::dot(direction, axes[0]), metal::dot(direction, axes[1]), metal::dot(direction, axes[2])));
 }
 
-float octagloss_map_inner(
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps
-) {
-    return static_cast<float>(metal::uint2(octagloss_maps.get_width(), octagloss_maps.get_height()).x) * 0.9411765;
-}
-
-float octagloss_map_border(
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps
-) {
-    return static_cast<float>(metal::uint2(octagloss_maps.get_width(), octagloss_maps.get_height()).x) / 34.0;
-}
-
-metal::float2 octagloss_place_of(
-    metal::float3 direction_1,
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps
-) {
-    metal::float3 p = direction_1 / metal::float3((metal::abs(direction_1.x) + metal::abs(direction_1.y)) + metal::abs(direction_1.z));
-    metal::float2 folded = metal::float2(1.0) - metal::abs(p.zx);
-    metal::float2 turned = metal::float2((p.x >= 0.0) ? folded.x : -(folded.x), (p.z >= 0.0) ? folded.y : -(folded.y));
-    metal::float2 uv = (p.y >= 0.0) ? p.xz : turned;
-    float _e36 = octagloss_map_inner(octagloss_maps);
-    float _e39 = octagloss_map_border(octagloss_maps);
-    return metal::float2(0.5) + (uv * ((0.5 * _e36) / (_e36 + (2.0 * _e39))));
-}
-
 metal::float3 octagloss_harmonics_around(
     uint probe_1,
     metal::float3 d_1,
-    type_14 weights,
+    type_13 weights,
     constant type_7& octagloss_lights
 ) {
     type_12 basis = {};
@@ -221,13 +237,56 @@ metal::float3 octagloss_harmonics_around(
     }
     metal::float3 _e52 = sum;
     return _e52;
+#ifndef OCTAGLOSS_CUBE
 }
 
+float octagloss_map_inner(
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
+) {
+    return static_cast<float>(metal::uint2(octagloss_maps.get_width(), octagloss_maps.get_height()).x) * 0.9411765;
+}
+
+float octagloss_map_border(
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
+) {
+    return static_cast<float>(metal::uint2(octagloss_maps.get_width(), octagloss_maps.get_height()).x) / 34.0;
+#endif
+}
+
+octagloss_MapPlace octagloss_place_of(
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 direction_1
+#else
+    metal::float3 direction_1,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
+#endif
+) {
+#ifdef OCTAGLOSS_CUBE
+    return direction_1;
+#else
+    metal::float3 p = direction_1 / metal::float3((metal::abs(direction_1.x) + metal::abs(direction_1.y)) + metal::abs(direction_1.z));
+    metal::float2 folded = metal::float2(1.0) - metal::abs(p.zx);
+    metal::float2 turned = metal::float2((p.x >= 0.0) ? folded.x : -(folded.x), (p.z >= 0.0) ? folded.y : -(folded.y));
+    metal::float2 uv = (p.y >= 0.0) ? p.xz : turned;
+    float _e36 = octagloss_map_inner(octagloss_maps);
+    float _e39 = octagloss_map_border(octagloss_maps);
+    return metal::float2(0.5) + (uv * ((0.5 * _e36) / (_e36 + (2.0 * _e39))));
+#endif
+}
+
+#ifdef OCTAGLOSS_CUBE
+type_14 octagloss_node_weights(
+#else
 type_15 octagloss_node_weights(
+#endif
     uint node,
     metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
+#ifdef OCTAGLOSS_CUBE
+    type_14 weights_1 = type_14 {};
+#else
     type_15 weights_1 = type_15 {};
+#endif
     uint row = 0u;
     bool loop_init_2 = true;
     while(true) {
@@ -248,62 +307,112 @@ type_15 octagloss_node_weights(
             weights_1.inner[_e8] = _e16;
         }
     }
+#ifdef OCTAGLOSS_CUBE
+    type_14 _e20 = weights_1;
+#else
     type_15 _e20 = weights_1;
+#endif
     return _e20;
 }
 
 metal::float3 octagloss_read_mirror(
     uint probe_2,
+#ifdef OCTAGLOSS_CUBE
+    octagloss_MapPlace at,
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::float2 at,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::sampler octagloss_linear
 ) {
+#ifdef OCTAGLOSS_CUBE
+    metal::float4 _e5 = octagloss_maps.sample(octagloss_linear, at, metal::level(0.0));
+    return _e5.xyz;
+#else
     metal::float4 _e6 = octagloss_maps.sample(octagloss_linear, at, octagloss_MIRROR, metal::level(0.0));
     return _e6.xyz;
+#endif
 }
 
 metal::float3 octagloss_read_sharp(
     uint probe_3,
+#ifdef OCTAGLOSS_CUBE
+    octagloss_MapPlace at_1,
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::float2 at_1,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::sampler octagloss_linear
 ) {
+#ifdef OCTAGLOSS_CUBE
+    metal::float4 _e5 = octagloss_maps.sample(octagloss_linear, at_1, metal::level(1.0));
+    return _e5.xyz;
+#else
     metal::float4 _e6 = octagloss_maps.sample(octagloss_linear, at_1, octagloss_SHARP, metal::level(0.0));
     return _e6.xyz;
+#endif
 }
 
 metal::float3 octagloss_read_levels(
     uint probe_4,
+#ifdef OCTAGLOSS_CUBE
+    octagloss_MapPlace at_2,
+#else
     metal::float2 at_2,
+#endif
     float level,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::sampler octagloss_linear
+#ifndef OCTAGLOSS_CUBE
 ) {
     metal::float4 _e6 = octagloss_maps.sample(octagloss_linear, at_2, octagloss_LEVELS, metal::level(level));
     return _e6.xyz;
 }
 
-metal::float3 octagloss_read_cosine(
-    uint probe_5,
-    metal::float2 at_3,
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
-    metal::sampler octagloss_linear
-) {
-    float _e2 = octagloss_map_inner(octagloss_maps);
-    float last = metal::rint(metal::log2(_e2 / 32.0));
-    metal::float4 _e10 = octagloss_maps.sample(octagloss_linear, at_3, octagloss_MIRROR, metal::level(last));
-    return _e10.xyz;
-}
-
-metal::float2 octagloss_place_in_cosine(
-    metal::float2 at_4,
+octagloss_MapPlace octagloss_place_in_cosine(
+    octagloss_MapPlace at_3,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps
+#endif
 ) {
+#ifdef OCTAGLOSS_CUBE
+    metal::float4 _e7 = octagloss_maps.sample(octagloss_linear, at_2, metal::level(level + 2.0));
+    return _e7.xyz;
+#else
     float _e1 = octagloss_map_inner(octagloss_maps);
     float _e2 = octagloss_map_border(octagloss_maps);
     float size = _e1 + (2.0 * _e2);
     float _e9 = octagloss_map_inner(octagloss_maps);
-    return metal::float2(0.5) + ((at_4 - metal::float2(0.5)) * ((size / _e9) * 0.9411765));
+    return metal::float2(0.5) + ((at_3 - metal::float2(0.5)) * ((size / _e9) * 0.9411765));
+#endif
+}
+
+metal::float3 octagloss_read_cosine(
+    uint probe_5,
+#ifdef OCTAGLOSS_CUBE
+    octagloss_MapPlace at_3,
+    constant type_7& octagloss_lights
+#else
+    metal::float2 at_4,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+    metal::sampler octagloss_linear
+#endif
+) {
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e8 = octagloss_harmonics_around(probe_5, at_3, type_13 {{1.0, 0.6666667, 0.25, 0.0, -0.041666668}}, octagloss_lights);
+    return _e8;
+#else
+    float _e2 = octagloss_map_inner(octagloss_maps);
+    float last = metal::rint(metal::log2(_e2 / 32.0));
+    octagloss_MapPlace _e9 = octagloss_place_in_cosine(at_4, octagloss_maps);
+    metal::float4 _e11 = octagloss_maps.sample(octagloss_linear, _e9, octagloss_MIRROR, metal::level(last));
+    return _e11.xyz;
+#endif
 }
 
 float octagloss_squared(
@@ -321,24 +430,49 @@ metal::float3 octagloss_radiance_of(
     metal::float3 direction_2,
     float roughness,
     constant type_7& octagloss_lights,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
+#ifdef OCTAGLOSS_CUBE
+    type_14 low = {};
+    type_14 high = {};
+#else
     type_15 low = {};
     type_15 high = {};
+#endif
     metal::float3 sum_1 = metal::float3 {};
+#ifdef OCTAGLOSS_CUBE
+    type_16 levels = {};
+#else
     type_18 levels = {};
+#endif
     uint level_1 = 0u;
     uint k_1 = 0u;
     metal::float3 _e3 = octagloss_source_from_world(probe_6, direction_2, octagloss_lights);
-    metal::float2 _e4 = octagloss_place_of(_e3, octagloss_maps);
+#ifdef OCTAGLOSS_CUBE
+    octagloss_MapPlace _e4 = octagloss_place_of(_e3);
+#else
+    octagloss_MapPlace _e4 = octagloss_place_of(_e3, octagloss_maps);
+#endif
     float node_1 = metal::log2(1.0 + (50.0 * roughness)) * 112.826515;
     uint k_10 = metal::min(naga_f2u32(node_1), 639u);
     float share = node_1 - static_cast<float>(k_10);
+#ifdef OCTAGLOSS_CUBE
+    type_14 _e17 = octagloss_node_weights(k_10, octagloss_tables);
+#else
     type_15 _e17 = octagloss_node_weights(k_10, octagloss_tables);
+#endif
     low = _e17;
+#ifdef OCTAGLOSS_CUBE
+    type_14 _e21 = octagloss_node_weights(k_10 + 1u, octagloss_tables);
+#else
     type_15 _e21 = octagloss_node_weights(k_10 + 1u, octagloss_tables);
+#endif
     high = _e21;
     metal::float4 _e24 = low.inner[0];
     metal::float4 _e26 = high.inner[0];
@@ -362,7 +496,11 @@ metal::float3 octagloss_radiance_of(
         metal::float3 _e58 = octagloss_read_sharp(probe_6, _e4, octagloss_maps, octagloss_linear);
         sum_1 = _e56 + (a_1.y * _e58);
     }
+#ifdef OCTAGLOSS_CUBE
+    levels = type_16 {{a_1.z, a_1.w, b_1.x, b_1.y, b_1.z, b_1.w, c_2.x}};
+#else
     levels = type_18 {{a_1.z, a_1.w, b_1.x, b_1.y, b_1.z, b_1.w, c_2.x}};
+#endif
     bool loop_init_3 = true;
     while(true) {
         if (!loop_init_3) {
@@ -390,36 +528,39 @@ metal::float3 octagloss_radiance_of(
     }
     if (c_2.y != 0.0) {
         metal::float3 _e95 = sum_1;
-        metal::float2 _e97 = octagloss_place_in_cosine(_e4, octagloss_maps);
-        metal::float3 _e98 = octagloss_read_cosine(probe_6, _e97, octagloss_maps, octagloss_linear);
-        sum_1 = _e95 + (c_2.y * _e98);
+#ifdef OCTAGLOSS_CUBE
+        metal::float3 _e97 = octagloss_read_cosine(probe_6, _e4, octagloss_lights);
+#else
+        metal::float3 _e97 = octagloss_read_cosine(probe_6, _e4, octagloss_maps, octagloss_linear);
+#endif
+        sum_1 = _e95 + (c_2.y * _e97);
     }
-    metal::float3 _e101 = sum_1;
-    metal::float3 _e108 = octagloss_harmonics_around(probe_6, _e3, type_14 {{c_2.z, c_2.w, e.x, e.y, e.z}}, octagloss_lights);
-    sum_1 = _e101 + _e108;
-    metal::float3 _e110 = sum_1;
-    float _e116 = octagloss_lights.inner[probe_6].unscale;
-    sum_1 = metal::max(_e110, metal::float3 {}) * _e116;
+    metal::float3 _e100 = sum_1;
+    metal::float3 _e107 = octagloss_harmonics_around(probe_6, _e3, type_13 {{c_2.z, c_2.w, e.x, e.y, e.z}}, octagloss_lights);
+    sum_1 = _e100 + _e107;
+    metal::float3 _e109 = sum_1;
+    float _e115 = octagloss_lights.inner[probe_6].unscale;
+    sum_1 = metal::max(_e109, metal::float3 {}) * _e115;
     float a2_ = ((roughness * roughness) * roughness) * roughness;
     bool loop_init_4 = true;
     while(true) {
         if (!loop_init_4) {
-            uint _e213 = k_1;
-            k_1 = _e213 + 1u;
+            uint _e212 = k_1;
+            k_1 = _e212 + 1u;
         }
         loop_init_4 = false;
-        uint _e123 = k_1;
-        if (_e123 < octagloss_SUNS) {
+        uint _e122 = k_1;
+        if (_e122 < octagloss_SUNS) {
         } else {
             break;
         }
         {
-            uint _e129 = k_1;
-            OctaglossSun sun = octagloss_lights.inner[probe_6].suns.inner[_e129];
-            float _e135 = octagloss_squared(_e3 - sun.red.xyz);
-            float _e139 = octagloss_squared(_e3 - sun.green.xyz);
-            float _e143 = octagloss_squared(_e3 - sun.blue.xyz);
-            metal::float3 apart = metal::float3(_e135, _e139, _e143);
+            uint _e128 = k_1;
+            OctaglossSun sun = octagloss_lights.inner[probe_6].suns.inner[_e128];
+            float _e134 = octagloss_squared(_e3 - sun.red.xyz);
+            float _e138 = octagloss_squared(_e3 - sun.green.xyz);
+            float _e142 = octagloss_squared(_e3 - sun.blue.xyz);
+            metal::float3 apart = metal::float3(_e134, _e138, _e142);
             metal::float3 s = metal::min(0.25 * apart, metal::float3(0.5));
             metal::float3 radius2_ = 0.5 * metal::float3(sun.red.w, sun.green.w, sun.blue.w);
             metal::float3 nearness = (s + (a2_ * (metal::float3(1.0) - s))) - radius2_;
@@ -427,19 +568,23 @@ metal::float3 octagloss_radiance_of(
             metal::float3 outside = metal::float3(2.0 * a2_) / (root * metal::max(root + nearness, metal::float3(0.000000000000000000000000000001)));
             metal::float3 inside = (root - nearness) / ((2.0 * metal::max(radius2_, metal::float3(0.000000000000000000000000000001))) * root);
             metal::float3 lobe = (0.31830987 * metal::select(inside, outside, nearness > metal::float3 {})) * (metal::float3(1.0) - (2.0 * s));
-            metal::float3 _e202 = sum_1;
-            sum_1 = _e202 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x)));
+            metal::float3 _e201 = sum_1;
+            sum_1 = _e201 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x)));
         }
     }
-    metal::float3 _e215 = sum_1;
-    return _e215;
+    metal::float3 _e214 = sum_1;
+    return _e214;
 }
 
 metal::float3 octagloss_radiance(
     metal::float3 direction_3,
     float roughness_1,
     constant type_7& octagloss_lights,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
@@ -450,60 +595,84 @@ metal::float3 octagloss_radiance(
 metal::float3 octagloss_irradiance_of(
     uint probe_7,
     metal::float3 normal,
+#ifdef OCTAGLOSS_CUBE
+    constant type_7& octagloss_lights
+#else
     constant type_7& octagloss_lights,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
     metal::sampler octagloss_linear
+#endif
 ) {
     metal::float3 sum_2 = {};
     uint k_2 = 0u;
     metal::float3 _e2 = octagloss_source_from_world(probe_7, normal, octagloss_lights);
-    metal::float2 _e3 = octagloss_place_of(_e2, octagloss_maps);
-    metal::float2 _e4 = octagloss_place_in_cosine(_e3, octagloss_maps);
-    metal::float3 _e5 = octagloss_read_cosine(probe_7, _e4, octagloss_maps, octagloss_linear);
-    float _e9 = octagloss_lights.inner[probe_7].unscale;
-    sum_2 = _e5 * _e9;
+#ifdef OCTAGLOSS_CUBE
+    octagloss_MapPlace _e3 = octagloss_place_of(_e2);
+    metal::float3 _e4 = octagloss_read_cosine(probe_7, _e3, octagloss_lights);
+#else
+    octagloss_MapPlace _e3 = octagloss_place_of(_e2, octagloss_maps);
+    metal::float3 _e4 = octagloss_read_cosine(probe_7, _e3, octagloss_maps, octagloss_linear);
+#endif
+    float _e8 = octagloss_lights.inner[probe_7].unscale;
+    sum_2 = _e4 * _e8;
     bool loop_init_5 = true;
     while(true) {
         if (!loop_init_5) {
-            uint _e42 = k_2;
-            k_2 = _e42 + 1u;
+            uint _e41 = k_2;
+            k_2 = _e41 + 1u;
         }
         loop_init_5 = false;
-        uint _e14 = k_2;
-        if (_e14 < octagloss_SUNS) {
+        uint _e13 = k_2;
+        if (_e13 < octagloss_SUNS) {
         } else {
             break;
         }
         {
-            uint _e20 = k_2;
-            OctaglossSun sun_1 = octagloss_lights.inner[probe_7].suns.inner[_e20];
+            uint _e19 = k_2;
+            OctaglossSun sun_1 = octagloss_lights.inner[probe_7].suns.inner[_e19];
             metal::float3 facing = metal::float3(metal::dot(_e2, sun_1.red.xyz), metal::dot(_e2, sun_1.green.xyz), metal::dot(_e2, sun_1.blue.xyz));
-            metal::float3 _e33 = sum_2;
-            sum_2 = _e33 + (sun_1.energy * (0.31830987 * metal::max(facing, metal::float3 {})));
+            metal::float3 _e32 = sum_2;
+            sum_2 = _e32 + (sun_1.energy * (0.31830987 * metal::max(facing, metal::float3 {})));
         }
     }
-    metal::float3 _e44 = sum_2;
-    return _e44;
+    metal::float3 _e43 = sum_2;
+    return _e43;
 }
 
 metal::float3 octagloss_irradiance(
     metal::float3 normal_1,
+#ifdef OCTAGLOSS_CUBE
+    constant type_7& octagloss_lights
+#else
     constant type_7& octagloss_lights,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
     metal::sampler octagloss_linear
+#endif
 ) {
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e2 = octagloss_irradiance_of(0u, normal_1, octagloss_lights);
+#else
     metal::float3 _e2 = octagloss_irradiance_of(0u, normal_1, octagloss_lights, octagloss_maps, octagloss_linear);
+#endif
     return _e2;
 }
 
 metal::float4 octagloss_read_reflections(
     uint layer,
+#ifdef OCTAGLOSS_CUBE
+    metal::float2 at_4,
+#else
     metal::float2 at_5,
+#endif
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
     metal::float2 corner = metal::float2(1.0 + (static_cast<float>(layer) * 48.0), 0.0);
+#ifdef OCTAGLOSS_CUBE
+    metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_4 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
+#else
     metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_5 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
+#endif
     return _e17;
 }
 
@@ -516,8 +685,13 @@ metal::float4 octagloss_reflection_node(
 ) {
     float sine = metal::sqrt(metal::max(1.0 - (cosine * cosine), 0.0));
     metal::float2 place_2 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
+#ifdef OCTAGLOSS_CUBE
+    metal::float2 at_6 = ((place_2 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
+    metal::float4 _e31 = octagloss_read_reflections(layer_1, at_6, octagloss_tables, octagloss_linear);
+#else
     metal::float2 at_7 = ((place_2 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
     metal::float4 _e31 = octagloss_read_reflections(layer_1, at_7, octagloss_tables, octagloss_linear);
+#endif
     return _e31;
 }
 
@@ -560,10 +734,18 @@ metal::float3 octagloss_between_levels(
     uint probe_8,
     metal::float3 direction_4,
     float level_2,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::sampler octagloss_linear
 ) {
-    metal::float2 _e3 = octagloss_place_of(direction_4, octagloss_maps);
+#ifdef OCTAGLOSS_CUBE
+    octagloss_MapPlace _e3 = octagloss_place_of(direction_4);
+#else
+    octagloss_MapPlace _e3 = octagloss_place_of(direction_4, octagloss_maps);
+#endif
     if (level_2 >= 2.0) {
         metal::float3 _e8 = octagloss_read_levels(probe_8, _e3, level_2 - 2.0, octagloss_maps, octagloss_linear);
         return _e8;
@@ -609,14 +791,31 @@ metal::float2 octagloss_brdf_around(
     metal::float3 bent = shape * h;
     float bend = metal::dot(h, bent);
     float along_2 = metal::dot(h, l);
+#ifdef OCTAGLOSS_CUBE
+    float size = (above * (2.0 - above)) / (length2_ * bend);
+    float trace = size * metal::dot(shape, metal::float3(1.0) - (l * l));
+#else
     float size_1 = (above * (2.0 - above)) / (length2_ * bend);
     float trace = size_1 * metal::dot(shape, metal::float3(1.0) - (l * l));
+#endif
     float _e60 = octagloss_squared(metal::cross(l, bent));
+#ifdef OCTAGLOSS_CUBE
+    float aside_1 = trace - ((size * _e60) / bend);
+#else
     float aside_1 = trace - ((size_1 * _e60) / bend);
+#endif
     float _e64 = octagloss_masking_of(l, alpha_1);
+#ifdef OCTAGLOSS_CUBE
+    float determinant = ((size * size) * _e64) * _e64;
+#else
     float determinant = ((size_1 * size_1) * _e64) * _e64;
+#endif
     float near = ((shape.z * along_2) * along_2) / ((bend * _e64) * _e64);
+#ifdef OCTAGLOSS_CUBE
+    float last = determinant * near;
+#else
     float last_1 = determinant * near;
+#endif
     float linear = 1.0 - trace;
     x = metal::max(0.5 * (linear + metal::sqrt((linear * linear) + ((4.0 * trace) * near))), near);
     bool loop_init_6 = true;
@@ -642,18 +841,34 @@ metal::float2 octagloss_brdf_around(
             x = _e97 + ((_e98 * (_e99 - ((((_e100 + trace) * _e102) + determinant) * _e105))) / _e109);
             float _e112 = x;
             float _e114 = x;
+#ifdef OCTAGLOSS_CUBE
+            side = ((_e112 + aside_1) * _e114) + last;
+#else
             side = ((_e112 + aside_1) * _e114) + last_1;
+#endif
             float _e117 = x;
             float _e121 = x;
             float _e129 = x;
             float _e135 = x;
+#ifdef OCTAGLOSS_CUBE
+            slope = ((((((((_e117 + (2.0 * aside_1)) * _e121) + (3.0 * last)) + (trace * aside_1)) - determinant) * _e129) + ((2.0 * trace) * last)) * _e135) + (determinant * last);
+#else
             slope = ((((((((_e117 + (2.0 * aside_1)) * _e121) + (3.0 * last_1)) + (trace * aside_1)) - determinant) * _e129) + ((2.0 * trace) * last_1)) * _e135) + (determinant * last_1);
+#endif
         }
     }
     float _e143 = x;
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 inverse = metal::float3(1.0) / ((size * shape) + metal::float3(_e143));
+#else
     metal::float3 inverse = metal::float3(1.0) / ((size_1 * shape) + metal::float3(_e143));
+#endif
     float _e152 = x;
+#ifdef OCTAGLOSS_CUBE
+    float towards = (size * metal::dot(l, inverse * bent)) / (_e152 * metal::dot(l, inverse * l));
+#else
     float towards = (size_1 * metal::dot(l, inverse * bent)) / (_e152 * metal::dot(l, inverse * l));
+#endif
     metal::float3 axis_1 = metal::normalize(inverse * (h + (towards * l)));
     float cosine_10 = metal::dot(view, axis_1);
     metal::float3 lit = ((2.0 * cosine_10) * axis_1) - view;
@@ -670,13 +885,21 @@ metal::float2 octagloss_brdf_around(
     return metal::float2(value, metal::pow(metal::max(1.0 - cosine_10, 0.0), 5.0));
 }
 
+#ifdef OCTAGLOSS_CUBE
+type_18 octagloss_harmonic_orders(
+#else
 type_19 octagloss_harmonic_orders(
+#endif
     uint probe_9,
     metal::float3 d_2,
     constant type_7& octagloss_lights
 ) {
     type_12 basis_1 = {};
+#ifdef OCTAGLOSS_CUBE
+    type_18 sums = type_18 {};
+#else
     type_19 sums = type_19 {};
+#endif
     uint order_1 = 0u;
     uint k_3 = {};
     type_12 _e2 = octagloss_harmonic_basis(d_2);
@@ -723,36 +946,61 @@ type_19 octagloss_harmonic_orders(
             }
         }
     }
+#ifdef OCTAGLOSS_CUBE
+    type_18 _e45 = sums;
+#else
     type_19 _e45 = sums;
+#endif
     return _e45;
 }
 
 metal::float3 octagloss_cosine_light(
     uint probe_10,
     metal::float3 n,
+#ifdef OCTAGLOSS_CUBE
+    constant type_7& octagloss_lights
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
     metal::sampler octagloss_linear
+#endif
 ) {
-    metal::float2 _e2 = octagloss_place_of(n, octagloss_maps);
-    metal::float2 _e3 = octagloss_place_in_cosine(_e2, octagloss_maps);
-    metal::float3 _e4 = octagloss_read_cosine(probe_10, _e3, octagloss_maps, octagloss_linear);
-    return _e4;
+#ifdef OCTAGLOSS_CUBE
+    octagloss_MapPlace _e2 = octagloss_place_of(n);
+    metal::float3 _e3 = octagloss_read_cosine(probe_10, _e2, octagloss_lights);
+#else
+    octagloss_MapPlace _e2 = octagloss_place_of(n, octagloss_maps);
+    metal::float3 _e3 = octagloss_read_cosine(probe_10, _e2, octagloss_maps, octagloss_linear);
+#endif
+    return _e3;
 }
 
 metal::float3 octagloss_harmonics_reflected(
     uint probe_11,
     octagloss_SurfaceFrame surface,
+#ifdef OCTAGLOSS_CUBE
+    type_19 pairs,
+#else
     type_20 pairs,
+#endif
     metal::float3 f0_,
     float f90_,
     constant type_7& octagloss_lights
 ) {
+#ifdef OCTAGLOSS_CUBE
+    type_20 angles = type_20 {{metal::float2(1.0, 0.0), metal::float2(0.309017, 0.95105654), metal::float2(-0.809017, 0.58778524), metal::float2(0.809017, 0.58778524), metal::float2(-0.309017, 0.95105654)}};
+    type_19 texels = {};
+#else
     type_21 angles = type_21 {{metal::float2(1.0, 0.0), metal::float2(0.309017, 0.95105654), metal::float2(-0.809017, 0.58778524), metal::float2(0.809017, 0.58778524), metal::float2(-0.309017, 0.95105654)}};
     type_20 texels = {};
+#endif
     metal::float3 sum_3 = metal::float3 {};
     uint pair = 0u;
     uint k_4 = 0u;
+#ifdef OCTAGLOSS_CUBE
+    type_18 orders = {};
+#else
     type_19 orders = {};
+#endif
     uint order_2 = {};
     texels = pairs;
     bool loop_init_9 = true;
@@ -772,7 +1020,11 @@ metal::float3 octagloss_harmonics_reflected(
             float _e36 = angles.inner[_e33].x;
             uint _e39 = k_4;
             float _e42 = angles.inner[_e39].y;
+#ifdef OCTAGLOSS_CUBE
+            type_18 _e45 = octagloss_harmonic_orders(probe_11, (surface.normal * _e36) + (surface.towards * _e42), octagloss_lights);
+#else
             type_19 _e45 = octagloss_harmonic_orders(probe_11, (surface.normal * _e36) + (surface.towards * _e42), octagloss_lights);
+#endif
             orders = _e45;
             uint _e47 = k_4;
             order_2 = _e47;
@@ -805,6 +1057,14 @@ metal::float3 octagloss_harmonics_reflected(
     }
     metal::float3 _e86 = sum_3;
     return _e86;
+#ifdef OCTAGLOSS_CUBE
+}
+
+float octagloss_map_inner(
+    metal::texturecube<float, metal::access::sample> octagloss_maps
+) {
+    return static_cast<float>(metal::uint2(octagloss_maps.get_width()).x);
+#endif
 }
 
 metal::float3 octagloss_suns_reflected(
@@ -815,12 +1075,21 @@ metal::float3 octagloss_suns_reflected(
     metal::float3 f0_1,
     float f90_1,
     constant type_7& octagloss_lights,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps
+#endif
 ) {
     metal::float3 sum_4 = metal::float3 {};
     uint k_5 = 0u;
+#ifdef OCTAGLOSS_CUBE
+    type_21 channels = {};
+    type_22 values = {};
+#else
     type_22 channels = {};
     type_23 values = {};
+#endif
     uint c = {};
     metal::float3 across = metal::cross(surface_1.normal, surface_1.towards);
     metal::float3 x_2 = (surface_1.towards * tangent.x) + (across * tangent.y);
@@ -843,8 +1112,13 @@ metal::float3 octagloss_suns_reflected(
         {
             uint _e45 = k_5;
             OctaglossSun sun_2 = octagloss_lights.inner[probe_12].suns.inner[_e45];
+#ifdef OCTAGLOSS_CUBE
+            channels = type_21 {{sun_2.red, sun_2.green, sun_2.blue}};
+            values = type_22 {};
+#else
             channels = type_22 {{sun_2.red, sun_2.green, sun_2.blue}};
             values = type_23 {};
+#endif
             c = 0u;
             bool loop_init_12 = true;
             while(true) {
@@ -900,14 +1174,22 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float3 f0_2,
     float f90_2,
     constant type_7& octagloss_lights,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
     metal::float3 sum_5 = metal::float3 {};
     float in_mirror = 0.0;
     uint k_6 = 0u;
+#ifdef OCTAGLOSS_CUBE
+    type_19 pairs_1 = type_19 {};
+#else
     type_20 pairs_1 = type_20 {};
+#endif
     uint k_7 = 0u;
     metal::float3 n_1 = surface_2.normal;
     float cosine_11 = surface_2.cosine;
@@ -943,7 +1225,11 @@ metal::float3 octagloss_reflected_isotropic(
         }
     }
     metal::float3 _e66 = sum_5;
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e73 = octagloss_cosine_light(probe_13, n_1, octagloss_lights);
+#else
     metal::float3 _e73 = octagloss_cosine_light(probe_13, n_1, octagloss_maps, octagloss_linear);
+#endif
     sum_5 = _e66 + (((scaled * _e13.x) + metal::float3(grazing * _e13.y)) * _e73);
     bool loop_init_14 = true;
     while(true) {
@@ -965,7 +1251,11 @@ metal::float3 octagloss_reflected_isotropic(
         }
     }
     metal::float3 _e92 = sum_5;
+#ifdef OCTAGLOSS_CUBE
+    type_19 _e93 = pairs_1;
+#else
     type_20 _e93 = pairs_1;
+#endif
     metal::float3 _e94 = octagloss_harmonics_reflected(probe_13, surface_2, _e93, scaled, grazing, octagloss_lights);
     sum_5 = _e92 + _e94;
     metal::float3 _e96 = sum_5;
@@ -1008,7 +1298,11 @@ metal::float3 octagloss_reflect_isotropic(
     metal::float3 f0_3,
     float f90_3,
     constant type_7& octagloss_lights,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
@@ -1056,11 +1350,19 @@ octagloss_RowPlace octagloss_row_place(
 }
 
 metal::float4 octagloss_read_rows(
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 at_5,
+#else
     metal::float3 at_6,
+#endif
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
+#ifdef OCTAGLOSS_CUBE
+    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_5, metal::level(0.0));
+#else
     metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_6, metal::level(0.0));
+#endif
     return _e4;
 }
 
@@ -1070,9 +1372,15 @@ metal::float4 octagloss_row_node(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 at_7 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
+    metal::float4 _e11 = octagloss_read_rows(at_7, octagloss_linear, octagloss_rows);
+    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_7.x, at_7.y + 0.125, at_7.z), octagloss_linear, octagloss_rows);
+#else
     metal::float3 at_8 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
     metal::float4 _e11 = octagloss_read_rows(at_8, octagloss_linear, octagloss_rows);
     metal::float4 _e18 = octagloss_read_rows(metal::float3(at_8.x, at_8.y + 0.125, at_8.z), octagloss_linear, octagloss_rows);
+#endif
     return metal::mix(_e11, _e18, place.share);
 }
 
@@ -1120,7 +1428,11 @@ metal::float2 octagloss_row_albedo(
 }
 
 float octagloss_row_number(
+#ifdef OCTAGLOSS_CUBE
+    type_21 terms,
+#else
     type_22 terms,
+#endif
     metal::float4 a,
     metal::float4 b,
     metal::float4 c_1
@@ -1153,7 +1465,11 @@ octagloss_Row octagloss_row_of(
     float tilt = _e75 * metal::smoothstep(0.0, octagloss_TILTED, metal::sqrt(1.0 - (cosine_6 * cosine_6)));
     float _e85 = axis.x;
     float e_1 = _e85 * tilt;
+#ifdef OCTAGLOSS_CUBE
+    type_21 terms_1 = type_21 {{metal::float4(1.0, x_3, x_3 * x_3, y_2), metal::float4(x_3 * y_2, y_2 * y_2, e_1, e_1 * x_3), metal::float4((x_3 * x_3) * x_3, (y_2 * y_2) * y_2, (x_3 * x_3) * y_2, (x_3 * y_2) * y_2)}};
+#else
     type_22 terms_1 = type_22 {{metal::float4(1.0, x_3, x_3 * x_3, y_2), metal::float4(x_3 * y_2, y_2 * y_2, e_1, e_1 * x_3), metal::float4((x_3 * x_3) * x_3, (y_2 * y_2) * y_2, (x_3 * x_3) * y_2, (x_3 * y_2) * y_2)}};
+#endif
     float _e119 = octagloss_row_number(terms_1, metal::float4(-0.822, -0.434, 0.191, 0.225), metal::float4(-0.113, -0.022, -0.153, -0.163), metal::float4(-0.008, 0.111, -0.063, -0.064));
     float _e135 = octagloss_row_number(terms_1, metal::float4(-0.509, -0.287, 0.427, -0.088), metal::float4(0.234, -0.052, -0.085, 0.361), metal::float4(0.054, 0.157, 0.012, 0.191));
     float _e151 = octagloss_row_number(terms_1, metal::float4(-0.565, -0.221, -0.153, -0.803), metal::float4(-0.329, 0.168, -0.066, -0.018), metal::float4(-0.016, 0.148, -0.022, 0.161));
@@ -1169,7 +1485,11 @@ octagloss_Row octagloss_row_of(
 metal::float2 octagloss_row_read(
     octagloss_Row row_1,
     uint read,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps
+#endif
 ) {
     float place_6 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
     float slope_1 = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_6)) / row_1.steps.y;
@@ -1177,10 +1497,19 @@ metal::float2 octagloss_row_read(
     float growth = row_1.steps.w * slope_1;
     float width = ((wider * row_1.steps.z) * metal::sqrt(1.0 + (growth * growth))) * row_1.extent;
     float _e44 = octagloss_map_inner(octagloss_maps);
+#ifdef OCTAGLOSS_CUBE
+    float last_1 = metal::log2(_e44) - 3.0;
+    float sharp_1 = last_1 + metal::log2(metal::max(width, 0.000000001) / 0.35);
+#else
     float last_2 = metal::log2(_e44) - 3.0;
     float sharp_1 = last_2 + metal::log2(metal::max(width, 0.000000001) / 0.35);
+#endif
     float below = metal::max(metal::log2((metal::max(width, 0.000000001) * _e44) / 1.8) * 0.610706, 0.0);
+#ifdef OCTAGLOSS_CUBE
+    return metal::float2(slope_1, (sharp_1 >= 1.0) ? metal::min(sharp_1, last_1) : below);
+#else
     return metal::float2(slope_1, (sharp_1 >= 1.0) ? metal::min(sharp_1, last_2) : below);
+#endif
 }
 
 metal::float3 octagloss_reflect_in_row(
@@ -1191,7 +1520,11 @@ metal::float3 octagloss_reflect_in_row(
     metal::float3 f0_4,
     float f90_4,
     constant type_7& octagloss_lights,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
@@ -1202,14 +1535,27 @@ metal::float3 octagloss_reflect_in_row(
     metal::float2 mean = {};
     metal::float2 skew = {};
     uint side_1 = {};
+#ifdef OCTAGLOSS_CUBE
+    type_19 pairs_2 = type_19 {};
+#else
     type_20 pairs_2 = type_20 {};
+#endif
     uint k_8 = 0u;
+#ifdef OCTAGLOSS_CUBE
+    type_23 aside = type_23 {{metal::float3(0.4620342, 0.54655075, -0.6984316), metal::float3(0.8966183, 0.38650447, 0.21607853), metal::float3(0.11814805, 0.3835753, 0.91592085), metal::float3(0.14011177, 0.8172301, -0.5590202)}};
+#else
     type_24 aside = type_24 {{metal::float3(0.4620342, 0.54655075, -0.6984316), metal::float3(0.8966183, 0.38650447, 0.21607853), metal::float3(0.11814805, 0.3835753, 0.91592085), metal::float3(0.14011177, 0.8172301, -0.5590202)}};
+#endif
     metal::float4 texel_1 = {};
     uint pair_1 = 15u;
     uint k_9 = 0u;
+#ifdef OCTAGLOSS_CUBE
+    type_18 own_1 = {};
+    type_18 other = {};
+#else
     type_19 own_1 = {};
     type_19 other = {};
+#endif
     uint order_3 = {};
     metal::float3 n_2 = surface_3.normal;
     metal::float3 across_2 = metal::cross(n_2, surface_3.towards);
@@ -1242,7 +1588,11 @@ metal::float3 octagloss_reflect_in_row(
             uint _e54 = distance;
             if (_e54 == 0u) {
                 metal::float3 _e57 = sum_6;
+#ifdef OCTAGLOSS_CUBE
+                metal::float3 _e64 = octagloss_cosine_light(probe_15, n_2, octagloss_lights);
+#else
                 metal::float3 _e64 = octagloss_cosine_light(probe_15, n_2, octagloss_maps, octagloss_linear);
+#endif
                 sum_6 = _e57 + (((scaled_1 * _e49.z) + metal::float3(grazing_1 * _e49.w)) * _e64);
             } else {
                 mean = 0.5 * (_e49.xy + _e49.zw);
@@ -1304,7 +1654,11 @@ metal::float3 octagloss_reflect_in_row(
         }
     }
     metal::float3 _e160 = sum_6;
+#ifdef OCTAGLOSS_CUBE
+    type_19 _e161 = pairs_2;
+#else
     type_20 _e161 = pairs_2;
+#endif
     metal::float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled_1, grazing_1, octagloss_lights);
     sum_6 = _e160 + _e162;
     metal::float3 mirrored = across_2 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
@@ -1330,11 +1684,19 @@ metal::float3 octagloss_reflect_in_row(
             metal::float3 level_4 = (surface_3.towards * _e205) + (n_2 * _e210);
             uint _e213 = k_9;
             float _e216 = aside.inner[_e213].y;
+#ifdef OCTAGLOSS_CUBE
+            type_18 _e219 = octagloss_harmonic_orders(probe_15, level_4 + (mirrored * _e216), octagloss_lights);
+#else
             type_19 _e219 = octagloss_harmonic_orders(probe_15, level_4 + (mirrored * _e216), octagloss_lights);
+#endif
             own_1 = _e219;
             uint _e221 = k_9;
             float _e224 = aside.inner[_e221].y;
+#ifdef OCTAGLOSS_CUBE
+            type_18 _e227 = octagloss_harmonic_orders(probe_15, level_4 - (mirrored * _e224), octagloss_lights);
+#else
             type_19 _e227 = octagloss_harmonic_orders(probe_15, level_4 - (mirrored * _e224), octagloss_lights);
+#endif
             other = _e227;
             uint _e229 = k_9;
             order_3 = _e229 + 1u;
@@ -1393,7 +1755,11 @@ metal::float3 octagloss_reflect_of(
     metal::float3 f0_5,
     float f90_5,
     constant type_7& octagloss_lights,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
@@ -1440,7 +1806,11 @@ metal::float3 octagloss_reflect(
     metal::float3 f0_6,
     float f90_6,
     constant type_7& octagloss_lights,
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows

@@ -291,6 +291,10 @@ fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> 
             let levels = settings.level_specs()?.len();
             format!("{pixel} pyramid {}, {levels} levels, with borders", settings.size)
         }
+        Content::PyramidCube => {
+            let levels = settings.level_specs()?.len() + 2;
+            cube_words(&format!("{pixel} pyramid on a"), settings.size, levels)
+        }
         Content::PyramidLight => "suns and harmonics".to_owned(),
         Content::PyramidTables => "tables of the look-ups".to_owned(),
         Content::Reader => "shader code".to_owned(),

@@ -6,6 +6,7 @@ use super::outcome::{Outcome, check_output, print, usage, write_output};
 use crate::reflectance::anisotropic_table;
 use clap::{Args as ClapArgs, ValueEnum};
 use octagloss_core::files::io::pyramid_write::check_size;
+use octagloss_core::files::target::PyramidMap;
 use octagloss_shaders::reader;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +18,11 @@ pub(super) struct ReaderArgs {
     /// and octagloss_albedo. oem: the levels of --target oem.
     #[arg(value_name = "TARGET", default_value = "pyramid", hide_possible_values = true)]
     target: Readable,
+    /// Map of the pyramid: octahedral or cube
+    ///
+    /// That of `bake --map`. [default: octahedral]
+    #[arg(long, value_name = "MAP", hide_possible_values = true, requires = "language")]
+    map: Option<PyramidMap>,
     /// wgsl, glsl, hlsl or msl
     #[arg(long, value_name = "LANGUAGE", hide_possible_values = true, required_unless_present = "rows")]
     language: Option<Language>,
@@ -57,7 +63,7 @@ const DEFAULT_SIZE: u32 = 512;
 
 pub(super) fn run(args: &ReaderArgs) -> Outcome {
     match (args.language, &args.rows) {
-        (Some(language), _) => print_reader(args.target, language),
+        (Some(language), _) => print_reader(args, language),
         (None, Some(path)) => write_rows(args, path),
         (None, None) => usage("choose a --language, or a file for --rows"),
     }
@@ -85,10 +91,12 @@ fn write_rows(args: &ReaderArgs, path: &Path) -> Outcome {
     Ok(())
 }
 
-fn print_reader(target: Readable, language: Language) -> Outcome {
-    let stem = match target {
-        Readable::Pyramid => "pyramid",
-        Readable::Oem => "oem",
+fn print_reader(args: &ReaderArgs, language: Language) -> Outcome {
+    let stem = match (args.target, args.map) {
+        (Readable::Pyramid, Some(PyramidMap::Cube)) => "pyramid_cube",
+        (Readable::Pyramid, _) => "pyramid",
+        (Readable::Oem, None) => "oem",
+        (Readable::Oem, Some(_)) => return usage("--map is for pyramids; omit it, or the target oem"),
     };
     let extension = match language {
         Language::Wgsl => "wgsl",

@@ -66,10 +66,11 @@ export async function checkThree({ open, work, octagloss, bake, query, frames, d
         }
     }
     // The true reflection by a pyramid, and by the engine's own split sum.
-    for (const pixel of ['f16', 'bc6h'])
-        bake(`three-pyramid-${pixel}`, ['--target', 'pyramid', '--pixel', pixel]);
+    const pyramids = { f16: [], bc6h: ['--pixel', 'bc6h'], cube: ['--map', 'cube'] };
+    for (const [kind, options] of Object.entries(pyramids))
+        bake(`three-pyramid-${kind}`, ['--target', 'pyramid', ...options]);
     for (const roughness of [0.2, 0.4, 0.7, 1]) {
-        const worst = { f16: 0, bc6h: 0, off: 0 };
+        const worst = { f16: 0, bc6h: 0, cube: 0, off: 0 };
         for (const eye of EYES.slice(-2)) {
             const pixels = spherePixels(512, eye, 32);
             const once = frames(
@@ -82,8 +83,8 @@ export async function checkThree({ open, work, octagloss, bake, query, frames, d
                 return once[k].map((v, c) => v + share * rest[k][c]);
             });
             for (const kind of Object.keys(worst)) {
-                const pixel = kind === 'off' ? 'f16' : kind;
-                const url = `/bake/three-pyramid-${pixel}/world_pyramid.ktx2`;
+                const own = kind === 'off' ? 'f16' : kind;
+                const url = `/bake/three-pyramid-${own}/world_pyramid.ktx2`;
                 const environment = '/bake/three/world_pmrem.ktx2';
                 const options = { url, environment, roughness, eye, enabled: kind !== 'off' };
                 const picture = await page.evaluate((options) => window.pyramid(options), options);
@@ -91,11 +92,11 @@ export async function checkThree({ open, work, octagloss, bake, query, frames, d
                 worst[kind] = Math.max(worst[kind], error);
             }
         }
-        for (const pixel of ['f16', 'bc6h']) {
+        for (const kind of Object.keys(pyramids)) {
             check(
-                `three pyramid ${pixel}, roughness ${roughness}, 2 views`,
-                worst[pixel] < TRUE,
-                `relative error ${worst[pixel].toFixed(4)}`,
+                `three pyramid ${kind}, roughness ${roughness}, 2 views`,
+                worst[kind] < TRUE,
+                `relative error ${worst[kind].toFixed(4)}`,
             );
         }
         // Its lobe of roughness 1 is bent to the normal, which is right there.

@@ -2,14 +2,14 @@
 
 use crate::look;
 use glam::{DMat3, DVec3};
+use octagloss_core::bake::bake;
 use octagloss_core::bake::dfg::ggx;
-use octagloss_core::bake::{BakeSettings, bake};
 use octagloss_core::common::frame::Frame;
 use octagloss_core::files::export::files::{Made, files};
 use octagloss_core::files::io::pyramid_write::anisotropic_table;
-use octagloss_core::files::target::{Target, TargetPlan};
-use octagloss_core::light::environment::{Environment, Layout, Map};
-use octagloss_core::lobe::filter::Filter;
+use octagloss_core::files::recipe::Recipe;
+use octagloss_core::files::target::{PyramidMap, Target};
+use octagloss_core::light::environment::{Environment, Layout};
 use octagloss_core::pyramid::Pyramid;
 use octagloss_fixtures::adapters::{exceeds, in_full};
 use octagloss_fixtures::common::{Look, Random, landmarks, texels};
@@ -25,25 +25,20 @@ fn fnv(text: &str) -> u64 {
 
 #[test]
 fn translations_are_of_the_reader_of_pyramids() {
-    let made = reader("pyramid.wgsl").unwrap();
-    for name in ["pyramid.glsl", "pyramid.hlsl", "pyramid.metal"] {
-        let hash = format!("{:016x}", fnv(&made));
-        assert!(reader(name).unwrap().contains(&hash), "{name}: run tests/consumers/translate/run");
+    for map in ["pyramid", "pyramid_cube"] {
+        let made = reader(&format!("{map}.wgsl")).unwrap();
+        for name in ["glsl", "hlsl", "metal"].map(|language| format!("{map}.{language}")) {
+            let hash = format!("{:016x}", fnv(&made));
+            assert!(reader(&name).unwrap().contains(&hash), "{name}: run tests/consumers/translate/run");
+        }
     }
 }
 
-/// The files of `environment`, whose map has `size` texels along an edge.
-fn made(environment: &Environment, size: u32) -> Vec<Made> {
-    let target = Target::named("pyramid").unwrap();
-    let settings = BakeSettings {
-        map: Map::Octahedral,
-        size,
-        levels: Some(target.levels(size)),
-        filter: Filter::Pyramid,
-        pyramid: true,
-        ..BakeSettings::default()
-    };
-    files(&TargetPlan::new(target), "sky", &bake(environment, &settings).unwrap(), &[], reader).unwrap()
+/// The files of `environment` on `map`, whose first level has `size` texels along an edge.
+fn made(environment: &Environment, size: u32, map: PyramidMap) -> Vec<Made> {
+    let recipe = Recipe { size: Some(size), map: Some(map), ..Recipe::default() };
+    let plan = recipe.targeted(Target::named("pyramid").unwrap()).unwrap();
+    files(&plan.plan, "sky", &bake(environment, &plan.settings).unwrap(), &[], reader).unwrap()
 }
 
 fn file<'a>(made: &'a [Made], path: &str) -> &'a [u8] {
@@ -68,7 +63,7 @@ fn texture(context: &Context, bytes: &[u8]) -> wgpu::Texture {
             size: wgpu::Extent3d {
                 width: header.pixel_width,
                 height: header.pixel_height,
-                depth_or_array_layers: header.layer_count.max(header.pixel_depth).max(1),
+                depth_or_array_layers: header.layer_count.max(header.pixel_depth).max(header.face_count),
             },
             mip_level_count: header.level_count,
             sample_count: 1,
@@ -113,8 +108,13 @@ impl Files {
             usage: wgpu::BufferUsages::UNIFORM,
         });
         let rows = anisotropic_table(size).unwrap();
-        let textures = [file(made, "sky_pyramid.ktx2"), file(made, "pyramid_tables.ktx2"), &rows]
-            .map(|bytes| texture(context, bytes).create_view(&Default::default()));
+        let textures =
+            [file(made, "sky_pyramid.ktx2"), file(made, "pyramid_tables.ktx2"), &rows].map(|bytes| {
+                let texture = texture(context, bytes);
+                let is_cube = texture.depth_or_array_layers() == 6;
+                let dimension = is_cube.then_some(wgpu::TextureViewDimension::Cube);
+                texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
+            });
         let linear = context.device().create_sampler(&wgpu::SamplerDescriptor {
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
@@ -182,12 +182,23 @@ const TOLERANCE: f64 = 0.01;
 #[test]
 fn files_are_read_as_the_cpu_reads_its_pyramid() {
     in_full("pyramid reader", |context| {
-        for (size, look, degrees) in [(64, Look::Noise, 0.0), (128, Look::Suns, 40.0)] {
+        use PyramidMap::{Cube, Octahedral};
+        for (size, look, degrees, map) in [
+            (64, Look::Noise, 0.0, Octahedral),
+            (128, Look::Suns, 40.0, Octahedral),
+            (64, Look::Noise, 0.0, Cube),
+            (128, Look::Suns, 40.0, Cube),
+        ] {
             let mut random = Random::new(7);
             let layout = Layout::Panorama { width: 128, height: 64 };
             let light = texels(&mut random, look, layout);
             let environment = Environment::new(layout, light).unwrap().rotated_y(degrees).unwrap();
-            let (made, pyramid) = (made(&environment, size), Pyramid::build(&environment, size).unwrap());
+            let made = made(&environment, size, map);
+            let pyramid = Pyramid::build(&environment, size).unwrap();
+            let (pyramid, code) = match map {
+                Octahedral => (pyramid, reader("pyramid.wgsl").unwrap()),
+                Cube => (pyramid.on_cubes(), reader("pyramid_cube.wgsl").unwrap()),
+            };
             let roughness = [0.0, 0.1, 0.25, 0.5, 0.8, 1.0];
             let mut normals = landmarks();
             normals.extend((0..200).map(|_| random.direction()));
@@ -220,9 +231,8 @@ fn files_are_read_as_the_cpu_reads_its_pyramid() {
                     ]
                 })
                 .collect();
-            let name = format!("{look:?} {size} on {}", context.describe());
+            let name = format!("{look:?} {size} {map} on {}", context.describe());
             let files = Files::new(context, &made, size);
-            let code = reader("pyramid.wgsl").unwrap();
             let found = files.looked_up(context, &code, &queries);
             let far = off(&expected, &found);
             assert!(far.iter().all(|off| !exceeds(*off, TOLERANCE)), "{name}: off by {far:?}");
@@ -231,16 +241,26 @@ fn files_are_read_as_the_cpu_reads_its_pyramid() {
             }
             // The comparison detects a reader of the wrong square, border or row. A smooth sky is nearly the
             // same in several.
-            let mutants = [
-                ("octagloss_SHARP = 2i", "octagloss_SHARP = 1i"),
-                ("octagloss_MIRROR = 1i", "octagloss_MIRROR = 2i"),
-                ("octagloss_LEVELS = 0i", "octagloss_LEVELS = 1i"),
+            let own = match map {
+                Octahedral => [
+                    ("octagloss_SHARP = 2i", "octagloss_SHARP = 1i"),
+                    ("octagloss_MIRROR = 1i", "octagloss_MIRROR = 2i"),
+                    ("octagloss_LEVELS = 0i", "octagloss_LEVELS = 1i"),
+                    ("(16.0 / 17.0)", "(15.0 / 17.0)"),
+                ],
+                Cube => [
+                    ("at, 0.0)", "at, 1.0)"),
+                    ("at, 1.0)", "at, 2.0)"),
+                    ("level + 2.0", "level + 1.0"),
+                    ("(1.0, 0.66666667", "(0.8, 0.66666667"),
+                ],
+            };
+            let tables = [
                 ("(864.0, 39.0)", "(864.0, 38.0)"),
-                ("(16.0 / 17.0)", "(15.0 / 17.0)"),
                 ("27u + row", "26u + row"),
                 ("1.0 + f32(layer)", "3.0 + f32(layer)"),
             ];
-            for (right, wrong) in mutants.into_iter().filter(|_| look == Look::Noise) {
+            for (right, wrong) in own.into_iter().chain(tables).filter(|_| look == Look::Noise) {
                 assert!(code.contains(right), "{right}");
                 let found = files.looked_up(context, &code.replace(right, wrong), &queries);
                 let far = off(&expected, &found);
@@ -270,7 +290,7 @@ fn white_furnaces_are_within_a_thousandth() {
     in_full("white furnace", |context| {
         let size = 64;
         let white = Environment::new(Layout::Panorama { width: 8, height: 4 }, vec![[1.0; 3]; 32]).unwrap();
-        let files = Files::new(context, &made(&white, size), size);
+        let files = Files::new(context, &made(&white, size, PyramidMap::Octahedral), size);
         let found = files.looked_up(context, &reader("pyramid.wgsl").unwrap(), &queries);
         for (([r, c], [scale, bias]), found) in places.iter().zip(&expected).zip(&found) {
             let name = format!("r {r} n.v {c} on {}", context.describe());

@@ -36,6 +36,7 @@ fn the_recipe_of_a_plan_makes_the_same_plan() {
         json!({
             "target": "three,generic", "diffuse": "both", "irradiance": 8, "format": "exr", "flip": "none"
         }),
+        json!({"target": "pyramid", "map": "cube"}),
         json!({"target": "generic", "ladder": "unity", "levels": 3, "pixel": "f32", "format": "dds"}),
     ];
     let mut count = 0;
@@ -57,7 +58,7 @@ fn the_recipe_of_a_plan_makes_the_same_plan() {
             count += 1;
         }
     }
-    assert_eq!(count, 7 + 9 + 3 * TARGETS.len() + 3);
+    assert_eq!(count, 7 + 9 + 3 * TARGETS.len() + 4);
 }
 
 #[test]
@@ -84,6 +85,8 @@ fn options_that_there_are_not_and_values_that_they_cannot_have_are_named() {
         (json!({"sunless": true}), "`sunless` writes the environment without its sun; set `extract_sun`"),
         (json!({"strict": true, "sanitize": true}), "`strict` and `sanitize` contradict"),
         (json!({"crop": true, "layout": "cross"}), "`pad` and `crop` are for panoramas"),
+        (json!({"map": "cube"}), "`map` is for pyramids; choose `target` pyramid, or omit it"),
+        (json!({"target": "three", "map": "cube"}), "target three has no pyramid; omit `map` cube"),
         (json!({"scan": "blocks"}), "`scan` blocks is for the filter over a summed-area table"),
     ] {
         let message = refusal(given.clone());

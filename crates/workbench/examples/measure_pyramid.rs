@@ -1,8 +1,8 @@
 //! Measures the pyramid against exhaustive sums over panoramas: `cargo run --release -p octagloss-workbench
 //! --example measure_pyramid -- PANORAMA...`. Prints, for each roughness, the relRMSE of the worst channel at
 //! random directions; epsilon and the greatest error over the peak within 6 alpha of the brightest texel;
-//! with `--cones` the error around +-X and +-Z over that elsewhere, over 20 rotations; with `--gpu` the times
-//! of passes and frames, and how far the GPU is from the CPU.
+//! with `--cones` the error around +-X and +-Z over that elsewhere, over 20 rotations; with `--cube` all of
+//! that on cubes; with `--gpu` the times of passes and frames, and how far the GPU is from the CPU.
 
 #[path = "common/measure.rs"]
 mod measure;
@@ -207,11 +207,12 @@ async fn readback_all(context: &Context) {
 }
 
 fn main() {
-    let (mut cones, mut gpu) = (false, false);
+    let (mut cones, mut cube, mut gpu) = (false, false, false);
     let mut paths = Vec::new();
     for argument in std::env::args().skip(1) {
         match argument.as_str() {
             "--cones" => cones = true,
+            "--cube" => cube = true,
             "--gpu" => gpu = true,
             _ => paths.push(argument),
         }
@@ -226,7 +227,10 @@ fn main() {
         let oem = oem_from_environment(&environment, OemSize { inner: SIZE, border: 0 }).expect("small");
         let between = Instant::now();
         let cpu = cpu_seconds();
-        let pyramid = Pyramid::of_oem(&oem).expect("a power of two");
+        let mut pyramid = Pyramid::of_oem(&oem).expect("a power of two");
+        if cube {
+            pyramid = pyramid.on_cubes();
+        }
         let cpu = cpu_seconds() - cpu;
         println!(
             "{path}: map {:.3} s, pyramid {:.3} s, {cpu:.3} s of CPUs",
@@ -267,7 +271,10 @@ fn main() {
             let mut far = near.clone();
             for _ in 0..20 {
                 let rotation = rotation(&mut random);
-                let pyramid = Pyramid::build(&turned(&environment, rotation), SIZE).expect("a pyramid");
+                let mut pyramid = Pyramid::build(&turned(&environment, rotation), SIZE).expect("a pyramid");
+                if cube {
+                    pyramid = pyramid.on_cubes();
+                }
                 let cones: Vec<DVec3> = [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z]
                     .into_iter()
                     .map(|cone| random.within(cone, 0.2))

@@ -1,5 +1,6 @@
 //! The pyramid: the table's invariants, levels against exhaustive Gaussians, and look-ups against the oracle.
 
+mod cube;
 mod reflection;
 
 use glam::DVec3;
@@ -14,7 +15,7 @@ use octagloss_core::pyramid::levels::taps;
 use octagloss_core::pyramid::suns::{COUNT, Sun};
 use octagloss_core::pyramid::{Octaves, Pyramid};
 use octagloss_core::sphere::octahedral::{direction_from_oct, texel_centre};
-use octagloss_fixtures::common::{Look, Random, environment, oem, texels};
+use octagloss_fixtures::common::{Look, Random, environment, landmarks, oem, texels};
 use std::f64::consts::PI;
 
 const SIZES: [u32; 4] = [32, 128, 512, 1024];
@@ -173,6 +174,12 @@ fn reads_of_levels_are_gaussians() {
     }
 }
 
+/// On octahedral squares, and on cubes as files of `--map cube` hold it.
+fn on_both_maps(pyramid: Pyramid) -> [Pyramid; 2] {
+    let cubes = pyramid.on_cubes();
+    [pyramid, cubes]
+}
+
 fn energy_of(sun: &Sun) -> f32 {
     sun.channels.iter().map(|channel| channel.energy).sum()
 }
@@ -186,15 +193,18 @@ fn a_constant_sky_is_constant_and_has_no_suns() {
         let energy: f32 = pyramid.suns().suns.iter().map(energy_of).sum();
         assert!(energy <= 1e-5 * brightness, "{energy} in suns of {brightness}");
         let mut random = Random::new(5);
-        for _ in 0..100 {
-            let direction = random.direction();
-            for roughness in [0.0, 0.1, 0.3, 0.7, 1.0] {
-                let [r, g, b] = pyramid.lobes(roughness).radiance(direction).map(|value| value / brightness);
-                let off = (r - 1.0).abs().max((g - 0.5).abs()).max(b.abs());
-                assert!(off < 2e-3, "{brightness} at {roughness}: {r} {g} {b}");
+        for pyramid in on_both_maps(pyramid) {
+            for _ in 0..100 {
+                let direction = random.direction();
+                for roughness in [0.0, 0.1, 0.3, 0.7, 1.0] {
+                    let radiance = pyramid.lobes(roughness).radiance(direction);
+                    let [r, g, b] = radiance.map(|value| value / brightness);
+                    let off = (r - 1.0).abs().max((g - 0.5).abs()).max(b.abs());
+                    assert!(off < 2e-3, "{brightness} at {roughness}: {r} {g} {b}");
+                }
+                let [r, ..] = pyramid.irradiance(direction);
+                assert!((r / brightness - 1.0).abs() < 2e-3, "irradiance {r} of {brightness}");
             }
-            let [r, ..] = pyramid.irradiance(direction);
-            assert!((r / brightness - 1.0).abs() < 2e-3, "irradiance {r} of {brightness}");
         }
     }
 }
@@ -203,30 +213,38 @@ fn a_constant_sky_is_constant_and_has_no_suns() {
 fn look_ups_are_near_the_oracle() {
     for (look, seed) in [(Look::Smooth, 6), (Look::Suns, 7)] {
         let (environment, oem) = map_of(256, seed, look);
-        let pyramid = Pyramid::of_oem(&oem).expect("a size");
+        let pyramids = on_both_maps(Pyramid::of_oem(&oem).expect("a size"));
         let oracle = oracle::Oracle::new(&environment);
         let mut random = Random::new(8);
+        // The last ones are the edges and corners of a cube.
+        let directions: Vec<DVec3> = (0..40).map(|_| random.direction()).chain(landmarks()).collect();
         for (roughness, allowed) in [(0.25, 0.03), (0.3, 0.03), (0.5, 0.03), (0.8, 0.02), (1.0, 0.02)] {
-            let (mut error, mut square, mut worst) = (0.0, 0.0, 0.0_f64);
-            for _ in 0..40 {
-                let direction = random.direction();
-                let truth =
-                    DVec3::from_array(oracle.reflect(Lobe::Ggx, roughness, direction).expect("valid"));
-                let found = pyramid.lobes(roughness as f32).radiance(direction).map(f64::from);
-                let off = DVec3::from_array(found) - truth;
-                error += off.length_squared();
-                square += truth.length_squared();
-                worst = worst.max(off.length() / truth.length());
+            let truth: Vec<DVec3> = directions
+                .iter()
+                .map(|d| oracle.reflect(Lobe::Ggx, roughness, *d).expect("valid").into())
+                .collect();
+            for (pyramid, map) in pyramids.iter().zip(["squares", "cubes"]) {
+                let lobes = pyramid.lobes(roughness as f32);
+                for (directions, truth) in
+                    [(&directions[..40], &truth[..40]), (&directions[40..], &truth[40..])]
+                {
+                    let found =
+                        directions.iter().map(|d| DVec3::from_array(lobes.radiance(*d).map(f64::from)));
+                    let error: f64 =
+                        found.zip(truth).map(|(found, truth)| found.distance_squared(*truth)).sum();
+                    let square: f64 = truth.iter().map(|truth| truth.length_squared()).sum();
+                    let relative = (error / square).sqrt();
+                    assert!(relative < allowed, "{look:?} on {map} at {roughness}: {relative}");
+                }
             }
-            let relative = (error / square).sqrt();
-            assert!(relative < allowed, "{look:?} at {roughness}: {relative}, worst {worst}");
         }
-        for _ in 0..20 {
-            let normal = random.direction();
-            let truth = DVec3::from_array(oracle.reflect(Lobe::Cosine, 1.0, normal).expect("valid"));
-            let found = DVec3::from_array(pyramid.irradiance(normal).map(f64::from));
-            let off = (found - truth).length() / truth.length();
-            assert!(off < 0.02, "{look:?}: irradiance off by {off}");
+        for normal in &directions[..20] {
+            let truth = DVec3::from_array(oracle.reflect(Lobe::Cosine, 1.0, *normal).expect("valid"));
+            for (pyramid, map) in pyramids.iter().zip(["squares", "cubes"]) {
+                let found = DVec3::from_array(pyramid.irradiance(*normal).map(f64::from));
+                let off = (found - truth).length() / truth.length();
+                assert!(off < 0.02, "{look:?} on {map}: irradiance off by {off}");
+            }
         }
     }
 }

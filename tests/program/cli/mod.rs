@@ -15,6 +15,7 @@ pub(super) mod maps;
 mod messages;
 pub(super) mod outputs;
 pub(super) mod pictures;
+mod pyramid_files;
 pub(super) mod roughness_column;
 pub(super) mod scale;
 mod scan;

@@ -1,7 +1,7 @@
 //! `--target pyramid`: its files come back as what their look-ups answer, and are judged so.
 
-use super::{done, fails, json, json_file, with_sky};
-use octagloss_core::files::target::reader;
+use super::{done, fails, json, json_file, with_sky, write_panorama};
+use octagloss_shaders::reader;
 use serde_json::Value;
 use std::fs;
 
@@ -9,10 +9,20 @@ use std::fs;
 fn compare_judges_pyramids_by_their_look_ups() {
     let folder = with_sky();
     let at = folder.path();
+    // A wide lamp that is ten times as bright as the sky; harmonics are worse under brighter ones.
+    write_panorama(&at.join("sky.exr"), 32, |d| {
+        if d.z > 0.98 { [10.0, 8.0, 6.0] } else { [0.3, 0.5, 1.0 + d.y as f32] }
+    });
     let turned = ["--rotate-y", "33.5", "--mirror", "--scale", "3"];
-    for (pixel, turned, most) in
-        [("f16", &[][..], 0.03), ("f16", &turned, 0.03), ("rgb9e5", &[], 0.03), ("bc6h", &[], 0.05)]
-    {
+    let on_cube = ["--map", "cube", "--rotate-y", "33.5", "--mirror"];
+    for (pixel, turned, most) in [
+        ("f16", &on_cube[..], 0.03),
+        ("bc6h", &on_cube, 0.05),
+        ("f16", &[], 0.03),
+        ("f16", &turned, 0.03),
+        ("rgb9e5", &[], 0.03),
+        ("bc6h", &[], 0.05),
+    ] {
         let args = ["bake", "sky.exr", "--target", "pyramid", "--size", "128", "--pixel", pixel, "-o", "out"];
         done(at, &[&args[..], turned, &["--force", "--quiet"]].concat());
         for bake in ["out", "out/sky_pyramid.ktx2"] {
@@ -59,12 +69,23 @@ fn pyramids_have_their_options() {
         (&["--size", "4096"], "from 64 to 2048"),
         (&["--levels", "3"], "omit --levels"),
         (&["--lobe", "charlie"], "pyramid supports ggx only"),
-        (&["--format", "exr"], "has no arrays"),
+        (&["--format", "exr"], "holds no pyramids"),
+        (&["--map", "cube", "--format", "dds"], "holds no pyramids"),
+        (&["--map", "cube", "--flip", "x"], "read by shaders of its own; omit --flip"),
+        (&["--map", "cube", "--size", "100"], "from 64 to 2048"),
+        (&["--map", "panorama"], "--map"),
         (&["--irradiance", "8"], "holds its irradiance"),
-        (&["--flip", "x"], "no cube"),
+        (&["--flip", "x"], "read by shaders of its own"),
         (&["--ladder", "unity"], "ladder"),
     ] {
         fails(at, &[&bake[..], more].concat(), 2, said);
+    }
+    for (args, said) in [
+        (&["--target", "three", "--map", "cube"][..], "target three has no pyramid; omit --map cube"),
+        (&["--target", "pyramid,three", "--map", "cube"], "target three has no pyramid; omit --map cube"),
+        (&["--map", "cube"], "--target"),
+    ] {
+        fails(at, &[&["bake", "sky.exr", "-o", "x"], args].concat(), 2, said);
     }
     done(at, &["bake", "sky.exr", "--target", "pyramid,three", "--size", "64", "-o", "both", "--quiet"]);
     let report = json_file(&at.join("both/pyramid/report.json"));
@@ -80,16 +101,31 @@ fn pyramids_have_their_options() {
         let written = fs::read_to_string(at.join(format!("both/pyramid/pyramid.{file}"))).expect("text");
         assert_eq!(written, code);
     }
+    // The same of cubes.
+    let bake = ["bake", "sky.exr", "--target", "pyramid", "--map", "cube", "--size", "64", "-o", "cube"];
+    done(at, &[&bake[..], &["--quiet"]].concat());
+    assert_eq!(json_file(&at.join("cube/report.json"))["recipe"]["map"], "cube");
+    assert_eq!(json_file(&at.join("cube/sky_pyramid.json")), light);
+    for (language, file) in [("wgsl", "wgsl"), ("glsl", "glsl"), ("hlsl", "hlsl"), ("msl", "metal")] {
+        let code = reader(&format!("pyramid_cube.{file}")).expect("a reader");
+        assert_eq!(done(at, &["reader", "--map", "cube", "--language", language]).out, code);
+        let written = fs::read_to_string(at.join(format!("cube/pyramid_cube.{file}"))).expect("text");
+        assert_eq!(written, code);
+        assert!(code.contains("--map cube") && !code.contains("OCTAGLOSS_CUBE"), "{file}");
+    }
+    assert!(done(at, &["info", "cube"]).out.contains("KTX2 pyramid on a cube, RGBA16F, 4 levels"));
+    fails(at, &["bake", "cube/sky_pyramid.ktx2", "-o", "again.ktx2"], 1, "a pyramid is for look-ups");
+    fails(at, &["reader", "oem", "--language", "hlsl", "--map", "cube"], 2, "--map is for pyramids");
     assert!(done(at, &["reader", "oem", "--language", "hlsl"]).out.contains("oem_radiance"));
     fails(at, &["reader", "oem", "--language", "msl"], 2, "no reader in msl");
     // The table of anisotropic reflections.
-    let rows = |more: &[&str]| [&["reader", "--rows", "rows.ktx2", "--size", "64", "--quiet"], more].concat();
-    done(at, &rows(&[]));
+    let rows = ["reader", "--rows", "rows.ktx2", "--size", "64", "--quiet"];
+    done(at, &rows);
     let header = fs::read(at.join("rows.ktx2")).expect("a file");
     let number = |place: usize| u32::from_le_bytes(header[place..place + 4].try_into().expect("four bytes"));
-    assert_eq!([20, 24, 28].map(number), [352, 70, 8], "width, height and depth");
-    fails(at, &rows(&[]), 1, "rows.ktx2");
-    done(at, &rows(&["--force"]));
+    assert_eq!([20, 24, 28].map(number), [336, 80, 8], "width, height and depth");
+    fails(at, &rows, 1, "rows.ktx2");
+    done(at, &[&rows[..], &["--force"]].concat());
     fails(at, &["reader", "--rows", "rows.ktx2", "--size", "100"], 2, "a power of two from 64 to 2048");
     fails(at, &["reader", "--rows", "rows.png"], 2, "name it *.ktx2");
     fails(at, &["reader", "oem", "--rows", "rows.ktx2"], 2, "--rows is for pyramids");

@@ -54,7 +54,7 @@ impl BakedPyramid {
     pub(crate) fn of_parts(
         octaves: Octaves,
         maps: Vec<Map>,
-        cosine: Map,
+        cosine: Option<Map>,
         light: OctaglossLight,
     ) -> std::result::Result<Self, String> {
         let numbers: &[f32] = bytemuck::cast_slice(std::slice::from_ref(&light));

@@ -12,6 +12,7 @@
 use super::suns;
 use crate::light::environment::Rgb;
 use crate::light::oem::Oem;
+use crate::sphere::cube::{Face, cube_from_direction, cube_point};
 use crate::sphere::octahedral::{oct_from_direction, octahedron_from_oct, texel_centre, wrap_texel};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A, Vec4};
 use half::f16;
@@ -30,11 +31,12 @@ pub(crate) const CUT: f32 = 3.0;
 /// Light is scaled to less than 2 to this power: sums of halves stay finite.
 pub(crate) const BRIGHTEST: i32 = 15;
 
-/// A square of texels with a border of one.
+/// An octahedral square of texels with a border of one, or the six faces of a cube, each with such a border.
 #[derive(Clone, Debug)]
 pub struct Map {
-    inner: u32,
-    texels: Vec<Vec3A>,
+    pub(super) inner: u32,
+    pub(super) is_cube: bool,
+    pub(super) texels: Vec<Vec3A>,
 }
 
 impl Map {
@@ -47,7 +49,7 @@ impl Map {
                 *place = texel(x, y);
             }
         });
-        Self { inner, texels }.bordered()
+        Self { inner, is_cube: false, texels }.bordered()
     }
 
     /// The square of `inner` texels within the square `texels`, whose border has `border`.
@@ -70,7 +72,7 @@ impl Map {
                 [above[at], above[last + 1 - at], below[at], below[last + 1 - at]] = texels(x, y);
             }
         });
-        Self { inner, texels: all }.bordered()
+        Self { inner, is_cube: false, texels: all }.bordered()
     }
 
     /// With the border filled.
@@ -110,9 +112,15 @@ impl Map {
     /// Bilinear between the texels around `direction`, a unit vector.
     #[must_use]
     pub fn around(&self, direction: DVec3) -> Vec3A {
-        let ([x, y], share) = self.place(oct_from_direction(direction).as_vec2());
+        let (face, uv) = if self.is_cube {
+            let (face, s, t) = cube_from_direction(direction);
+            (face.index(), DVec2::new(s, t))
+        } else {
+            (0, oct_from_direction(direction))
+        };
+        let ([x, y], share) = self.place(uv.as_vec2());
         let side = self.inner as usize + 2;
-        let first = y * side + x;
+        let first = (face * side + y) * side + x;
         let row = |first: usize| self.texels[first].lerp(self.texels[first + 1], share.x);
         row(first).lerp(row(first + side), share.y)
     }
@@ -145,7 +153,7 @@ impl Map {
 
 /// A texel's place: its direction, and the covariance of a Gaussian there in the plane that touches the
 /// sphere, along two axes.
-struct Place {
+pub(super) struct Place {
     direction: Vec3,
     axes: [Vec3; 2],
     /// The covariance: of the first axis, of both, of the second.
@@ -170,10 +178,25 @@ impl Place {
             [DVec3::new(0.0, -sign.x, -sign.x * sign.y), DVec3::new(-sign.x * sign.y, -sign.y, 0.0)]
         }
         .map(|step| (step - direction * step.dot(direction)) / length);
+        Self::of_texel(direction, [by_u, by_v], 2.0 / f64::from(inner), variance)
+    }
+
+    /// The same for texel (`x`, `y`) of a cube's `face`.
+    pub(super) fn on_cube(inner: u32, face: Face, x: u32, y: u32, variance: f64) -> Self {
+        let [s, t] = [x, y].map(|k| (2.0 * f64::from(k) + 1.0) / f64::from(inner) - 1.0);
+        let point = cube_point(face, s, t);
+        let length = point.length();
+        let direction = point / length;
+        let steps = [cube_point(face, s + 1.0, t), cube_point(face, s, t + 1.0)]
+            .map(|next| (next - point).reject_from_normalized(direction) / length);
+        Self::of_texel(direction, steps, 2.0 / f64::from(inner), variance)
+    }
+
+    /// Around `direction`, which moves by `by_u` and `by_v`, times the side of a `texel`.
+    fn of_texel(direction: DVec3, [by_u, by_v]: [DVec3; 2], texel: f64, variance: f64) -> Self {
         let along = by_u.normalize();
         let across = direction.cross(along);
         let (long, shear, wide) = (by_u.length(), by_v.dot(along), by_v.dot(across));
-        let texel = 2.0 / f64::from(inner);
         let read = texel * texel / 6.0;
         let covariance = [
             variance - read * (long * long + shear * shear),
@@ -186,6 +209,35 @@ impl Place {
             axes: [along.as_vec3(), across.as_vec3()],
             covariance: covariance.map(|value| value as f32),
             reach: reach.as_vec2(),
+        }
+    }
+
+    /// Where a read around the Gaussian stands, by its place around one of covariance 1.
+    pub(super) fn read(self) -> impl Fn(Vec2) -> Vec3 {
+        let Self { direction, axes: [along, across], covariance: [a, b, c], .. } = self;
+        // The covariance's root, a triangle.
+        let long = a.sqrt();
+        let (shear, wide) = (b / long, (c - b * b / a).sqrt());
+        move |tap| {
+            let [p, q] = [long * tap.x, shear * tap.x + wide * tap.y];
+            // A distance on the sphere whose 1 - cos is half its square.
+            let half = 0.5 * (p * p + q * q);
+            direction * (1.0 - half) + (along * p + across * q) * (1.0 - 0.5 * half).sqrt()
+        }
+    }
+
+    /// The Gaussian at a direction whose fourth component is ignored; `None` beyond [`CUT`].
+    fn bell(&self) -> impl Fn(Vec4) -> Option<f32> {
+        let [a, b, c] = self.covariance;
+        // Half of the inverse.
+        let [a, b, c] = [c, -b, a].map(|value| 0.5 * value / (a * c - b * b));
+        let [along, across] = self.axes.map(|axis| axis.extend(0.0));
+        let direction = self.direction.extend(0.0);
+        move |other| {
+            let offset = other - direction;
+            let (p, q) = (offset.dot(along), offset.dot(across));
+            let exponent = a * p * p + 2.0 * b * p * q + c * q * q;
+            (exponent < 0.5 * CUT * CUT).then(|| exp_of_negative(exponent))
         }
     }
 }
@@ -214,36 +266,72 @@ pub(crate) fn mirror(oem: &Oem, exponent: i32) -> Map {
     })
 }
 
+/// The texels of a mirror, clamped, for sums over those around a direction.
+pub(super) struct Texels {
+    inner: u32,
+    /// Direction and solid angle density of every texel.
+    directions: Vec<Vec4>,
+    light: Vec<Vec3A>,
+}
+
+impl Texels {
+    pub(super) fn new(mirror: &Map, clamp: f32) -> Self {
+        let inner = mirror.inner();
+        let texels = (0..inner * inner).into_par_iter().map(|k| [k % inner, k / inner]);
+        let directions = texels
+            .clone()
+            .map(|[x, y]| {
+                let point = octahedron_from_oct(texel_centre(inner, x, y));
+                point.normalize().as_vec3().extend(point.length().powi(-3) as f32)
+            })
+            .collect();
+        let light = texels
+            .map(|[x, y]| {
+                let own = mirror.texel(x as i32, y as i32);
+                own * suns::kept(own.max_element(), clamp)
+            })
+            .collect();
+        Self { inner, directions, light }
+    }
+
+    /// Their light under a Gaussian of about `width` at `place` of another map.
+    pub(super) fn under(&self, place: &Place, width: f64) -> Vec3A {
+        let size = self.inner as usize;
+        let uv = (oct_from(place.direction) + 1.0) * (0.5 * self.inner as f32);
+        let centre = uv.to_array().map(|at| (at as u32).min(self.inner - 1));
+        // Directions lie up to half a texel beside its centre.
+        let reach =
+            reach_of(&Place::new(self.inner, centre[0], centre[1], 1.0), width).map(|texels| texels + 1);
+        let bell = place.bell();
+        let (mut sum, mut total) = (Vec3A::ZERO, 0.0);
+        visit_window(self.inner, centre, reach, |y, columns| {
+            let row = y as usize * size + columns.start as usize..y as usize * size + columns.end as usize;
+            for (other, light) in self.directions[row.clone()].iter().zip(&self.light[row]) {
+                if let Some(height) = bell(*other) {
+                    sum += other.w * height * light;
+                    total += other.w * height;
+                }
+            }
+        });
+        sum / total
+    }
+}
+
+/// Texels along u and v that a Gaussian of `width` at `place` of their map reaches.
+fn reach_of(place: &Place, width: f64) -> [u32; 2] {
+    (place.reach * (1.1 * CUT * width as f32)).to_array().map(|texels| texels.ceil() as u32)
+}
+
 /// The sharp level: sums of the texels of `mirror`, clamped to `clamp`, under a Gaussian of `width`.
 pub(crate) fn sharp(mirror: &Map, clamp: f32, width: f64) -> Map {
-    let inner = mirror.inner();
+    let Texels { inner, directions, light } = Texels::new(mirror, clamp);
     let size = inner as usize;
-    // Direction and solid angle density of every texel, and its light.
-    let texels = (0..inner * inner).into_par_iter().map(|k| [k % inner, k / inner]);
-    let directions: Vec<Vec4> = texels
-        .clone()
-        .map(|[x, y]| {
-            let point = octahedron_from_oct(texel_centre(inner, x, y));
-            point.normalize().as_vec3().extend(point.length().powi(-3) as f32)
-        })
-        .collect();
-    let light: Vec<Vec3A> = texels
-        .map(|[x, y]| {
-            let own = mirror.texel(x as i32, y as i32);
-            own * suns::kept(own.max_element(), clamp)
-        })
-        .collect();
     Map::of_quarters(inner, |x, y| {
         let place = Place::new(inner, x, y, width * width);
-        let [a, b, c] = place.covariance;
-        // Half of the inverse.
-        let [a, b, c] = [c, -b, a].map(|value| 0.5 * value / (a * c - b * b));
-        let [along, across] = place.axes.map(|axis| axis.extend(0.0));
-        let direction = place.direction.extend(0.0);
-        let reach = (place.reach * (1.1 * CUT * width as f32)).to_array().map(|texels| texels.ceil() as u32);
+        let bell = place.bell();
         let mut sums = [Vec3A::ZERO; 4];
         let mut total = 0.0;
-        visit_window(inner, [x, y], reach, |y, columns| {
+        visit_window(inner, [x, y], reach_of(&place, width), |y, columns| {
             let (first, count) = (columns.start as usize, columns.len());
             let (y, far) = (y as usize, size - first - count);
             let row = |y: usize, first: usize| &light[y * size + first..][..count];
@@ -251,11 +339,8 @@ pub(crate) fn sharp(mirror: &Map, clamp: f32, width: f64) -> Map {
             let above = row(y, first).iter().zip(row(y, far).iter().rev());
             let below = row(size - 1 - y, first).iter().zip(row(size - 1 - y, far).iter().rev());
             for ((other, above), below) in directions.iter().zip(above).zip(below) {
-                let offset = other - direction;
-                let (p, q) = (offset.dot(along), offset.dot(across));
-                let exponent = a * p * p + 2.0 * b * p * q + c * q * q;
-                if exponent < 0.5 * CUT * CUT {
-                    let weight = other.w * exp_of_negative(exponent);
+                if let Some(height) = bell(*other) {
+                    let weight = other.w * height;
                     sums[0] += weight * above.0;
                     sums[1] += weight * above.1;
                     sums[2] += weight * below.0;
@@ -318,23 +403,17 @@ pub fn taps() -> [(Vec2, f32); TAPS] {
     taps
 }
 
+/// Over the variance of a level's Gaussian, that of the one between it and the next finer level.
+pub(super) const BETWEEN: f64 = 0.75;
+
 /// The level of `inner` texels under a Gaussian of `width`, from the one of half that width.
 pub(crate) fn cascade(finer: &Map, inner: u32, width: f64) -> Map {
     let taps = taps();
     Map::of_quarters(inner, |x, y| {
-        let place = Place::new(inner, x, y, 0.75 * width * width);
-        let [a, b, c] = place.covariance;
-        // The covariance's root, a triangle.
-        let long = a.sqrt();
-        let (shear, wide) = (b / long, (c - b * b / a).sqrt());
-        let [along, across] = place.axes;
+        let read = Place::new(inner, x, y, BETWEEN * width * width).read();
         let mut sums = [Vec3A::ZERO; 4];
         for (tap, weight) in taps {
-            let [p, q] = [long * tap.x, shear * tap.x + wide * tap.y];
-            // A distance on the sphere whose 1 - cos is half its square.
-            let half = 0.5 * (p * p + q * q);
-            let to = place.direction * (1.0 - half) + (along * p + across * q) * (1.0 - 0.5 * half).sqrt();
-            finer.add_mirrored(&mut sums, oct_from(to), weight);
+            finer.add_mirrored(&mut sums, oct_from(read(tap)), weight);
         }
         sums
     })

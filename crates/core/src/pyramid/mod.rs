@@ -18,6 +18,7 @@ pub mod anisotropic;
 mod baked;
 pub mod brdf;
 pub mod cells;
+mod cube;
 mod descent;
 pub mod fit;
 pub mod levels;
@@ -33,6 +34,7 @@ use crate::light::environment::Environment;
 use crate::light::environment::Rgb;
 use crate::light::oem::{Oem, OemSize};
 use crate::light::sh::basis;
+use crate::light::sh::scale::COSINE as COSINE_BANDS;
 pub use baked::BakedPyramid;
 use cells::Cells;
 use fit::{COSINE, LOBE, ORDERS, WEIGHTS, weights_at};
@@ -124,7 +126,8 @@ pub struct Pyramid {
     octaves: Octaves,
     /// Mirror, sharp level, levels from fine to coarse. Light is multiplied by 2^-exponent.
     maps: Vec<Map>,
-    cosine: Map,
+    /// `None` on cubes, which have harmonics instead.
+    cosine: Option<Map>,
     harmonics: [Vec3A; 25],
     suns: Suns,
     exponent: i32,
@@ -149,7 +152,7 @@ impl Pyramid {
         maps.insert(0, mirror);
         let cells = Cells::new(oem, suns.clamp, exponent);
         let (cosine, harmonics) = (cells.cosine(), cells.harmonics());
-        Ok(Self { octaves, maps, cosine, harmonics, suns, exponent })
+        Ok(Self { octaves, maps, cosine: Some(cosine), harmonics, suns, exponent })
     }
 
     /// GGX lobes of `roughness` in [0, 1].
@@ -165,7 +168,7 @@ impl Pyramid {
     pub fn irradiance(&self, normal: DVec3) -> Rgb {
         let normal = normal.normalize();
         let suns: Vec3A = self.suns.suns.iter().map(|sun| sun.diffuse(normal.as_vec3a())).sum();
-        (self.unscaled(self.cosine.around(normal)) + suns).to_array()
+        (self.unscaled(self.cosine_around(normal)) + suns).to_array()
     }
 
     /// Mirror, sharp level, and levels from fine to coarse; light is multiplied by 2^-[`Self::exponent`].
@@ -174,8 +177,22 @@ impl Pyramid {
     }
 
     /// Irradiance over pi, scaled so, too.
-    pub const fn cosine(&self) -> &Map {
-        &self.cosine
+    pub(crate) const fn cosine(&self) -> Option<&Map> {
+        self.cosine.as_ref()
+    }
+
+    /// The cosine level around the unit vector `direction`.
+    fn cosine_around(&self, direction: DVec3) -> Vec3A {
+        match &self.cosine {
+            Some(map) => map.around(direction),
+            None => self.harmonics_around(direction, &COSINE_BANDS.map(|band| band as f32)),
+        }
+    }
+
+    /// Harmonics around the unit vector `direction`, those of each order times its weight.
+    fn harmonics_around(&self, direction: DVec3, weights: &[f32]) -> Vec3A {
+        let terms = basis(direction).into_iter().zip(self.harmonics).enumerate();
+        terms.map(|(k, (basis, coefficient))| weights[k.isqrt()] * basis as f32 * coefficient).sum()
     }
 
     /// Its levels.
@@ -231,13 +248,13 @@ impl PyramidLobes<'_> {
         let Self { pyramid, weights, alpha } = self;
         let direction = direction.normalize();
         let mut sum = Vec3A::ZERO;
-        let maps = pyramid.maps.iter().zip(*weights).chain([(&pyramid.cosine, weights[COSINE])]);
-        for (map, weight) in maps.filter(|(_, weight)| *weight != 0.0) {
+        for (map, weight) in pyramid.maps.iter().zip(*weights).filter(|(_, weight)| *weight != 0.0) {
             sum += weight * map.around(direction);
         }
-        for (k, (basis, coefficient)) in basis(direction).into_iter().zip(pyramid.harmonics).enumerate() {
-            sum += weights[ORDERS + k.isqrt()] * basis as f32 * coefficient;
+        if weights[COSINE] != 0.0 {
+            sum += weights[COSINE] * pyramid.cosine_around(direction);
         }
+        sum += pyramid.harmonics_around(direction, &weights[ORDERS..]);
         let sum = pyramid.unscaled(sum.max(Vec3A::ZERO));
         let direction = direction.as_vec3a();
         let glossy = |sun: &suns::Sun| sun.glossy(*alpha, weights[LOBE], direction);

@@ -89,7 +89,7 @@ impl Pyramid {
             in_mirror += (a + b) * (1.0 - level).max(0.0);
         }
         let [a, b, ..] = node[READS];
-        sum += coloured([a, b]) * self.cosine.around(normal);
+        sum += coloured([a, b]) * self.cosine_around(normal);
         sum += self.harmonics_reflected(frame, &node[READS + 1..], f0, f90);
         let sum = self.unscaled(sum.max(Vec3A::ZERO));
         let [.., a, b] = node[READS];
@@ -112,7 +112,7 @@ impl Pyramid {
         let sunlit = (f0, f90);
         let (f0, f90) = (f0 * scale, f90 * bias);
         let coloured = |[a, b]: [f32; 2]| f0 * a + f90 * b;
-        let mut sum = coloured([node[0][2], node[0][3]]) * self.cosine.around(frame.axes.z_axis);
+        let mut sum = coloured([node[0][2], node[0][3]]) * self.cosine_around(frame.axes.z_axis);
         let mut in_mirror = 0.0;
         for (distance, [a, b, c, d]) in node[..PAIRS].iter().copied().enumerate() {
             let (own, other) = ([a, b], if distance == 0 { [a, b] } else { [c, d] });

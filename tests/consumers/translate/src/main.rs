@@ -1,6 +1,7 @@
-//! Translates the WGSL reader of pyramids into GLSL, HLSL and Metal's language.
+//! Translates the WGSL readers of pyramids into GLSL, HLSL and Metal's language. Lines that differ with the map
+//! stand between directives.
 //!
-//!     translate WGSL FOLDER     WGSL is the reader; the others are written into FOLDER
+//!     translate SQUARES CUBE FOLDER     readers of both maps; the others are written into FOLDER
 
 use naga::back::{glsl, hlsl, msl};
 use naga::proc::BoundsCheckPolicies;
@@ -22,25 +23,70 @@ fn entry_of_translation(@location(0) at: vec3<f32>) -> @location(0) vec4<f32> {
 ";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let [wgsl, folder] = <[String; 2]>::try_from(std::env::args().skip(1).collect::<Vec<_>>())
-        .map_err(|_| "usage: translate WGSL FOLDER")?;
-    let folder = Path::new(&folder);
+    let [squares, cube, folder] = <[String; 3]>::try_from(std::env::args().skip(1).collect::<Vec<_>>())
+        .map_err(|_| "usage: translate SQUARES CUBE FOLDER")?;
+    let (squares, cube) = (translations(&squares)?, translations(&cube)?);
+    for ((name, squares), (_, cube)) in squares.iter().zip(&cube) {
+        std::fs::write(Path::new(&folder).join(name), merged(squares, cube))?;
+    }
+    Ok(())
+}
+
+/// The file `wgsl` in every other language, by the names of the files.
+fn translations(wgsl: &str) -> Result<[(&'static str, String); 3], Box<dyn Error>> {
     let source = std::fs::read_to_string(wgsl)?;
+    let name = Path::new(wgsl).file_name().ok_or("no file")?.display();
     // The comments before the code say how it is used.
     let usage: String =
         source.lines().take_while(|line| line.starts_with("//")).map(|line| format!("{line}\n")).collect();
     let hash = source
         .bytes()
         .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3));
-    let head = |resources: &str| {
-        format!("{usage}// Translated from pyramid.wgsl, FNV-1a {hash:016x}.\n{resources}\n")
-    };
+    let head =
+        |resources: &str| format!("{usage}// Translated from {name}, FNV-1a {hash:016x}.\n{resources}\n");
     let (module, info) = parsed(&source)?;
-    let write = |name: &str, text: String| std::fs::write(folder.join(name), text);
-    write("pyramid.glsl", head(GLSL) + &glsl_of(&source)?)?;
-    write("pyramid.hlsl", head(HLSL) + &hlsl_of(&module, &info)?)?;
-    write("pyramid.metal", head(METAL) + &metal_of(&module, &info)?)?;
-    Ok(())
+    Ok([
+        ("pyramid.glsl", head(GLSL) + &glsl_of(&source)?),
+        ("pyramid.hlsl", head(HLSL) + &hlsl_of(&module, &info)?),
+        ("pyramid.metal", head(METAL) + &metal_of(&module, &info)?),
+    ])
+}
+
+/// Both texts in one, by the longest sequence of lines that they share.
+fn merged(squares: &str, cube: &str) -> String {
+    let [squares, cube]: [Vec<&str>; 2] = [squares, cube].map(|text| text.lines().collect());
+    // Shared lines from a place in each text on.
+    let mut shared = vec![vec![0_u32; cube.len() + 1]; squares.len() + 1];
+    for i in (0..squares.len()).rev() {
+        for j in (0..cube.len()).rev() {
+            shared[i][j] = match squares[i] == cube[j] {
+                true => shared[i + 1][j + 1] + 1,
+                false => shared[i + 1][j].max(shared[i][j + 1]),
+            };
+        }
+    }
+    let (mut i, mut j, mut text) = (0, 0, Vec::new());
+    while i < squares.len() || j < cube.len() {
+        let (from, other) = (i, j);
+        while i < squares.len() && shared[i + 1][j] == shared[i][j] {
+            i += 1;
+        }
+        while j < cube.len() && shared[i][j + 1] == shared[i][j] {
+            j += 1;
+        }
+        let (own, others) = (&squares[from..i], &cube[other..j]);
+        match (own, others) {
+            ([], []) => {}
+            (_, []) => text.extend([&["#ifndef OCTAGLOSS_CUBE"], own, &["#endif"]].concat()),
+            ([], _) => text.extend([&["#ifdef OCTAGLOSS_CUBE"], others, &["#endif"]].concat()),
+            _ => text.extend([&["#ifdef OCTAGLOSS_CUBE"], others, &["#else"], own, &["#endif"]].concat()),
+        }
+        if i < squares.len() && j < cube.len() {
+            text.push(squares[i]);
+            (i, j) = (i + 1, j + 1);
+        }
+    }
+    text.join("\n") + "\n"
 }
 
 const GLSL: &str =

@@ -13,7 +13,7 @@ use crate::files::io::layout::image_from_faces;
 use crate::files::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::files::io::oem_write::oem_bytes;
 use crate::files::io::provenance::{IRRADIANCE, RECIPE_KEY, TakenSun};
-use crate::files::io::pyramid_write::{maps_bytes, tables_bytes};
+use crate::files::io::pyramid_write::{cubes_bytes, squares_bytes, tables_bytes};
 use crate::files::recipe::source::SunReport;
 use crate::files::recipe::{Recipe, fields};
 use crate::files::target::{Content, Naming, TargetPlan, flipped, flipped_chain};
@@ -111,11 +111,11 @@ fn file_of(
         }
         Content::Irradiance => cube(irradiance(bake)?)?,
         Content::Oem => oem_bytes(plan.container, levels, plan.pixel, &of_target(plan, metadata))?,
-        Content::Pyramid => maps_bytes(
-            baked_pyramid(bake)?,
-            plan.pixel,
-            &pyramid::metadata(baked_pyramid(bake)?, &of_target(plan, metadata)),
-        )?,
+        Content::Pyramid | Content::PyramidCube => {
+            let baked = baked_pyramid(bake)?;
+            let encode = if content == Content::Pyramid { squares_bytes } else { cubes_bytes };
+            encode(baked, plan.pixel, &pyramid::metadata(baked, &of_target(plan, metadata)))?
+        }
         Content::PyramidLight => text(pyramid::light_json(baked_pyramid(bake)?)),
         Content::PyramidTables => {
             let bytes = tables_bytes(baked_pyramid(bake)?.octaves())?;

@@ -312,7 +312,7 @@ fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
         Some(Format::Ktx1) => ktx1::read::decode_chain(source),
         Some(Format::Ktx2) => {
             let texture = ktx2::read::open(source)?;
-            if pyramid_read::is_pyramid(&texture) {
+            if texture.is_pyramid() {
                 return pyramid_read::decode_chain(&texture);
             }
             texture.chain(texture.roughness()?)
@@ -335,7 +335,7 @@ pub fn pyramid_irradiance(path: &Path) -> Result<Option<Level>> {
     }
     decoded_if(path, Format::Ktx2, |source| {
         let texture = ktx2::read::open(source)?;
-        pyramid_read::is_pyramid(&texture).then(|| pyramid_read::decode_irradiance(&texture)).transpose()
+        texture.is_pyramid().then(|| pyramid_read::decode_irradiance(&texture)).transpose()
     })
 }
 

@@ -4,7 +4,7 @@
 use super::LoadedChain;
 use super::picture::check_finite;
 use super::provenance::Provenance;
-use super::pyramid_write::{KEY, SQUARES, VERSION};
+use super::pyramid_write::{KEY, SQUARES, VERSION, check_size};
 use super::texture::Texture;
 use crate::common::error::Result;
 use crate::light::chain::{Chain, Level};
@@ -12,7 +12,7 @@ use crate::light::environment::{Layout, Rgb};
 use crate::pyramid::levels::Map;
 use crate::pyramid::light::OctaglossLight;
 use crate::pyramid::{BakedPyramid, COARSEST, Octaves};
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 use serde::Deserialize;
 
@@ -28,11 +28,6 @@ struct Light {
     version: u32,
     size: u32,
     uniform: Vec<f32>,
-}
-
-/// Whether `texture` is a pyramid.
-pub(super) fn is_pyramid(texture: &Texture<'_>) -> bool {
-    texture.layers > 1
 }
 
 /// The radiance of a pyramid's look-ups.
@@ -84,20 +79,44 @@ fn decode(texture: &Texture<'_>) -> Result<BakedPyramid> {
     if light.version != VERSION {
         return Err(wrong(format!("a pyramid of version {}, not {VERSION}", light.version)));
     }
-    let octaves = Octaves::over(light.size).map_err(|_| wrong(format!("{KEY} has size {}", light.size)))?;
+    let octaves = check_size(light.size)
+        .and_then(|()| Octaves::over(light.size))
+        .map_err(|_| wrong(format!("{KEY} has size {}", light.size)))?;
     let shape = (texture.width, texture.height, texture.layers, texture.levels as u32);
-    let side = octaves.size(0).bordered();
-    if shape != (side, side, SQUARES as u32, octaves.count()) {
+    let (side, mips) = (octaves.size(0).bordered(), octaves.count());
+    let expected = match texture.is_cube {
+        true => (light.size, light.size, 1, mips + 2),
+        false => (side, side, SQUARES as u32, mips),
+    };
+    if shape != expected {
         let (width, height, layers, levels) = shape;
         return Err(wrong(format!(
             "{layers} images of {width}x{height} with {levels} levels are no pyramid of size {}",
             light.size
         )));
     }
+    let (maps, cosine) = if texture.is_cube { (cubes(texture)?, None) } else { squares(texture, octaves)? };
     let uniform: [f32; size_of::<OctaglossLight>() / 4] = light
         .uniform
         .try_into()
         .map_err(|uniform: Vec<f32>| wrong(format!("{KEY} has {} numbers", uniform.len())))?;
+    BakedPyramid::of_parts(octaves, maps, cosine, bytemuck::cast(uniform))
+        .map_err(|message| wrong(format!("{KEY}: {message}")))
+}
+
+/// The cubes of a file: mirror, sharp level, levels from fine to coarse.
+fn cubes(texture: &Texture<'_>) -> Result<Vec<Map>> {
+    let cube = |mip: usize| {
+        let (size, texels) = (texture.width >> mip, texture.level(mip)?);
+        check_finite(texture.source.path, mip as u32, size, &texels)?;
+        let texels: Vec<Vec3A> = texels.into_iter().map(Vec3A::from_array).collect();
+        Ok(Map::of_cube(size, &texels))
+    };
+    (0..texture.levels).map(cube).collect()
+}
+
+/// The squares of a file in the same order, and its cosine level.
+fn squares(texture: &Texture<'_>, octaves: Octaves) -> Result<(Vec<Map>, Option<Map>)> {
     let (mut levels, mut others) = (Vec::new(), Vec::new());
     for level in 0..octaves.count() {
         let size = octaves.size(level);
@@ -114,10 +133,6 @@ fn decode(texture: &Texture<'_>) -> Result<BakedPyramid> {
             others.push(square(1));
         }
     }
-    let Ok([mirror, sharp, cosine]) = <[Map; 3]>::try_from(others) else {
-        return Err(wrong(format!("a pyramid of size {}", light.size)));
-    };
-    let maps = [mirror, sharp].into_iter().chain(levels).collect();
-    BakedPyramid::of_parts(octaves, maps, cosine, bytemuck::cast(uniform))
-        .map_err(|message| wrong(format!("{KEY}: {message}")))
+    let cosine = others.pop();
+    Ok((others.into_iter().chain(levels).collect(), cosine))
 }

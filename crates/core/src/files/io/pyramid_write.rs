@@ -5,6 +5,8 @@
 //! the third the finest has the sharp level; the others are black. A border is a 32nd of the edge, one texel
 //! at the coarsest level.
 //!
+//! On a cube, MIP level 0 has the mirror, 1 the sharp level, then come the levels from fine to coarse.
+//!
 //! The tables, the same for all environments of one size, are half floats: the layers of the table of
 //! reflections stand side by side, with a column on either side and a row below that repeat their edges, for
 //! samplers that round; then come four rows with the weights of radiance, then the albedo, row after row.
@@ -42,7 +44,7 @@ const WEIGHT_ROWS: usize = WEIGHTS / 4;
 /// # Errors
 /// [`crate::common::error::Error::Parameter`] for a map of less than 64 texels, for pixels that KTX2 cannot
 /// hold or that end below the light of half floats, and for keys that it cannot hold.
-pub(crate) fn maps_bytes(
+pub(crate) fn squares_bytes(
     baked: &BakedPyramid,
     pixel: Pixel,
     metadata: &[(String, String)],
@@ -53,7 +55,7 @@ pub(crate) fn maps_bytes(
     let [mirror, sharp, levels @ ..] = pyramid.maps() else { unreachable!("a level at least") };
     let last = levels.len() - 1;
     let squares = |mip: usize| -> [Option<&Map>; SQUARES] {
-        let second = if mip == 0 { Some(mirror) } else { (mip == last).then(|| pyramid.cosine()) };
+        let second = if mip == 0 { Some(mirror) } else { pyramid.cosine().filter(|_| mip == last) };
         [Some(&levels[mip]), second, (mip == 0).then_some(sharp)]
     };
     let bordered: Vec<Vec<Rgb>> = (0..levels.len())
@@ -72,6 +74,25 @@ pub(crate) fn maps_bytes(
     let bytes = ktx2_file(&shape, &pairs, |mip| {
         texel_bytes(octaves.size(mip as u32).bordered(), &bordered[mip], pixel)
     })?;
+    Ok(CubeFile { bytes, clamped: Vec::new() })
+}
+
+/// Encodes the maps of `baked` as one cube.
+///
+/// # Errors
+/// As [`squares_bytes`].
+pub(crate) fn cubes_bytes(
+    baked: &BakedPyramid,
+    pixel: Pixel,
+    metadata: &[(String, String)],
+) -> Result<CubeFile> {
+    check_size(baked.octaves().inner())?;
+    let pyramid = baked.pyramid.on_cubes();
+    let maps = pyramid.maps();
+    let flat = TextureShape::flat(format_of(pixel)?, [maps[0].inner(); 2], maps.len());
+    let shape = TextureShape { faces: 6, ..flat };
+    let pairs: Vec<(&str, &str)> = metadata.iter().map(|(key, value)| (&key[..], &value[..])).collect();
+    let bytes = ktx2_file(&shape, &pairs, |mip| texel_bytes(maps[mip].inner(), &maps[mip].faces(), pixel))?;
     Ok(CubeFile { bytes, clamped: Vec::new() })
 }
 

@@ -5,6 +5,7 @@ use super::ktx2::write::ROUGHNESS_KEY;
 use super::map_header::MapHeader;
 use super::picture::{Picture, check_finite};
 use super::provenance::Provenance;
+use super::pyramid_write::KEY as PYRAMID_KEY;
 use super::source::Source;
 use crate::common::error::Result;
 use crate::files::format::r11g11b10::rgb_from_r11g11b10;
@@ -62,7 +63,7 @@ impl Texture<'_> {
     /// Decodes level 0.
     pub(super) fn picture(&self) -> Result<Picture> {
         let Self { source, width, height, is_cube, .. } = self;
-        if self.layers > 1 {
+        if self.is_pyramid() {
             return Err(
                 source.error("a pyramid is for look-ups and is no environment; compare and info read it")
             );
@@ -122,12 +123,18 @@ impl Texture<'_> {
         }
     }
 
+    /// Whether it is a pyramid.
+    pub(super) fn is_pyramid(&self) -> bool {
+        (self.text)(PYRAMID_KEY).is_some()
+    }
+
     /// Such as `KTX2 cube, RGBA16F, 9 levels`.
     pub(super) fn format(&self) -> String {
-        let kind = match (self.is_cube, self.layers) {
-            (true, _) => "cube",
-            (false, 1) => "2D",
-            (false, _) => "pyramid",
+        let kind = match (self.is_cube, self.is_pyramid()) {
+            (true, false) => "cube",
+            (true, true) => "pyramid on a cube",
+            (false, false) => "2D",
+            (false, true) => "pyramid",
         };
         let pixel = match self.pixel {
             Pixel::F16 => "RGBA16F",

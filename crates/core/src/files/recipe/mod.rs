@@ -14,7 +14,7 @@ use crate::files::format::overflow::Overflow;
 use crate::files::format::{OutputLayout, Pixel};
 use crate::files::image::exposure::Exposure;
 use crate::files::io::{InputLayout, Pad, ReadOptions};
-use crate::files::target::{Diffuse, Flip, Target};
+use crate::files::target::{Diffuse, Flip, PyramidMap, Target};
 use crate::light::chain::ChainKind;
 use crate::light::environment::MAX_DEGREES;
 use crate::light::sat::Scan;
@@ -155,6 +155,13 @@ pub struct Recipe {
     #[cfg_attr(feature = "cli", arg(long, value_name = "AXIS", requires = "target"))]
     #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
     pub flip: Option<Flip>,
+    /// Map of a pyramid: octahedral or cube
+    ///
+    /// octahedral is an array of bordered squares; cube is one cube with MIP levels, of faces of --size at the
+    /// mirror, for engines that sample cubes. --target pyramid only. [default: octahedral]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MAP", requires = "target"))]
+    #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
+    pub map: Option<PyramidMap>,
     /// Diffuse light: none, cube, sh or both
     ///
     /// An irradiance cube, spherical harmonics, or both. With --target only; overrides the preset.

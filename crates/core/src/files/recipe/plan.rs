@@ -61,7 +61,8 @@ impl Recipe {
     fn plan(&self, plan: TargetPlan, settings: BakeSettings, warning: Option<String>) -> Result<BakePlan> {
         let (target, is_targeted) = (plan.target, plan.is_targeted());
         let mut recipe = Self {
-            target: if is_targeted { vec![target] } else { Vec::new() },
+            // The preset without its map.
+            target: Target::named(target.name).into_iter().collect(),
             size: Some(settings.size),
             ladder: Some(settings.ladder),
             chain: Some(settings.chain()),
@@ -69,6 +70,7 @@ impl Recipe {
             sh_order: Some(settings.sh_order),
             ..self.clone()
         };
+        recipe.map = target.has_pyramid().then(|| self.map.unwrap_or_default());
         recipe.levels = Some(settings.level_specs()?.len() as u32).filter(|_| target.map != Map::Panorama);
         recipe.table.scan = settings.filter.reads_sat().then_some(settings.scan);
         recipe.input.rotate_y.get_or_insert(0.0);
@@ -96,6 +98,9 @@ impl Recipe {
     pub fn untargeted(&self) -> Result<BakePlan> {
         if self.flip.is_some() || self.diffuse.is_some() {
             return wrong("`flip` and `diffuse` are for targets; choose a `target`, or omit them");
+        }
+        if self.map.is_some() {
+            return wrong("`map` is for pyramids; choose `target` pyramid, or omit it");
         }
         let settings = self.untargeted_settings()?;
         let layout = self.out_layout.unwrap_or_default();
@@ -173,6 +178,10 @@ impl Recipe {
     /// # Errors
     /// [`Error::Parameter`] for options that contradict each other or the target.
     pub fn targeted(&self, target: &'static Target) -> Result<BakePlan> {
+        let target = match self.map {
+            Some(map) => target.on(map)?,
+            None => target,
+        };
         let mut plan = TargetPlan::new(target);
         let name = target.name;
         if self.bounds {
@@ -203,16 +212,17 @@ impl Recipe {
                  dds or exr",
             );
         }
+        if target.has_pyramid() && plan.container != Container::Ktx2 {
+            let container = plan.container.name();
+            return wrong(format!("target {name}: `format` {container} holds no pyramids; use ktx2"));
+        }
         if target.map == Map::Octahedral && !matches!(plan.container, Container::Ktx2 | Container::Exr) {
             let container = plan.container.name();
             return wrong(format!("target {name}: `format` {container} is for cubes; use ktx2 or exr"));
         }
-        if target.has_pyramid() && plan.container != Container::Ktx2 {
-            let container = plan.container.name();
-            return wrong(format!("target {name}: `format` {container} has no arrays; use ktx2"));
-        }
         if target.map != Map::Cube && self.flip.is_some() {
-            return wrong(format!("target {name} has no cube; omit `flip`"));
+            let why = if target.has_pyramid() { "is read by shaders of its own" } else { "has no cube" };
+            return wrong(format!("target {name} {why}; omit `flip`"));
         }
         if target.map == Map::Panorama && self.levels.is_some() {
             return wrong(format!("target {name} has one level; omit `levels`"));

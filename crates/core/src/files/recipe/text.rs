@@ -8,7 +8,7 @@ use crate::files::format::overflow::Overflow;
 use crate::files::format::{OutputLayout, Pixel};
 use crate::files::image::exposure::Exposure;
 use crate::files::io::{InputLayout, Pad};
-use crate::files::target::{Diffuse, Flip, TARGETS, Target};
+use crate::files::target::{Diffuse, Flip, PyramidMap, TARGETS, Target};
 use crate::light::chain::ChainKind;
 use crate::light::sat::Scan;
 use crate::light::sh::window::{self, ShWindow};
@@ -67,6 +67,7 @@ as_text! {
     Overflow: str::parse;
     Pad: str::parse;
     Pixel: pixel;
+    PyramidMap: str::parse;
     Scan: str::parse;
     ShWindow: window::parsed;
     Skybox: Skybox::parsed;

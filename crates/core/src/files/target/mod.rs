@@ -40,6 +40,8 @@ pub enum Content {
     Oem,
     /// The maps of a pyramid.
     Pyramid,
+    /// The same on one cube.
+    PyramidCube,
     /// Its suns, harmonics and scale as JSON.
     PyramidLight,
     /// The tables of pyramids of its size.
@@ -94,6 +96,19 @@ impl Diffuse {
         matches!(self, Self::Sh | Self::Both)
     }
 }
+
+/// The map of a pyramid's levels in its file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum PyramidMap {
+    /// An array of bordered squares.
+    #[default]
+    Octahedral,
+    /// One cube with MIP levels.
+    Cube,
+}
+
+named!(PyramidMap { Octahedral = "octahedral", Cube = "cube" });
 
 /// Preset for an engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -183,6 +198,42 @@ const ENGINE: Target = Target { size: 256, last_size: Some(1), chain: Some(Chain
 /// Base of engines that filter a panorama themselves.
 const SKY: Target =
     Target { pixel: Pixel::F32, map: Map::Panorama, size: 1024, last_size: Some(1024), ..ENGINE };
+
+/// See io/pyramid_write.rs. Its levels are those of the octahedral map that it is made of.
+const PYRAMID: Target = Target {
+    name: "pyramid",
+    reader: "the real-time look-ups in any renderer's shaders",
+    map: Map::Octahedral,
+    size: 512,
+    last_size: Some(32),
+    files: &[
+        FileSpec { path: "{name}_pyramid.{ext}", content: Content::Pyramid },
+        FileSpec { path: "{name}_pyramid.json", content: PyramidLight },
+        FileSpec { path: "pyramid_tables.ktx2", content: PyramidTables },
+        FileSpec { path: "pyramid.wgsl", content: Reader },
+        FileSpec { path: "pyramid.glsl", content: Reader },
+        FileSpec { path: "pyramid.hlsl", content: Reader },
+        FileSpec { path: "pyramid.metal", content: Reader },
+        FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
+    ],
+    verified: Some("its own readers"),
+    ..ENGINE
+};
+
+/// The same with [`PyramidMap::Cube`].
+const PYRAMID_ON_CUBE: Target = Target {
+    files: &[
+        FileSpec { path: "{name}_pyramid.{ext}", content: Content::PyramidCube },
+        FileSpec { path: "{name}_pyramid.json", content: PyramidLight },
+        FileSpec { path: "pyramid_tables.ktx2", content: PyramidTables },
+        FileSpec { path: "pyramid_cube.wgsl", content: Reader },
+        FileSpec { path: "pyramid_cube.glsl", content: Reader },
+        FileSpec { path: "pyramid_cube.hlsl", content: Reader },
+        FileSpec { path: "pyramid_cube.metal", content: Reader },
+        FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
+    ],
+    ..PYRAMID
+};
 
 /// The presets.
 pub const TARGETS: [Target; 14] = [
@@ -284,26 +335,7 @@ pub const TARGETS: [Target; 14] = [
         verified: Some("its own readers"),
         ..ENGINE
     },
-    // See io/pyramid_write.rs. Its levels are those of the octahedral map that it is made of.
-    Target {
-        name: "pyramid",
-        reader: "the real-time look-ups in any renderer's shaders",
-        map: Map::Octahedral,
-        size: 512,
-        last_size: Some(32),
-        files: &[
-            FileSpec { path: "{name}_pyramid.{ext}", content: Content::Pyramid },
-            FileSpec { path: "{name}_pyramid.json", content: PyramidLight },
-            FileSpec { path: "pyramid_tables.ktx2", content: PyramidTables },
-            FileSpec { path: "pyramid.wgsl", content: Reader },
-            FileSpec { path: "pyramid.glsl", content: Reader },
-            FileSpec { path: "pyramid.hlsl", content: Reader },
-            FileSpec { path: "pyramid.metal", content: Reader },
-            FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
-        ],
-        verified: Some("its own readers"),
-        ..ENGINE
-    },
+    PYRAMID,
     // alpha = 2^(level/0.8)/size (Materials/Textures/Filtering/hdrFiltering.ts); scenes are left-handed, and
     // glTF is imported with x negated (loaders/src/glTF/2.0/glTFLoader.ts, __root__).
     Target {
@@ -481,7 +513,21 @@ impl Target {
     /// Whether its levels are a pyramid, which holds every roughness and the irradiance.
     #[must_use]
     pub fn has_pyramid(&self) -> bool {
-        self.files.iter().any(|file| file.content == Content::Pyramid)
+        self.files.iter().any(|file| file.content == PyramidLight)
+    }
+
+    /// This preset with a pyramid on `map`.
+    ///
+    /// # Errors
+    /// [`crate::common::error::Error::Parameter`] if it has no pyramid.
+    pub(crate) fn on(&'static self, map: PyramidMap) -> Result<&'static Self> {
+        match map {
+            _ if !self.has_pyramid() => {
+                wrong(format!("target {} has no pyramid; omit `map` {map}, or bake it apart", self.name))
+            }
+            PyramidMap::Octahedral => Ok(self),
+            PyramidMap::Cube => Ok(&PYRAMID_ON_CUBE),
+        }
     }
 
     /// Whether its levels are in an atlas.
@@ -567,7 +613,7 @@ impl TargetPlan {
             Env => sizes::check_env(size, levels),
             Glb => sizes::check_glb(size),
             Atlas => sizes::check_atlas(size, levels),
-            Content::Pyramid => sizes::check_pyramid(size, levels),
+            PyramidLight => sizes::check_pyramid(size, levels),
             _ => Ok(()),
         })
     }
@@ -624,5 +670,6 @@ impl TargetPlan {
 /// Whether a bake for some target writes a file at `path`, relative to its folder.
 pub fn is_target_file(path: &str) -> bool {
     let is_shared = ["report.json", "sun.json"].contains(&path);
-    is_shared || TARGETS.iter().any(|target| target.content_of(path).is_some())
+    let mut targets = TARGETS.iter().chain([&PYRAMID_ON_CUBE]);
+    is_shared || targets.any(|target| target.content_of(path).is_some())
 }

@@ -21,7 +21,7 @@ pub enum ShScale {
 }
 
 /// A_l over pi.
-const COSINE: [f64; 5] = [1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0];
+pub(crate) const COSINE: [f64; 5] = [1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0];
 
 /// `coefficients` of radiance, scaled: the first nine for Filament, and at most 25 (L4) for irradiance.
 #[must_use]

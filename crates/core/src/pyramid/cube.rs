@@ -1,0 +1,78 @@
+//! Pyramids as cube maps, for engines that sample cubes and have no bordered squares.
+//!
+//! One cube holds them all: MIP level 0 has the mirror, 1 the sharp level, then the levels come from fine to
+//! coarse. From the sharp one on a texel is 1 / 1.4 of its Gaussian's standard deviation in the middle of a
+//! face, and less than half of that at a corner. Harmonics to order 4 stand for the cosine level.
+
+use super::Pyramid;
+use super::levels::{BETWEEN, Map, Place, Texels, scale, taps};
+use crate::light::chain_lookup::LevelLookup;
+use crate::light::environment::Rgb;
+use crate::sphere::cube::{Face, direction_from_texel};
+use glam::Vec3A;
+use rayon::prelude::*;
+
+impl Map {
+    /// The cube whose faces of `inner` x `inner` have `texels`, which continue across edges as in every
+    /// graphics API: at a corner, where three texels meet, the fourth is their mean.
+    pub(crate) fn of_cube(inner: u32, texels: &[Vec3A]) -> Self {
+        let (last, side) = (inner as usize, inner as usize + 2);
+        let lookup = LevelLookup::new(inner);
+        let bordered = |k: usize| {
+            let (face, x, y) = (Face::ALL[k / (side * side)], k % side, k / side % side);
+            let of = |x: usize, y: usize| lookup.texel(face, x, y).map(|k| texels[k as usize]);
+            let (inside_x, inside_y) = (x.clamp(1, last), y.clamp(1, last));
+            of(x, y).unwrap_or_else(|| {
+                let three = [of(inside_x, inside_y), of(x, inside_y), of(inside_x, y)];
+                three.into_iter().flatten().sum::<Vec3A>() / 3.0
+            })
+        };
+        let texels = (0..6 * side * side).into_par_iter().map(bordered).collect();
+        Self { inner, is_cube: true, texels }
+    }
+
+    /// The texels of a cube, face by face, without borders.
+    pub(crate) fn faces(&self) -> Vec<Rgb> {
+        let (inner, side) = (self.inner as usize, self.inner as usize + 2);
+        let faces = self.texels.chunks_exact(side * side);
+        let rows = faces.flat_map(|face| face.chunks_exact(side).skip(1).take(inner));
+        rows.flat_map(|row| row[1..=inner].iter().map(Vec3A::to_array)).collect()
+    }
+}
+
+impl Pyramid {
+    /// The same pyramid on cubes, as files of `--map cube` hold it; one of such a file stays as it is.
+    #[must_use]
+    pub fn on_cubes(&self) -> Self {
+        if self.cosine.is_none() {
+            return self.clone();
+        }
+        let (octaves, taps) = (self.octaves, taps());
+        let cube = |mip: usize| {
+            let size = octaves.inner() >> mip;
+            let each = |texel: &(dyn Fn(Face, u32, u32) -> Vec3A + Sync)| -> Vec<Vec3A> {
+                let (area, of) = (size * size, |k: u32| Face::ALL[k as usize]);
+                let texels = (0..6 * area).into_par_iter();
+                texels.map(|k| texel(of(k / area), k % size, k / size % size)).collect()
+            };
+            let texels = match mip {
+                0 => each(&|face, x, y| self.maps[0].around(direction_from_texel(face, size, x, y))),
+                1 => {
+                    let width = octaves.sharp_width();
+                    let texels = Texels::new(&self.maps[0], self.suns.clamp * scale(self.exponent));
+                    each(&|face, x, y| texels.under(&Place::on_cube(size, face, x, y, width * width), width))
+                }
+                _ => {
+                    let (finer, width) = (&self.maps[mip - 1], octaves.width(mip as u32 - 2));
+                    each(&|face, x, y| {
+                        let read = Place::on_cube(size, face, x, y, BETWEEN * width * width).read();
+                        let around = |(tap, weight)| weight * finer.around(read(tap).as_dvec3());
+                        taps.into_iter().map(around).sum()
+                    })
+                }
+            };
+            Map::of_cube(size, &texels)
+        };
+        Self { maps: (0..self.maps.len()).map(cube).collect(), cosine: None, ..*self }
+    }
+}
