@@ -100,7 +100,7 @@ const LOOK_UPS: &[(&str, &str)] = &files![
 ];
 
 /// Shader code for reading octahedral maps and pyramids, by file name. Those of pyramids have lines for the
-/// octahedral map and lines for the cube, as [`on_map`] sorts them.
+/// octahedral map and lines for the cube, as `on_map` sorts them.
 pub const READERS: [(&str, &str); 6] = [
     ("oem.wgsl", include_str!("readers/oem.wgsl")),
     ("oem.glsl", include_str!("readers/oem.glsl")),
