@@ -86,7 +86,8 @@ pub const FILES: &[(&str, &str)] = &files![
     "view/truth.wgsl",
 ];
 
-/// What `pyramid.wgsl` and `pyramid_cube.wgsl` of [`reader`] include. Programs that have no GPU link no other shader.
+/// What `pyramid.wgsl` and `pyramid_cube.wgsl` of [`reader`] include. Programs that have no GPU link no other
+/// shader.
 const LOOK_UPS: &[(&str, &str)] = &files![
     "common/anisotropic.wgsl",
     "common/harmonics.wgsl",

@@ -21,3 +21,30 @@ fn documents_name_files_that_exist() {
     }
     assert!(count > 40, "{count}");
 }
+
+/// A file that no `mod` names is never compiled, and its tests never run.
+#[test]
+fn every_file_of_tests_is_a_module() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    let suites = ["core", "drawing", "gpu", "mesh", "program", "view", "workbench"];
+    let mut folders = suites.map(|suite| root.join(suite)).to_vec();
+    let mut count = 0;
+    while let Some(folder) = folders.pop() {
+        let text = |path: std::path::PathBuf| std::fs::read_to_string(path).unwrap_or_default();
+        let parents = ["main.rs", "mod.rs"].map(|name| text(folder.join(name))).concat()
+            + &text(folder.with_extension("rs"));
+        for entry in std::fs::read_dir(&folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let name = path.file_stem().expect("a name").to_str().expect("text");
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs")
+                && !["main", "mod"].contains(&name)
+            {
+                assert!(parents.contains(&format!("mod {name};")), "no module is {}", path.display());
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 100, "{count}");
+}

@@ -10,6 +10,10 @@ fn options(value: Value) -> Map<String, Value> {
     value.as_object().expect("options").clone()
 }
 
+fn read(path: &str) -> String {
+    std::fs::read_to_string(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
 fn refusal(value: Value) -> String {
     from_json::<Recipe>(options(value)).and_then(|recipe| recipe.plans()).map(drop).unwrap_err().to_string()
 }
@@ -96,8 +100,6 @@ fn options_that_there_are_not_and_values_that_they_cannot_have_are_named() {
 
 #[test]
 fn typings_have_every_option() {
-    let read =
-        |path: &str| std::fs::read_to_string(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap();
     let (javascript, python) = (read("npm/js/index.d.ts"), read("python/octagloss/_octagloss.pyi"));
     let recipe = serde_json::to_value(Recipe::default()).unwrap();
     for name in recipe.as_object().unwrap().keys() {
@@ -125,8 +127,6 @@ fn typings_have_every_option() {
 
 #[test]
 fn typings_page_and_help_have_every_word() {
-    let read =
-        |path: &str| std::fs::read_to_string(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap();
     let (typings, page) = (read("npm/js/index.d.ts"), read("web/bake.js"));
     let help = std::process::Command::new(env!("CARGO_BIN_EXE_octagloss")).args(["bake", "--help"]).output();
     let help = String::from_utf8(help.unwrap().stdout).unwrap();

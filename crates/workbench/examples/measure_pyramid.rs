@@ -217,6 +217,7 @@ fn main() {
             _ => paths.push(argument),
         }
     }
+    let on_map = |pyramid: Pyramid| if cube { pyramid.on_cubes() } else { pyramid };
     let mut random_rows = vec![Vec::new(); ROUGHNESS.len()];
     let mut cone_rows = vec![Vec::new(); ROUGHNESS.len()];
     // Epsilon, greatest error over the peak, kinks.
@@ -227,10 +228,7 @@ fn main() {
         let oem = oem_from_environment(&environment, OemSize { inner: SIZE, border: 0 }).expect("small");
         let between = Instant::now();
         let cpu = cpu_seconds();
-        let mut pyramid = Pyramid::of_oem(&oem).expect("a power of two");
-        if cube {
-            pyramid = pyramid.on_cubes();
-        }
+        let pyramid = on_map(Pyramid::of_oem(&oem).expect("a power of two"));
         let cpu = cpu_seconds() - cpu;
         println!(
             "{path}: map {:.3} s, pyramid {:.3} s, {cpu:.3} s of CPUs",
@@ -271,10 +269,8 @@ fn main() {
             let mut far = near.clone();
             for _ in 0..20 {
                 let rotation = rotation(&mut random);
-                let mut pyramid = Pyramid::build(&turned(&environment, rotation), SIZE).expect("a pyramid");
-                if cube {
-                    pyramid = pyramid.on_cubes();
-                }
+                let turned = turned(&environment, rotation);
+                let pyramid = on_map(Pyramid::build(&turned, SIZE).expect("a pyramid"));
                 let cones: Vec<DVec3> = [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z]
                     .into_iter()
                     .map(|cone| random.within(cone, 0.2))

@@ -43,10 +43,10 @@ impl Brdf {
             return (0.0, 0.0);
         }
         let half = (self.view + light).normalize();
-        let area = self.alpha.x * self.alpha.y;
-        let bend = half.dot(self.shape() * half);
+        let shape = self.shape();
+        let bend = half.dot(shape * half);
         let cosine = self.view.dot(half);
-        (area / (PI * bend * bend) * self.visible(light), (1.0 - cosine).max(0.0).powi(5))
+        (shape.z / (PI * bend * bend) * self.visible(light), (1.0 - cosine).max(0.0).powi(5))
     }
 
     /// Their mean over a disc whose mean squared distance from its centre `light` is `spread`. Of a disc that
@@ -72,7 +72,6 @@ impl Brdf {
         let middle = self.view + (1.0 - spread) * light;
         let length2 = middle.length_squared();
         let half = middle / length2.sqrt();
-        let area = self.alpha.x * self.alpha.y;
         let shape = self.shape();
         let bent = shape * half;
         let (bend, along) = (half.dot(bent), half.dot(light));
@@ -81,8 +80,9 @@ impl Brdf {
         let size = spread * (2.0 - spread) / (length2 * bend);
         let trace = size * shape.dot(1.0 - light * light);
         let aside = trace - size * light.cross(bent).length_squared() / bend;
-        let determinant = (size * self.masking(light)).powi(2);
-        let near = area * (along / self.masking(light)).powi(2) / bend;
+        let masking = self.masking(light);
+        let determinant = (size * masking).powi(2);
+        let near = shape.z * (along / masking).powi(2) / bend;
         let last = determinant * near;
         // x (x^2 + trace x + determinant) = x^2 + aside x + last, by two steps of Newton's method for the
         // quotient of both sides, from below.
@@ -99,7 +99,7 @@ impl Brdf {
         let towards = size * light.dot(inverse * bent) / (x * light.dot(inverse * light));
         let axis = (inverse * (half + towards * light)).normalize();
         let cosine = self.view.dot(axis);
-        let lobe = (side / (x * slope * bend * axis.dot(shape * axis))).sqrt() * area / (PI * bend);
+        let lobe = (side / (x * slope * bend * axis.dot(shape * axis))).sqrt() * shape.z / (PI * bend);
         let share = left.powf(1.25) * (1.0 - 0.5 * spread);
         let visible = self.visible(2.0 * cosine * axis - self.view);
         (share * 4.0 * along * cosine / length2 * lobe * visible, (1.0 - cosine).max(0.0).powi(5))

@@ -12,7 +12,7 @@
 use super::suns;
 use crate::light::environment::Rgb;
 use crate::light::oem::Oem;
-use crate::sphere::cube::{Face, cube_from_direction, cube_point};
+use crate::sphere::cube::{Face, cube_from_direction, cube_from_texel, cube_point};
 use crate::sphere::octahedral::{oct_from_direction, octahedron_from_oct, texel_centre, wrap_texel};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A, Vec4};
 use half::f16;
@@ -183,7 +183,7 @@ impl Place {
 
     /// The same for texel (`x`, `y`) of a cube's `face`.
     pub(super) fn on_cube(inner: u32, face: Face, x: u32, y: u32, variance: f64) -> Self {
-        let [s, t] = [x, y].map(|k| (2.0 * f64::from(k) + 1.0) / f64::from(inner) - 1.0);
+        let [s, t] = cube_from_texel(inner, x, y);
         let point = cube_point(face, s, t);
         let length = point.length();
         let direction = point / length;

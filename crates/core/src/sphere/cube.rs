@@ -97,10 +97,16 @@ pub fn direction_from_cube(face: Face, s: f64, t: f64) -> DVec3 {
     cube_point(face, s, t).normalize()
 }
 
+/// s and t of the centre of texel (`i`, `j`) of an `n` x `n` face.
+pub(crate) fn cube_from_texel(n: u32, i: u32, j: u32) -> [f64; 2] {
+    let scale = 2.0 / f64::from(n);
+    [i, j].map(|k| (f64::from(k) + 0.5) * scale - 1.0)
+}
+
 /// Unit direction of the centre of texel (`i`, `j`) of an `n` x `n` face.
 pub fn direction_from_texel(face: Face, n: u32, i: u32, j: u32) -> DVec3 {
-    let scale = 2.0 / f64::from(n);
-    direction_from_cube(face, (f64::from(i) + 0.5) * scale - 1.0, (f64::from(j) + 0.5) * scale - 1.0)
+    let [s, t] = cube_from_texel(n, i, j);
+    direction_from_cube(face, s, t)
 }
 
 /// The face that `direction` (any length but zero) points through, and s, t in [-1, 1] on it.

@@ -1,5 +1,5 @@
-//! Translates the WGSL readers of pyramids into GLSL, HLSL and Metal's language. Lines that differ with the map
-//! stand between directives.
+//! Translates the WGSL readers of pyramids into GLSL, HLSL and Metal's language. Lines that differ with the
+//! map stand between directives.
 //!
 //!     translate SQUARES CUBE FOLDER     readers of both maps; the others are written into FOLDER
 

@@ -70,11 +70,7 @@ pub(crate) fn squares_bytes(
         .collect();
     let flat = TextureShape::flat(format_of(pixel)?, [octaves.size(0).bordered(); 2], levels.len());
     let shape = TextureShape { layers: SQUARES as u32, ..flat };
-    let pairs: Vec<(&str, &str)> = metadata.iter().map(|(key, value)| (&key[..], &value[..])).collect();
-    let bytes = ktx2_file(&shape, &pairs, |mip| {
-        texel_bytes(octaves.size(mip as u32).bordered(), &bordered[mip], pixel)
-    })?;
-    Ok(CubeFile { bytes, clamped: Vec::new() })
+    packed(&shape, metadata, |mip| texel_bytes(octaves.size(mip as u32).bordered(), &bordered[mip], pixel))
 }
 
 /// Encodes the maps of `baked` as one cube.
@@ -91,9 +87,17 @@ pub(crate) fn cubes_bytes(
     let maps = pyramid.maps();
     let flat = TextureShape::flat(format_of(pixel)?, [maps[0].inner(); 2], maps.len());
     let shape = TextureShape { faces: 6, ..flat };
+    packed(&shape, metadata, |mip| texel_bytes(maps[mip].inner(), &maps[mip].faces(), pixel))
+}
+
+/// The file of `shape` whose MIP levels are `texels`.
+fn packed(
+    shape: &TextureShape,
+    metadata: &[(String, String)],
+    texels: impl Fn(usize) -> Vec<u8>,
+) -> Result<CubeFile> {
     let pairs: Vec<(&str, &str)> = metadata.iter().map(|(key, value)| (&key[..], &value[..])).collect();
-    let bytes = ktx2_file(&shape, &pairs, |mip| texel_bytes(maps[mip].inner(), &maps[mip].faces(), pixel))?;
-    Ok(CubeFile { bytes, clamped: Vec::new() })
+    Ok(CubeFile { bytes: ktx2_file(shape, &pairs, texels)?, clamped: Vec::new() })
 }
 
 /// Checks that a map of `inner` texels along an edge can be written.

@@ -225,22 +225,26 @@ pub(super) fn exchange(a: &Path, b: &Path) -> Option<io::Result<()>> {
 /// Renames `from` to `to`, which must not exist.
 pub(super) fn rename_new(from: &Path, to: &Path) -> io::Result<()> {
     renamed(from, to, Flag::NoReplace).unwrap_or_else(|| {
-        if exists(to) { Err(io::ErrorKind::AlreadyExists.into()) } else { rename_if(from, to, true) }
+        // Windows refuses access to a folder that another process has made there meanwhile.
+        persistently(
+            || {
+                if exists(to) { Err(io::ErrorKind::AlreadyExists.into()) } else { fs::rename(from, to) }
+            },
+        )
     })
 }
 
-/// Renames `from` to `to`. On Windows tries for a second while another program has one of them open, such as
-/// a scanner of new files; then the error says so.
+/// Renames `from` to `to`.
 pub(super) fn rename(from: &Path, to: &Path) -> io::Result<()> {
-    rename_if(from, to, false)
+    persistently(|| fs::rename(from, to))
 }
 
-fn rename_if(from: &Path, to: &Path, is_new: bool) -> io::Result<()> {
+/// Does `step`. On Windows tries for a second while another program has one of its files open, such as a
+/// scanner of new files; then the error says so.
+fn persistently(step: impl Fn() -> io::Result<()>) -> io::Result<()> {
     let mut tries = if cfg!(windows) { 20 } else { 0 };
     loop {
-        match fs::rename(from, to) {
-            // Windows refuses access if another process has made a folder there meanwhile.
-            Err(_) if is_new && exists(to) => return Err(io::ErrorKind::AlreadyExists.into()),
+        match step() {
             Err(error) if tries > 0 && is_in_use(&error) => {
                 tries -= 1;
                 std::thread::sleep(std::time::Duration::from_millis(50));

@@ -157,8 +157,8 @@ pub struct Recipe {
     pub flip: Option<Flip>,
     /// Map of a pyramid: octahedral or cube
     ///
-    /// octahedral is an array of bordered squares; cube is one cube with MIP levels, of faces of --size at the
-    /// mirror, for engines that sample cubes. --target pyramid only. [default: octahedral]
+    /// octahedral is an array of bordered squares; cube is one cube with MIP levels, of faces of --size at
+    /// the mirror, for engines that sample cubes. --target pyramid only. [default: octahedral]
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAP", requires = "target"))]
     #[cfg_attr(feature = "cli", arg(hide_possible_values = true))]
     pub map: Option<PyramidMap>,

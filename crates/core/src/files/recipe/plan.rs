@@ -62,7 +62,7 @@ impl Recipe {
         let (target, is_targeted) = (plan.target, plan.is_targeted());
         let mut recipe = Self {
             // The preset without its map.
-            target: Target::named(target.name).into_iter().collect(),
+            target: Target::named(target.name).filter(|_| is_targeted).into_iter().collect(),
             size: Some(settings.size),
             ladder: Some(settings.ladder),
             chain: Some(settings.chain()),

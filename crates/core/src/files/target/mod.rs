@@ -199,6 +199,21 @@ const ENGINE: Target = Target { size: 256, last_size: Some(1), chain: Some(Chain
 const SKY: Target =
     Target { pixel: Pixel::F32, map: Map::Panorama, size: 1024, last_size: Some(1024), ..ENGINE };
 
+/// The files of a pyramid whose maps are `maps`, with its `readers`.
+const fn pyramid_files(maps: Content, readers: [&'static str; 4]) -> [FileSpec; 8] {
+    let [wgsl, glsl, hlsl, metal] = readers;
+    [
+        FileSpec { path: "{name}_pyramid.{ext}", content: maps },
+        FileSpec { path: "{name}_pyramid.json", content: PyramidLight },
+        FileSpec { path: "pyramid_tables.ktx2", content: PyramidTables },
+        FileSpec { path: wgsl, content: Reader },
+        FileSpec { path: glsl, content: Reader },
+        FileSpec { path: hlsl, content: Reader },
+        FileSpec { path: metal, content: Reader },
+        FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
+    ]
+}
+
 /// See io/pyramid_write.rs. Its levels are those of the octahedral map that it is made of.
 const PYRAMID: Target = Target {
     name: "pyramid",
@@ -206,32 +221,20 @@ const PYRAMID: Target = Target {
     map: Map::Octahedral,
     size: 512,
     last_size: Some(32),
-    files: &[
-        FileSpec { path: "{name}_pyramid.{ext}", content: Content::Pyramid },
-        FileSpec { path: "{name}_pyramid.json", content: PyramidLight },
-        FileSpec { path: "pyramid_tables.ktx2", content: PyramidTables },
-        FileSpec { path: "pyramid.wgsl", content: Reader },
-        FileSpec { path: "pyramid.glsl", content: Reader },
-        FileSpec { path: "pyramid.hlsl", content: Reader },
-        FileSpec { path: "pyramid.metal", content: Reader },
-        FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
-    ],
+    files: &pyramid_files(
+        Content::Pyramid,
+        ["pyramid.wgsl", "pyramid.glsl", "pyramid.hlsl", "pyramid.metal"],
+    ),
     verified: Some("its own readers"),
     ..ENGINE
 };
 
 /// The same with [`PyramidMap::Cube`].
 const PYRAMID_ON_CUBE: Target = Target {
-    files: &[
-        FileSpec { path: "{name}_pyramid.{ext}", content: Content::PyramidCube },
-        FileSpec { path: "{name}_pyramid.json", content: PyramidLight },
-        FileSpec { path: "pyramid_tables.ktx2", content: PyramidTables },
-        FileSpec { path: "pyramid_cube.wgsl", content: Reader },
-        FileSpec { path: "pyramid_cube.glsl", content: Reader },
-        FileSpec { path: "pyramid_cube.hlsl", content: Reader },
-        FileSpec { path: "pyramid_cube.metal", content: Reader },
-        FileSpec { path: "{name}_skybox.{ext}", content: Skybox },
-    ],
+    files: &pyramid_files(
+        Content::PyramidCube,
+        ["pyramid_cube.wgsl", "pyramid_cube.glsl", "pyramid_cube.hlsl", "pyramid_cube.metal"],
+    ),
     ..PYRAMID
 };
 
