@@ -4,7 +4,7 @@ const SUNS = 8u;
 
 // A sun: `Sun` of crates/core/src/pyramid/suns.rs. Unused ones have no energy.
 struct OctaglossSun {
-    // Mean direction of each channel, and the mean squared distance of its light from there.
+    // Mean direction of each channel, and the mean squared distance of its light from its disc's centre.
     red: vec4<f32>,
     green: vec4<f32>,
     blue: vec4<f32>,
@@ -21,7 +21,8 @@ struct OctaglossLight {
     unscale: f32,
     clamp: f32,
     pad: f32,
-    // Harmonics of the rest to order 4, scaled.
+    // Harmonics of the rest to order 4, scaled. The fourth components of the first 24 are the suns' half axes,
+    // three for each: so 64 lights fit in a uniform buffer.
     harmonics: array<vec4<f32>, 25>,
     // Fills a multiple of 256 bytes, at which bindings may begin.
     @size(560) suns: array<OctaglossSun, SUNS>,

@@ -13,6 +13,18 @@ fn direction_from_oct(uv: vec2<f32>) -> vec3<f32> {
     return normalize(octahedron_from_oct(uv));
 }
 
+// How direction_from_oct changes with u and with v: tangents of the sphere.
+fn steps_from_oct(uv: vec2<f32>) -> array<vec3<f32>, 2> {
+    let point = octahedron_from_oct(uv);
+    let far = length(point);
+    let d = point / far;
+    let s = select(vec2<f32>(-1.0), vec2<f32>(1.0), uv >= vec2<f32>());
+    let upper = point.y >= 0.0;
+    let by_u = select(vec3<f32>(0.0, -s.x, -s.x * s.y), vec3<f32>(1.0, -s.x, 0.0), upper);
+    let by_v = select(vec3<f32>(-s.x * s.y, -s.y, 0.0), vec3<f32>(0.0, -s.y, 1.0), upper);
+    return array<vec3<f32>, 2>((by_u - d * dot(by_u, d)) / far, (by_v - d * dot(by_v, d)) / far);
+}
+
 // `direction` of any length but zero.
 fn oct_from_direction(direction: vec3<f32>) -> vec2<f32> {
     let p = direction / (abs(direction.x) + abs(direction.y) + abs(direction.z));

@@ -69,18 +69,23 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
     // GGX around the suns: `glossy` of crates/core/src/pyramid/suns.rs.
     let a2 = roughness * roughness * roughness * roughness;
-    for (var k = 0u; k < SUNS; k++) {
-        let sun = octagloss_lights[probe].suns[k];
+    for (var disc = 0u; disc < 2u * SUNS; disc++) {
+        let sun = octagloss_lights[probe].suns[disc / 2u];
+        let half_axis = half_axis_of(probe, disc);
+        let nearer = 1.0 - 0.5 * squared(half_axis);
         // A quarter of the squared distance, which the cosine does not resolve in single precision.
+        let to = d - half_axis;
         let apart = vec3<f32>(
-            squared(d - sun.red.xyz), squared(d - sun.green.xyz), squared(d - sun.blue.xyz));
+            squared(to - nearer * sun.red.xyz), squared(to - nearer * sun.green.xyz),
+            squared(to - nearer * sun.blue.xyz));
         let s = min(0.25 * apart, vec3<f32>(0.5));
         let radius2 = 0.5 * vec3<f32>(sun.red.w, sun.green.w, sun.blue.w);
         let nearness = s + a2 * (1.0 - s) - radius2;
         let root = max(sqrt(nearness * nearness + 4.0 * a2 * radius2), vec3<f32>(1e-30));
         let outside = 2.0 * a2 / (root * max(root + nearness, vec3<f32>(1e-30)));
         let inside = (root - nearness) / (2.0 * max(radius2, vec3<f32>(1e-30)) * root);
-        let lobe = 0.31830987 * select(inside, outside, nearness > vec3<f32>()) * (1.0 - 2.0 * s);
+        // 1 / (2 pi): a disc has half of the light.
+        let lobe = 0.15915494 * select(inside, outside, nearness > vec3<f32>()) * (1.0 - 2.0 * s);
         sum += sun.energy * lobe * (e.w * (1.0 - a.x));
     }
     return sum;
@@ -88,6 +93,15 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
 
 fn squared(v: vec3<f32>) -> f32 {
     return dot(v, v);
+}
+
+// From a sun's directions to the centre of its disc `disc`: suns have two.
+fn half_axis_of(probe: u32, disc: u32) -> vec3<f32> {
+    let k = 3u * (disc / 2u);
+    let half_axis = vec3<f32>(
+        octagloss_lights[probe].harmonics[k].w, octagloss_lights[probe].harmonics[k + 1u].w,
+        octagloss_lights[probe].harmonics[k + 2u].w);
+    return select(-half_axis, half_axis, disc % 2u == 0u);
 }
 
 // Irradiance on a surface with `normal` (world space, any length but zero) over pi: the radiance that a white

@@ -177,18 +177,21 @@ fn suns_reflected(
     let view = vec3<f32>(surface.sine * tangent.x, -surface.sine * tangent.y, surface.cosine);
     let wide = max(alpha, vec2<f32>(0.9 / map_inner()));
     var sum = vec3<f32>();
-    for (var k = 0u; k < SUNS; k++) {
-        let sun = octagloss_lights[probe].suns[k];
+    for (var disc = 0u; disc < 2u * SUNS; disc++) {
+        let sun = octagloss_lights[probe].suns[disc / 2u];
+        let half_axis = half_axis_of(probe, disc);
+        let nearer = 1.0 - 0.5 * squared(half_axis);
         var channels = array<vec4<f32>, 3>(sun.red, sun.green, sun.blue);
         var values = array<vec2<f32>, 3>();
         for (var c = 0u; c < 3u; c++) {
-            let to = channels[c].xyz;
+            let to = nearer * channels[c].xyz + half_axis;
             let light = vec3<f32>(dot(to, x), dot(to, y), dot(to, surface.normal));
             values[c] = brdf_around(view, light, wide, channels[c].w);
         }
         let value = vec3<f32>(values[0].x, values[1].x, values[2].x);
         let fresnel = vec3<f32>(values[0].y, values[1].y, values[2].y);
-        sum += sun.energy * value * (f0 + (f90 - f0) * fresnel);
+        // A disc has half of the light.
+        sum += 0.5 * sun.energy * value * (f0 + (f90 - f0) * fresnel);
     }
     return sum;
 }

@@ -78,6 +78,6 @@ fn harmonics(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_
     }
     sum = reduce(sum, lane);
     if lane == 0u {
-        light.harmonics[group.x] = vec4<f32>(sum, 0.0);
+        light.harmonics[group.x] = vec4<f32>(sum, light.harmonics[group.x].w);
     }
 }

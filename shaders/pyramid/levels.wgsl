@@ -5,8 +5,9 @@
 #include "common/light.wgsl"
 
 const EDGE = 8u;
-// The sharp level's Gaussian ends at so many standard deviations.
+// The sharp level's Gaussian ends at so many standard deviations, where it has this share of its covariance.
 const CUT = 3.0f;
+const CUT_COVARIANCE = 0.949448f;
 
 @group(0) @binding(1) var<storage, read> red: array<f32>;
 @group(0) @binding(2) var<storage, read> green: array<f32>;
@@ -44,16 +45,10 @@ struct Place {
 fn place_of(at: vec2<u32>) -> Place {
     let texel = 2.0 / f32(level.inner);
     let uv = (vec2<f32>(at) + 0.5) * texel - 1.0;
-    let point = octahedron_from_oct(uv);
-    let far = length(point);
-    let direction = point / far;
-    let s = select(vec2<f32>(-1.0), vec2<f32>(1.0), uv >= vec2<f32>());
-    let upper = point.y >= 0.0;
-    // The octahedron's point by u and by v, then the direction.
-    var by_u = select(vec3<f32>(0.0, -s.x, -s.x * s.y), vec3<f32>(1.0, -s.x, 0.0), upper);
-    var by_v = select(vec3<f32>(-s.x * s.y, -s.y, 0.0), vec3<f32>(0.0, -s.y, 1.0), upper);
-    by_u = (by_u - direction * dot(by_u, direction)) / far;
-    by_v = (by_v - direction * dot(by_v, direction)) / far;
+    let direction = direction_from_oct(uv);
+    let steps = steps_from_oct(uv);
+    let by_u = steps[0];
+    let by_v = steps[1];
     let along = normalize(by_u);
     let across = cross(direction, along);
     let long = length(by_u);
@@ -90,7 +85,9 @@ fn sharp(@builtin(global_invocation_id) id: vec3<u32>) {
     let n = i32(level.inner);
     let centre = vec2<i32>(id.xy);
     let place = place_of(id.xy);
-    let c = place.covariance;
+    // Narrowed by a read, and by half as much: texels have the light of an area at one point.
+    let round = vec3<f32>(level.variance, 0.0, level.variance);
+    let c = (1.5 * place.covariance - 0.5 * round) / CUT_COVARIANCE;
     // Half of the inverse.
     let inverse = 0.5 * vec3<f32>(c.z, -c.y, c.x) / (c.x * c.z - c.y * c.y);
     let reach = vec2<i32>(ceil(place.reach * (1.1 * CUT * sqrt(level.variance))));

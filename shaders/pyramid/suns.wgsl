@@ -25,11 +25,11 @@ const NEAR_TEXELS = 7.0f;
 @group(0) @binding(5) var<storage, read_write> blocks: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read_write> light: OctaglossLight;
 
-// For each channel, moments of its energy: offset from the seed, and all; then those of squared distance.
-alias Reduced = array<vec4<f32>, 4>;
+// Moments of a channel's energy: of offsets from the seed, and all; of products xx, yy, zz; of xy, yz, zx.
+alias Reduced = array<vec4<f32>, 3>;
 
 fn combine(a: Reduced, b: Reduced) -> Reduced {
-    return Reduced(a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]);
+    return Reduced(a[0] + b[0], a[1] + b[1], a[2] + b[2]);
 }
 
 var<workgroup> most: atomic<u32>;
@@ -166,6 +166,55 @@ fn suns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var k = 0u; k < SUNS; k++) {
         seeds[k] = bitcast<vec3<f32>>(blocks[count + k].xyz);
     }
+    var channels: array<Channel, 3>;
+    for (var c = 0u; c < 3u; c++) {
+        channels[c] = channel_of(seeds[group.x], reduce(moments(group.x, c, lane), lane));
+    }
+    if lane != 0u {
+        return;
+    }
+    let energy = vec3<f32>(channels[0].energy, channels[1].energy, channels[2].energy);
+    let all = energy.x + energy.y + energy.z;
+    if all == 0.0 {
+        set_sun(group.x, OctaglossSun(), vec3<f32>());
+        return;
+    }
+    let share = energy / all;
+    let middle = share.x * channels[0].direction + share.y * channels[1].direction
+        + share.z * channels[2].direction;
+    // Two axes that touch the sphere.
+    let up = select(vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(1.0, 0.0, 0.0), abs(middle.y) > abs(middle.x));
+    let t = normalize(cross(up, middle));
+    let b = normalize(cross(middle, t));
+    // Covariances along t, along both, along b.
+    let red = seen_along(channels[0], t, b);
+    let green = seen_along(channels[1], t, b);
+    let blue = seen_along(channels[2], t, b);
+    let mean = share.x * red + share.y * green + share.z * blue;
+    // Half the sum of its eigenvalues, and half their difference.
+    let half = 0.5 * (mean.x + mean.z);
+    let differ = 0.5 * (mean.x - mean.z);
+    let apart = length(vec2<f32>(differ, mean.y));
+    let square = max(half + apart, 0.0) - max(half - apart, 0.0);
+    let angle = 0.5 * atan2(mean.y, select(1.0, differ, apart > 0.0));
+    let half_axis = sqrt(square) * (cos(angle) * t + sin(angle) * b);
+    let spread = max(vec3<f32>(red.x + red.z, green.x + green.z, blue.x + blue.z) - square, vec3<f32>());
+    let sun = OctaglossSun(
+        vec4<f32>(channels[0].direction, spread.x), vec4<f32>(channels[1].direction, spread.y),
+        vec4<f32>(channels[2].direction, spread.z), energy * light.unscale, 0.0);
+    set_sun(group.x, sun, half_axis);
+}
+
+fn set_sun(k: u32, sun: OctaglossSun, half_axis: vec3<f32>) {
+    light.suns[k] = sun;
+    light.harmonics[3u * k].w = half_axis.x;
+    light.harmonics[3u * k + 1u].w = half_axis.y;
+    light.harmonics[3u * k + 2u].w = half_axis.z;
+}
+
+// Moments of channel `c` over the light of sun `own` that an invocation visits.
+fn moments(own: u32, c: u32, lane: u32) -> Reduced {
+    let count = side() * side();
     let size = block() * block();
     var sum: Reduced;
     for (var b = lane; b < count; b += GROUP_SIZE) {
@@ -175,27 +224,53 @@ fn suns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         for (var k = b * size; k < (b + 1u) * size; k++) {
             let texel = texel_of(k);
             let at = place_in_plane(texel);
-            let own = brightness(at) * light.scale;
-            if own > light.clamp && nearest_seed(direction_of(texel)) == group.x {
+            let bright = brightness(at) * light.scale;
+            let direction = direction_of(texel);
+            if bright > light.clamp && nearest_seed(direction) == own {
                 // Scaled: squares of energies overflow.
-                let given = energy_at(at) * light.scale * (1.0 - light.clamp / own);
-                let offset = direction_of(texel) - seeds[group.x];
-                let moment = vec4<f32>(offset, 1.0);
-                sum[0] += given.x * moment;
-                sum[1] += given.y * moment;
-                sum[2] += given.z * moment;
-                sum[3] += vec4<f32>(given * (squared(offset) + texel_spread(texel)), 0.0);
+                let given = energy_at(at)[c] * light.scale * (1.0 - light.clamp / bright);
+                let offset = direction - seeds[own];
+                // The light of the texel's area is at its centre.
+                let width = 2.0 / f32(table.inner);
+                var steps = steps_from_oct(uv_of(texel));
+                let u = steps[0] * width;
+                let v = steps[1] * width;
+                sum[0] += given * vec4<f32>(offset, 1.0);
+                sum[1] += vec4<f32>(given * (offset * offset - (u * u + v * v) / 12.0), 0.0);
+                let beside = offset * offset.yzx - (u * u.yzx + v * v.yzx) / 12.0;
+                sum[2] += vec4<f32>(given * beside, 0.0);
             }
         }
     }
-    sum = reduce(sum, lane);
-    if lane == 0u {
-        let seed = seeds[group.x];
-        let energy = vec3<f32>(sum[0].w, sum[1].w, sum[2].w);
-        light.suns[group.x] = OctaglossSun(
-            channel(seed, sum[0], sum[3].x), channel(seed, sum[1], sum[3].y),
-            channel(seed, sum[2], sum[3].z), energy * light.unscale, 0.0);
+    return sum;
+}
+
+// The light of one channel.
+struct Channel {
+    direction: vec3<f32>,
+    energy: f32,
+    // Its covariance: xx, yy, zz, and xy, yz, zx.
+    squares: vec3<f32>,
+    beside: vec3<f32>,
+}
+
+fn channel_of(seed: vec3<f32>, sum: Reduced) -> Channel {
+    let energy = sum[0].w;
+    if energy == 0.0 {
+        return Channel();
     }
+    let mean = sum[0].xyz / energy;
+    return Channel(
+        normalize(seed + mean), energy, sum[1].xyz / energy - mean * mean,
+        sum[2].xyz / energy - mean * mean.yzx);
+}
+
+// The covariance of a channel along t, along t and b, and along b.
+fn seen_along(own: Channel, t: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(
+        dot(own.squares, t * t) + 2.0 * dot(own.beside, t * t.yzx),
+        dot(own.squares, t * b) + dot(own.beside, t * b.yzx + t.yzx * b),
+        dot(own.squares, b * b) + 2.0 * dot(own.beside, b * b.yzx));
 }
 
 fn nearest_seed(direction: vec3<f32>) -> u32 {
@@ -208,15 +283,6 @@ fn nearest_seed(direction: vec3<f32>) -> u32 {
     return nearest;
 }
 
-// Mean direction and spread of a channel.
-fn channel(seed: vec3<f32>, moment: vec4<f32>, square: f32) -> vec4<f32> {
-    if moment.w == 0.0 {
-        return vec4<f32>();
-    }
-    let mean = moment.xyz / moment.w;
-    return vec4<f32>(normalize(seed + mean), max(square / moment.w - squared(mean), 0.0));
-}
-
 fn squared(v: vec3<f32>) -> f32 {
     return dot(v, v);
 }
@@ -227,14 +293,4 @@ fn uv_of(texel: vec2<u32>) -> vec2<f32> {
 
 fn direction_of(texel: vec2<u32>) -> vec3<f32> {
     return direction_from_oct(uv_of(texel));
-}
-
-// Mean squared distance on the sphere of a texel's points from its centre.
-fn texel_spread(texel: vec2<u32>) -> f32 {
-    let p = abs(octahedron_from_oct(uv_of(texel)));
-    let squared = dot(p, p);
-    let a = p.x - p.y;
-    let b = p.z - p.y;
-    let width = 2.0 / f32(table.inner);
-    return width * width * (4.0 * squared - a * a - b * b) / (12.0 * squared * squared);
 }

@@ -2,7 +2,7 @@
 
 use super::levels::Map;
 use super::light::OctaglossLight;
-use super::suns::{Sun, SunChannel, Suns};
+use super::suns::{self, Sun, SunChannel, Suns};
 use super::{Octaves, Pyramid, PyramidLobes};
 use crate::common::error::{Result, wrong};
 use crate::cpu::reparameterise::oem_from_environment;
@@ -70,6 +70,7 @@ impl BakedPyramid {
         if light.unscale <= 0.0 || exponent.fract() != 0.0 || exponent.abs() > MAX_EXPONENT as f32 {
             return Err(format!("a scale of {}, no power of two", light.unscale));
         }
+        let mut axes = (0..suns::COUNT).map(|k| light.half_axis(k));
         let suns = light.suns.map(|sun| {
             let mut energies = sun.energy.into_iter();
             let channels = [sun.red, sun.green, sun.blue].map(|[x, y, z, spread]| SunChannel {
@@ -77,7 +78,7 @@ impl BakedPyramid {
                 spread,
                 energy: energies.next().unwrap_or_default(),
             });
-            Sun { channels }
+            Sun { channels, half_axis: axes.next().unwrap_or_default().into() }
         });
         let is_sound = |channel: &SunChannel| {
             let is_unit = (channel.direction.length_squared() - 1.0).abs() < 1e-3;

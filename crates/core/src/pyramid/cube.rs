@@ -60,7 +60,7 @@ impl Pyramid {
                 1 => {
                     let width = octaves.sharp_width();
                     let texels = Texels::new(&self.maps[0], self.suns.clamp * scale(self.exponent));
-                    each(&|face, x, y| texels.under(&Place::on_cube(size, face, x, y, width * width), width))
+                    each(&|face, x, y| texels.under(Place::on_cube(size, face, x, y, width * width), width))
                 }
                 _ => {
                     let (finer, width) = (&self.maps[mip - 1], octaves.width(mip as u32 - 2));

@@ -7,13 +7,16 @@
 //!
 //! A bilinear read of a level widens what it reads by a sixth of a texel's square, and texels are three times
 //! as long as wide in the middle of the octahedron's faces. The Gaussians are narrowed by that covariance:
-//! *reads* of levels are round.
+//! *reads* of levels are round. The sharp level's is narrowed twice: its texels, too, have the light of an
+//! area at one point.
 
 use super::suns;
 use crate::light::environment::Rgb;
 use crate::light::oem::Oem;
 use crate::sphere::cube::{Face, cube_from_direction, cube_from_texel, cube_point};
-use crate::sphere::octahedral::{oct_from_direction, octahedron_from_oct, texel_centre, wrap_texel};
+use crate::sphere::octahedral::{
+    direction_from_oct, oct_from_direction, octahedron_from_oct, steps_from_oct, texel_centre, wrap_texel,
+};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A, Vec4};
 use half::f16;
 use rayon::prelude::*;
@@ -27,6 +30,9 @@ pub const TAPS: usize = 25;
 
 /// The sharp level's Gaussian ends at so many standard deviations.
 pub(crate) const CUT: f32 = 3.0;
+
+/// The share of a Gaussian's covariance that is left of it where it ends at [`CUT`].
+pub(crate) const CUT_COVARIANCE: f32 = 0.949_448;
 
 /// Light is scaled to less than 2 to this power: sums of halves stay finite.
 pub(crate) const BRIGHTEST: i32 = 15;
@@ -167,18 +173,7 @@ impl Place {
     /// adds.
     fn new(inner: u32, x: u32, y: u32, variance: f64) -> Self {
         let uv = texel_centre(inner, x, y);
-        let point = octahedron_from_oct(uv);
-        let length = point.length();
-        let direction = point / length;
-        let sign = uv.signum();
-        // The octahedron's point by u and by v, then the direction.
-        let [by_u, by_v] = if point.y >= 0.0 {
-            [DVec3::new(1.0, -sign.x, 0.0), DVec3::new(0.0, -sign.y, 1.0)]
-        } else {
-            [DVec3::new(0.0, -sign.x, -sign.x * sign.y), DVec3::new(-sign.x * sign.y, -sign.y, 0.0)]
-        }
-        .map(|step| (step - direction * step.dot(direction)) / length);
-        Self::of_texel(direction, [by_u, by_v], 2.0 / f64::from(inner), variance)
+        Self::of_texel(direction_from_oct(uv), steps_from_oct(uv), 2.0 / f64::from(inner), variance)
     }
 
     /// The same for texel (`x`, `y`) of a cube's `face`.
@@ -212,6 +207,18 @@ impl Place {
         }
     }
 
+    /// Narrowed by what sums of points add that each have the light of a texel of a map of `inner` texels
+    /// around them: a twelfth of its square.
+    pub(super) fn of_points(mut self, inner: u32) -> Self {
+        let texel = 2.0 / inner as f32;
+        for step in steps_from_oct(oct_from(self.direction).as_dvec2()) {
+            let [p, q] = self.axes.map(|axis| axis.dot(step.as_vec3()) * texel);
+            let own = [p * p, p * q, q * q];
+            self.covariance.iter_mut().zip(own).for_each(|(covariance, own)| *covariance -= own / 12.0);
+        }
+        self
+    }
+
     /// Where a read around the Gaussian stands, by its place around one of covariance 1.
     pub(super) fn read(self) -> impl Fn(Vec2) -> Vec3 {
         let Self { direction, axes: [along, across], covariance: [a, b, c], .. } = self;
@@ -228,7 +235,7 @@ impl Place {
 
     /// The Gaussian at a direction whose fourth component is ignored; `None` beyond [`CUT`].
     fn bell(&self) -> impl Fn(Vec4) -> Option<f32> {
-        let [a, b, c] = self.covariance;
+        let [a, b, c] = self.covariance.map(|value| value / CUT_COVARIANCE);
         // Half of the inverse.
         let [a, b, c] = [c, -b, a].map(|value| 0.5 * value / (a * c - b * b));
         let [along, across] = self.axes.map(|axis| axis.extend(0.0));
@@ -295,13 +302,14 @@ impl Texels {
     }
 
     /// Their light under a Gaussian of about `width` at `place` of another map.
-    pub(super) fn under(&self, place: &Place, width: f64) -> Vec3A {
+    pub(super) fn under(&self, place: Place, width: f64) -> Vec3A {
         let size = self.inner as usize;
         let uv = (oct_from(place.direction) + 1.0) * (0.5 * self.inner as f32);
         let centre = uv.to_array().map(|at| (at as u32).min(self.inner - 1));
         // Directions lie up to half a texel beside its centre.
         let reach =
             reach_of(&Place::new(self.inner, centre[0], centre[1], 1.0), width).map(|texels| texels + 1);
+        let place = place.of_points(self.inner);
         let bell = place.bell();
         let (mut sum, mut total) = (Vec3A::ZERO, 0.0);
         visit_window(self.inner, centre, reach, |y, columns| {
@@ -327,7 +335,7 @@ pub(crate) fn sharp(mirror: &Map, clamp: f32, width: f64) -> Map {
     let Texels { inner, directions, light } = Texels::new(mirror, clamp);
     let size = inner as usize;
     Map::of_quarters(inner, |x, y| {
-        let place = Place::new(inner, x, y, width * width);
+        let place = Place::new(inner, x, y, width * width).of_points(inner);
         let bell = place.bell();
         let mut sums = [Vec3A::ZERO; 4];
         let mut total = 0.0;

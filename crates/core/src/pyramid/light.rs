@@ -8,7 +8,7 @@ use glam::DMat3;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct OctaglossSun {
-    /// Mean direction of red light, and the mean squared distance of its light from there.
+    /// Mean direction of red light, and the mean squared distance of its light from its disc's centre.
     pub red: [f32; 4],
     /// The same of green light.
     pub green: [f32; 4],
@@ -32,7 +32,8 @@ pub struct OctaglossLight {
     /// What the rest is clamped to, scaled.
     pub clamp: f32,
     pad: f32,
-    /// Harmonics of the rest, scaled.
+    /// Harmonics of the rest, scaled. The fourth components of the first 24 are the suns' half axes, three for
+    /// each: so 64 lights fit in a uniform buffer.
     pub harmonics: [[f32; 4]; 25],
     /// Suns.
     pub suns: [OctaglossSun; suns::COUNT],
@@ -58,6 +59,14 @@ impl OctaglossLight {
                 sun.channels.map(|channel| (f64::from(channel.energy) * f64::from(exponent).exp2()) as f32);
             *own = OctaglossSun { red, green, blue, energy, pad: 0.0 };
         }
+        for (k, sun) in pyramid.suns.suns.iter().enumerate() {
+            (0..3).for_each(|axis| light.harmonics[3 * k + axis][3] = sun.half_axis[axis]);
+        }
         light
+    }
+
+    /// The half axis of sun `k`.
+    pub(crate) fn half_axis(&self, k: usize) -> [f32; 3] {
+        [0, 1, 2].map(|axis| self.harmonics[3 * k + axis][3])
     }
 }

@@ -173,9 +173,12 @@ impl Pyramid {
         let mut sum = Vec3A::ZERO;
         for sun in self.suns.suns {
             for (c, channel) in sun.channels.into_iter().enumerate() {
-                let light = frame.axes.transpose() * channel.direction.as_dvec3();
-                let (value, fresnel) = brdf.around(light, f64::from(channel.spread));
-                sum[c] += channel.energy * value as f32 * (f0[c] + (f90 - f0[c]) * fresnel as f32);
+                for centre in sun.discs(&channel) {
+                    let light = frame.axes.transpose() * centre.as_dvec3();
+                    let (value, fresnel) = brdf.around(light, f64::from(channel.spread));
+                    let reflected = value as f32 * (f0[c] + (f90 - f0[c]) * fresnel as f32);
+                    sum[c] += 0.5 * channel.energy * reflected;
+                }
             }
         }
         sum

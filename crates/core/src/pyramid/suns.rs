@@ -5,12 +5,15 @@
 //! each other on the sphere, whatever folds lie between; the ninth is what the rest is clamped to. Texels
 //! above it belong to the nearest seed. Around a seed texels count little by little: the clamp does not jump
 //! when the map turns, and a constant sky has no suns.
+//!
+//! A texel's light counts as its centre, where sums over texels put it. That widens a sun by a twelfth of a
+//! texel's square (Sheppard's correction), which is subtracted.
 
 use super::Octaves;
 use crate::light::oem::Oem;
 use crate::lobe;
-use crate::sphere::octahedral::{direction_from_oct, octahedron_from_oct, texel_centre};
-use glam::{DVec3, Vec3A};
+use crate::sphere::octahedral::{direction_from_oct, steps_from_oct, texel_centre};
+use glam::{DVec2, DVec3, Vec3A};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 
@@ -28,11 +31,14 @@ pub const NEAR: f32 = 0.02;
 pub const NEAR_TEXELS: f32 = 7.0;
 
 /// A sun: the light above the clamp that is nearest to one seed. Lamps of several colours may share a sun, so
-/// each channel has a place of its own.
+/// each channel has a place of its own. Half of its light is a disc [`Self::half_axis`] away from there, half a
+/// disc on the other side: suns are as long as wide, or longer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sun {
     /// Red, green and blue.
     pub channels: [SunChannel; 3],
+    /// From the mean directions to the centre of one disc, touching the sphere.
+    pub half_axis: Vec3A,
 }
 
 /// One channel of a sun.
@@ -40,7 +46,7 @@ pub struct Sun {
 pub struct SunChannel {
     /// Mean direction, a unit vector in the map's space; zero without light.
     pub direction: Vec3A,
-    /// Mean squared distance of its light from there, on the unit sphere.
+    /// Mean squared distance of its light from its disc's centre, on the unit sphere.
     pub spread: f32,
     /// Radiance times solid angle.
     pub energy: f32,
@@ -101,7 +107,7 @@ impl Suns {
             }
         }
         let clamp = left.iter().copied().fold(none, first).0;
-        let mut lights = vec![Vec::new(); COUNT];
+        let mut lights = [(); COUNT].map(|()| Vec::new());
         let bright = (0..).zip(&brightest).filter(|(_, (brightest, _))| *brightest > clamp);
         for [x, y] in bright.flat_map(|(k, _)| texels(k)) {
             let given = 1.0 - kept(own([x, y]), clamp);
@@ -110,14 +116,10 @@ impl Suns {
                 let squared = |k: &usize| at.distance_squared(seeds[*k]);
                 let nearest = (0..COUNT).min_by(|a, b| squared(a).total_cmp(&squared(b)));
                 let [r, g, b, _] = oem.texel(x, y).map(|energy| f64::from(given * energy));
-                lights[nearest.expect("seeds")].push(([x, y], [r, g, b]));
+                lights[nearest.expect("seeds")].push((texel_centre(inner, x, y), [r, g, b]));
             }
         }
-        let mut suns = [Sun::default(); COUNT];
-        for (sun, light) in suns.iter_mut().zip(&lights) {
-            let channel = |c: usize| light.iter().map(move |(at, energy)| (*at, energy[c]));
-            sun.channels = [0, 1, 2].map(|c| SunChannel::of(inner, channel(c)));
-        }
+        let suns = lights.map(|light| Sun::of(2.0 / f64::from(inner), &light));
         Self { suns, clamp, greatest }
     }
 }
@@ -128,10 +130,62 @@ pub(crate) fn kept(brightness: f32, clamp: f32) -> f32 {
 }
 
 impl Sun {
+    /// The sun of texels of a width of `texel`: their centres, and energies.
+    fn of(texel: f64, texels: &[(DVec2, [f64; 3])]) -> Self {
+        let sum = |c: usize| texels.iter().map(|(_, energy)| energy[c]).sum::<f64>();
+        let energies = [0, 1, 2].map(sum);
+        let all: f64 = energies.iter().sum();
+        if all == 0.0 {
+            return Self::default();
+        }
+        let mean = |c: usize| {
+            let own = texels.iter().map(|(at, energy)| energy[c] * direction_from_oct(*at));
+            own.sum::<DVec3>().normalize_or_zero()
+        };
+        let directions = [0, 1, 2].map(mean);
+        let middle: DVec3 = directions.iter().zip(energies).map(|(to, energy)| energy / all * *to).sum();
+        let (t, b) = middle.normalize().any_orthonormal_pair();
+        // Covariances of the channels in the plane that touches the sphere: along t, along both, along b.
+        let mut covariances = [DVec3::ZERO; 3];
+        for (at, energy) in texels {
+            let (centre, steps) = (direction_from_oct(*at), steps_from_oct(*at));
+            let area: DVec3 = steps.iter().map(|step| products(*step, t, b) * texel * texel / 12.0).sum();
+            for c in (0..3).filter(|c| energies[*c] > 0.0) {
+                covariances[c] += energy[c] / energies[c] * (products(centre - directions[c], t, b) - area);
+            }
+        }
+        let [tt, tb, bb] = covariances
+            .iter()
+            .zip(energies)
+            .map(|(covariance, energy)| energy / all * *covariance)
+            .sum::<DVec3>()
+            .to_array();
+        // Half the sum of its eigenvalues, and half their difference: the half axis squared is the difference
+        // of those above 0.
+        let (mean, apart) = (0.5 * (tt + bb), (0.5 * (tt - bb)).hypot(tb));
+        let square = (mean + apart).max(0.0) - (mean - apart).max(0.0);
+        let angle = 0.5 * tb.atan2(0.5 * (tt - bb));
+        let channel = |c: usize| SunChannel {
+            direction: directions[c].as_vec3a(),
+            spread: (covariances[c].x + covariances[c].z - square).max(0.0) as f32,
+            energy: energies[c] as f32,
+        };
+        let half_axis = square.sqrt() * (angle.cos() * t + angle.sin() * b);
+        Self { channels: [0, 1, 2].map(channel), half_axis: half_axis.as_vec3a() }
+    }
+
+    /// The centres of a channel's two discs.
+    pub(super) fn discs(&self, channel: &SunChannel) -> [Vec3A; 2] {
+        let middle = channel.direction * (1.0 - 0.5 * self.half_axis.length_squared());
+        [middle + self.half_axis, middle - self.half_axis]
+    }
+
     /// Its light in a GGX lobe of `alpha` around the unit vector `direction`; `share` is 1 over the lobe's
     /// integral.
     pub(crate) fn glossy(&self, alpha: f32, share: f32, direction: Vec3A) -> Vec3A {
-        Vec3A::from_array(self.channels.map(|channel| channel.glossy(alpha, direction))) * share
+        let disc = |channel: &SunChannel, centre| channel.glossy(alpha, direction.distance_squared(centre));
+        let both = |channel| self.discs(&channel).map(|centre| disc(&channel, centre)).iter().sum();
+        Vec3A::from_array(self.channels.map(both)) * (0.5 * share)
     }
 
     /// Its irradiance on a surface with the unit `normal`, over pi.
@@ -142,30 +196,13 @@ impl Sun {
 }
 
 impl SunChannel {
-    /// The sun of some texels' energies.
-    fn of(inner: u32, texels: impl Iterator<Item = ([u32; 2], f64)> + Clone) -> Self {
-        let texels = texels.map(|([x, y], energy)| {
-            (direction_from_oct(texel_centre(inner, x, y)), texel_spread(inner, x, y), energy)
-        });
-        let energy: f64 = texels.clone().map(|(_, _, energy)| energy).sum();
-        let mean: DVec3 = texels.clone().map(|(centre, _, energy)| energy * centre).sum();
-        if energy == 0.0 {
-            return Self::default();
-        }
-        let direction = mean.normalize();
-        let apart: f64 = texels
-            .map(|(centre, spread, energy)| energy * (centre.distance_squared(direction) + spread))
-            .sum();
-        Self { direction: direction.as_vec3a(), spread: (apart / energy) as f32, energy: energy as f32 }
-    }
-
-    /// GGX under a uniform disc of its spread, in closed form: a2 / (a2 + s)^2 is the kernel of a parallel
+    /// GGX under a uniform disc of its spread, whose centre is so far away, in closed form: a2 / (a2 + s)^2 is the kernel of a parallel
     /// disc's form factor.
-    fn glossy(&self, alpha: f32, direction: Vec3A) -> f32 {
+    fn glossy(&self, alpha: f32, distance_squared: f32) -> f32 {
         if self.energy == 0.0 {
             return 0.0;
         }
-        let s = (self.direction.distance_squared(direction) / 4.0).min(0.5);
+        let s = (distance_squared / 4.0).min(0.5);
         let (a2, radius2) = (alpha * alpha, self.spread / 2.0);
         let nearness = s + a2 * (1.0 - s) - radius2;
         let root = (nearness * nearness + 4.0 * radius2 * a2).sqrt().max(f32::MIN_POSITIVE);
@@ -178,14 +215,10 @@ impl SunChannel {
     }
 }
 
-/// Mean squared distance on the sphere of a texel's points from its centre, from the map's derivative there:
-/// (4 |p|^2 - (|x| - |y|)^2 - (|z| - |y|)^2) / (12 |p|^4) for a texel of width 1, p on the octahedron.
-fn texel_spread(inner: u32, x: u32, y: u32) -> f64 {
-    let p = octahedron_from_oct(texel_centre(inner, x, y));
-    let [x, y, z] = p.abs().to_array();
-    let squared = p.length_squared();
-    let width = 2.0 / f64::from(inner);
-    width * width * (4.0 * squared - (x - y).powi(2) - (z - y).powi(2)) / (12.0 * squared * squared)
+/// The products of `v`'s parts along `t` and `b`: of the first, of both, of the second.
+fn products(v: DVec3, t: DVec3, b: DVec3) -> DVec3 {
+    let (along, across) = (v.dot(t), v.dot(b));
+    DVec3::new(along * along, along * across, across * across)
 }
 
 /// 1 over the integral of GGX at `roughness`.

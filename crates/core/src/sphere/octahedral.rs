@@ -30,6 +30,18 @@ pub fn direction_from_oct(uv: DVec2) -> DVec3 {
     octahedron_from_oct(uv).normalize()
 }
 
+/// How [`direction_from_oct`] changes with u and with v at `uv` in [-1, 1]^2: tangents of the sphere.
+pub(crate) fn steps_from_oct(uv: DVec2) -> [DVec3; 2] {
+    let point = octahedron_from_oct(uv);
+    let (length, sign) = (point.length(), uv.signum());
+    let steps = if point.y >= 0.0 {
+        [DVec3::new(1.0, -sign.x, 0.0), DVec3::new(0.0, -sign.y, 1.0)]
+    } else {
+        [DVec3::new(0.0, -sign.x, -sign.x * sign.y), DVec3::new(-sign.x * sign.y, -sign.y, 0.0)]
+    };
+    steps.map(|step| step.reject_from_normalized(point / length) / length)
+}
+
 /// Octahedral coordinates in [-1, 1]^2 of `direction` (any length but zero). -Y goes to the corner (1, 1).
 pub fn oct_from_direction(direction: DVec3) -> DVec2 {
     let p = direction / (direction.x.abs() + direction.y.abs() + direction.z.abs());

@@ -22,8 +22,8 @@ fn light(baked: &BakedPyramid) -> Value {
     let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
     let columns = light.world_from_source.map(rgb);
     let harmonics = light.harmonics.map(|harmonic| rgb(harmonic).map(|c| c * light.unscale));
-    let lit = light.suns.iter().filter(|sun| sun.energy != [0.0; 3]);
-    let suns: Vec<Value> = lit.map(sun).collect();
+    let lit = light.suns.iter().enumerate().filter(|(_, sun)| sun.energy != [0.0; 3]);
+    let suns: Vec<Value> = lit.map(|(k, own)| sun(own, light.half_axis(k))).collect();
     let uniform: &[f32] = bytemuck::cast_slice(std::slice::from_ref(light));
     json!({
         "version": VERSION,
@@ -39,12 +39,13 @@ fn light(baked: &BakedPyramid) -> Value {
 }
 
 /// A sun, by channel.
-fn sun(sun: &OctaglossSun) -> Value {
+fn sun(sun: &OctaglossSun, half_axis: [f32; 3]) -> Value {
     let channels = [sun.red, sun.green, sun.blue];
     let (directions, spreads) = (channels.map(|[x, y, z, _]| [x, y, z]), channels.map(|[.., spread]| spread));
     json!({
         "directions": directions,
         "spreads": spreads,
+        "half_axis": half_axis,
         "energies": sun.energy,
     })
 }
