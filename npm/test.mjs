@@ -304,6 +304,15 @@ try {
             ],
             ['.'],
         );
+        for (const map of ['octahedral', 'cube']) {
+            await compare(
+                `pyramid, ${map}`,
+                sky,
+                { target: 'pyramid', map, size: 64 },
+                (folder) => [...targeted('pyramid')(folder), '--map', map],
+                ['sky_pyramid.ktx2'],
+            );
+        }
         await compare(
             'pyramid',
             sky,

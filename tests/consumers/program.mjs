@@ -44,21 +44,21 @@ export function programAt(program, work) {
         query: (directions, roughness, lobe = 'ggx') =>
             ask(directions, ['--roughness', String(roughness), '--lobe', lobe]),
         // Light that white metal of `roughness` reflects to `views`, pairs of a normal and a direction.
-        frames: (views, roughness, anisotropy = 0) => {
+        frames: (views, roughness, anisotropy = 0, filter = 'reference', source = environment) => {
             const columns = views[0].length === 3 ? 'nx,ny,nz,vx,vy,vz,tx,ty,tz' : 'nx,ny,nz,vx,vy,vz';
             const csv = [columns, ...views.map((view) => view.flat().join(','))].join('\n') + '\n';
             const args = [
                 '--frames',
                 '-',
                 '--filter',
-                'reference',
+                filter,
                 '--roughness',
                 String(roughness),
                 '--anisotropy',
                 String(anisotropy),
                 '--quiet',
             ];
-            const rows = octagloss(['query', environment, ...args], csv)
+            const rows = octagloss(['query', source, ...args], csv)
                 .trim()
                 .split('\n')
                 .slice(1);

@@ -13,6 +13,8 @@ const SUNLIT = 0.02;
 
 // Spheres by the pyramid against the true BRDF. Multiple scattering is three.js's own.
 const TRUE = 0.03;
+// Against the CPU's look-up, which reads the same levels.
+const DISC = 0.005;
 
 // Roughness and anisotropy of brushed spheres.
 const BRUSHED = [
@@ -105,6 +107,36 @@ export async function checkThree({ open, work, octagloss, bake, query, frames, d
             `three PMREM, roughness ${roughness}, the switch is off`,
             worst.off > least,
             `relative error ${worst.off.toFixed(4)}`,
+        );
+    }
+    // Files with a sun, which the page adds as a disc, against the CPU's own look-up of the squares.
+    const discs = { squares: [], cube: ['--map', 'cube'], turned: ['--rotate-y', '5'] };
+    for (const [kind, options] of Object.entries(discs))
+        bake(`three-disc-${kind}`, ['--target', 'pyramid', ...options], sunny);
+    for (const roughness of [0.2, 0.4, 0.7]) {
+        const eye = EYES.at(-1);
+        const pixels = spherePixels(512, eye, 8);
+        const normals = pixels.map((p) => p.normal);
+        const views = normals.map((normal) => [normal, eye]);
+        const [once, rest] = [frames(views, roughness, 0, 'pyramid', sunny), diffuse(normals, sunny)];
+        const own = pixels.map((p, k) => {
+            const share = 1 - reflected(p.cosine, roughness);
+            return once[k].map((v, c) => v + share * rest[k][c]);
+        });
+        const errors = {};
+        for (const kind of Object.keys(discs)) {
+            const url = `/bake/three-disc-${kind}/world_pyramid.ktx2`;
+            const environment = '/bake/three/world_pmrem.ktx2';
+            // Less by what the engine adds, the change of normals over a pixel in the middle of the sphere.
+            const options = { url, environment, roughness: roughness - 2 / 512, eye, enabled: true };
+            const picture = await page.evaluate((options) => window.pyramid(options), options);
+            errors[kind] = relativeError(shownAt(picture, pixels), own);
+        }
+        const { squares, cube, turned } = errors;
+        check(
+            `three pyramid with a sun, roughness ${roughness}`,
+            Math.max(squares, cube) < DISC && turned > 4 * DISC,
+            `relative error ${squares.toFixed(4)}, cube ${cube.toFixed(4)}, turned ${turned.toFixed(4)}`,
         );
     }
     // Brushed along the parallels, as three.js derives tangents from a sphere's coordinates.
