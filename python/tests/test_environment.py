@@ -151,12 +151,12 @@ def test_wrong_files_are_named(tmp_path, sky_file):
     with pytest.raises(octagloss.InputError, match="a named pipe"):
         Environment.from_file(tmp_path / "pipe.exr")
     for options, words in [
-        ({"layout": "sphere"}, "choose one of auto"),
+        ({"layout": "sphere"}, "must be auto, equirect"),
         ({"layout": "octahedral"}, "sky.exr"),
         ({"scale": 0}, "above 0"),
         ({"scale": np.nan}, "finite"),
         ({"rotate_y": np.inf}, "finite"),
-        ({"pad": "white"}, "choose one of black, edge"),
+        ({"pad": "white"}, "must be black or edge"),
         ({"strict": True, "sanitize": True}, "contradict"),
     ]:
         with pytest.raises(ValueError, match=words):
