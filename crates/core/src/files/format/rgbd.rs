@@ -3,10 +3,10 @@
 //! Babylon.js, packages/dev/core/src/Shaders/ShadersInclude/helperFunctions.fx, `fromRGBD`: radiance is
 //! (code/255)^2.2 / (divisor/255). Divisors from 1/255 to 1 hold radiance up to 255.
 
-use crate::common::error::{Error, Result, wrong};
+use crate::common::error::{Result, wrong};
+use crate::files::io::ldr::write::png_of;
 use crate::light::environment::Rgb;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder as _};
+use png::ColorType;
 
 /// Maximum of a channel in RGBD.
 pub const RGBD_MAX: f32 = 255.0;
@@ -41,9 +41,5 @@ pub(crate) fn png_bytes(width: u32, codes: &[[u8; 4]]) -> Result<Vec<u8>> {
     if codes.is_empty() || codes.len() != width as usize * height {
         return wrong(format!("a PNG of {width} columns cannot hold {} texels", codes.len()));
     }
-    let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(codes.as_flattened(), width, height as u32, ExtendedColorType::Rgba8)
-        .map_err(|error| Error::Parameter(format!("a PNG of {width}x{height}: {error}")))?;
-    Ok(bytes)
+    png_of(width, height as u32, ColorType::Rgba, codes.as_flattened())
 }

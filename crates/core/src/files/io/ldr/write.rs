@@ -1,9 +1,9 @@
-//! PNG output through the `image` crate: 8-bit sRGB pictures.
+//! PNG output: 8-bit pictures.
 
 use crate::common::error::{Error, Result};
 use crate::files::io::output::{self, Existing};
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder as _, RgbImage};
+use image::RgbImage;
+use png::ColorType;
 use std::path::Path;
 
 /// Writes `picture` atomically to `path`.
@@ -20,9 +20,17 @@ pub fn write_png(path: &Path, existing: Existing, picture: &RgbImage) -> Result<
 /// # Errors
 /// [`Error::Parameter`] for a picture larger than PNG supports.
 pub fn png_bytes(picture: &RgbImage) -> Result<Vec<u8>> {
+    png_of(picture.width(), picture.height(), ColorType::Rgb, picture.as_raw())
+}
+
+/// Encodes channels of eight bits, as the encoder of the `image` crate does, which has code for all others.
+pub(crate) fn png_of(width: u32, height: u32, colour: ColorType, channels: &[u8]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(picture.as_raw(), picture.width(), picture.height(), ExtendedColorType::Rgb8)
-        .map_err(|error| Error::Parameter(format!("PNG: {error}")))?;
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(colour);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(channels));
+    written.map_err(|error| Error::Parameter(format!("a PNG of {width}x{height}: {error}")))?;
     Ok(bytes)
 }
