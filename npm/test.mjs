@@ -323,11 +323,12 @@ try {
             ],
             ['sky.ktx2'],
         );
+        // In floats: a single half that is rounded the other way is too much for a level of 384 texels.
         await compare(
             'studio',
             join(root, 'hdr/studio.hdr'),
-            { size: 32 },
-            (folder) => ['--size', 32, '-o', join(folder, 'sky.ktx2')],
+            { size: 32, pixel: 'f32' },
+            (folder) => ['--size', 32, '--pixel', 'f32', '-o', join(folder, 'sky.ktx2')],
             ['sky.ktx2'],
         );
         // A picture and a cube as sources.
