@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a d2efe0e61a89a15f.
+// Translated from pyramid_cube.wgsl, FNV-1a 7a745a8d23f07844.
 #else
-// Translated from pyramid.wgsl, FNV-1a c17472e0021b8653.
+// Translated from pyramid.wgsl, FNV-1a 69dcc3c15cf1c5be.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -266,29 +266,38 @@ vec3 octagloss_read_cosine(uint probe_5, vec2 at_5) {
 #endif
 }
 
+vec3 octagloss_half_axis_of(uint probe_6, uint disc) {
+    uint k_8 = (3u * (disc / 2u));
+    float _e11 = octagloss_lights[probe_6].harmonics[k_8].w;
+    float _e19 = octagloss_lights[probe_6].harmonics[(k_8 + 1u)].w;
+    float _e27 = octagloss_lights[probe_6].harmonics[(k_8 + 2u)].w;
+    vec3 half_axis = vec3(_e11, _e19, _e27);
+    return (((disc % 2u) == 0u) ? half_axis : -(half_axis));
+}
+
 float octagloss_squared(vec3 v) {
     return dot(v, v);
 }
 
-vec3 octagloss_radiance_of(uint probe_6, vec3 direction_2, float roughness) {
+vec3 octagloss_radiance_of(uint probe_7, vec3 direction_2, float roughness) {
     vec4 low[4] = vec4[4](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     vec4 high[4] = vec4[4](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     vec3 sum_1 = vec3(0.0);
     float levels[7] = float[7](0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     uint level_1 = 0u;
-    uint k_1 = 0u;
-    vec3 _e3 = octagloss_source_from_world(probe_6, direction_2);
+    uint disc_1 = 0u;
+    vec3 _e3 = octagloss_source_from_world(probe_7, direction_2);
 #ifdef OCTAGLOSS_CUBE
     vec3 _e4 = octagloss_place_of(_e3);
 #else
     vec2 _e4 = octagloss_place_of(_e3);
 #endif
     float node_1 = (log2((1.0 + (50.0 * roughness))) * 112.826515);
-    uint k_10 = min(uint(node_1), 639u);
-    float share = (node_1 - float(k_10));
-    vec4 _e17[4] = octagloss_node_weights(k_10);
+    uint k_9 = min(uint(node_1), 639u);
+    float share = (node_1 - float(k_9));
+    vec4 _e17[4] = octagloss_node_weights(k_9);
     low = _e17;
-    vec4 _e21[4] = octagloss_node_weights((k_10 + 1u));
+    vec4 _e21[4] = octagloss_node_weights((k_9 + 1u));
     high = _e21;
     vec4 _e24 = low[0];
     vec4 _e26 = high[0];
@@ -304,12 +313,12 @@ vec3 octagloss_radiance_of(uint probe_6, vec3 direction_2, float roughness) {
     vec4 e = mix(_e39, _e41, share);
     if ((a_1.x != 0.0)) {
         vec3 _e48 = sum_1;
-        vec3 _e50 = octagloss_read_mirror(probe_6, _e4);
+        vec3 _e50 = octagloss_read_mirror(probe_7, _e4);
         sum_1 = (_e48 + (a_1.x * _e50));
     }
     if ((a_1.y != 0.0)) {
         vec3 _e56 = sum_1;
-        vec3 _e58 = octagloss_read_sharp(probe_6, _e4);
+        vec3 _e58 = octagloss_read_sharp(probe_7, _e4);
         sum_1 = (_e56 + (a_1.y * _e58));
     }
     levels = float[7](a_1.z, a_1.w, b_1.x, b_1.y, b_1.z, b_1.w, c_2.x);
@@ -333,55 +342,60 @@ vec3 octagloss_radiance_of(uint probe_6, vec3 direction_2, float roughness) {
                 uint _e81 = level_1;
                 float _e83 = levels[_e81];
                 uint _e84 = level_1;
-                vec3 _e86 = octagloss_read_levels(probe_6, _e4, float(_e84));
+                vec3 _e86 = octagloss_read_levels(probe_7, _e4, float(_e84));
                 sum_1 = (_e80 + (_e83 * _e86));
             }
         }
     }
     if ((c_2.y != 0.0)) {
         vec3 _e95 = sum_1;
-        vec3 _e97 = octagloss_read_cosine(probe_6, _e4);
+        vec3 _e97 = octagloss_read_cosine(probe_7, _e4);
         sum_1 = (_e95 + (c_2.y * _e97));
     }
     vec3 _e100 = sum_1;
-    vec3 _e107 = octagloss_harmonics_around(probe_6, _e3, float[5](c_2.z, c_2.w, e.x, e.y, e.z));
+    vec3 _e107 = octagloss_harmonics_around(probe_7, _e3, float[5](c_2.z, c_2.w, e.x, e.y, e.z));
     sum_1 = (_e100 + _e107);
     vec3 _e109 = sum_1;
-    float _e115 = octagloss_lights[probe_6].unscale;
+    float _e115 = octagloss_lights[probe_7].unscale;
     sum_1 = (max(_e109, vec3(0.0)) * _e115);
     float a2_ = (((roughness * roughness) * roughness) * roughness);
     bool loop_init_4 = true;
     while(true) {
         if (!loop_init_4) {
-            uint _e212 = k_1;
-            k_1 = (_e212 + 1u);
+            uint _e225 = disc_1;
+            disc_1 = (_e225 + 1u);
         }
         loop_init_4 = false;
-        uint _e122 = k_1;
-        if ((_e122 < octagloss_SUNS)) {
+        uint _e122 = disc_1;
+        if ((_e122 < 16u)) {
         } else {
             break;
         }
         {
-            uint _e128 = k_1;
-            OctaglossSun sun = octagloss_lights[probe_6].suns[_e128];
-            float _e134 = octagloss_squared((_e3 - sun.red.xyz));
-            float _e138 = octagloss_squared((_e3 - sun.green.xyz));
-            float _e142 = octagloss_squared((_e3 - sun.blue.xyz));
-            vec3 apart = vec3(_e134, _e138, _e142);
+            uint _e128 = disc_1;
+            OctaglossSun sun = octagloss_lights[probe_7].suns[(_e128 / 2u)];
+            uint _e133 = disc_1;
+            vec3 _e134 = octagloss_half_axis_of(probe_7, _e133);
+            float _e135 = octagloss_squared(_e134);
+            float nearer = (1.0 - (0.5 * _e135));
+            vec3 to = (_e3 - _e134);
+            float _e145 = octagloss_squared((to - (nearer * sun.red.xyz)));
+            float _e150 = octagloss_squared((to - (nearer * sun.green.xyz)));
+            float _e155 = octagloss_squared((to - (nearer * sun.blue.xyz)));
+            vec3 apart = vec3(_e145, _e150, _e155);
             vec3 s = min((0.25 * apart), vec3(0.5));
             vec3 radius2_ = (0.5 * vec3(sun.red.w, sun.green.w, sun.blue.w));
             vec3 nearness = ((s + (a2_ * (vec3(1.0) - s))) - radius2_);
             vec3 root = max(sqrt(((nearness * nearness) + ((4.0 * a2_) * radius2_))), vec3(1e-30));
             vec3 outside = (vec3((2.0 * a2_)) / (root * max((root + nearness), vec3(1e-30))));
             vec3 inside = ((root - nearness) / ((2.0 * max(radius2_, vec3(1e-30))) * root));
-            vec3 lobe = ((0.31830987 * mix(inside, outside, greaterThan(nearness, vec3(0.0)))) * (vec3(1.0) - (2.0 * s)));
-            vec3 _e201 = sum_1;
-            sum_1 = (_e201 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
+            vec3 lobe = ((0.15915494 * mix(inside, outside, greaterThan(nearness, vec3(0.0)))) * (vec3(1.0) - (2.0 * s)));
+            vec3 _e214 = sum_1;
+            sum_1 = (_e214 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x))));
         }
     }
-    vec3 _e214 = sum_1;
-    return _e214;
+    vec3 _e227 = sum_1;
+    return _e227;
 }
 
 vec3 octagloss_radiance(vec3 direction_3, float roughness_1) {
@@ -389,33 +403,33 @@ vec3 octagloss_radiance(vec3 direction_3, float roughness_1) {
     return _e3;
 }
 
-vec3 octagloss_irradiance_of(uint probe_7, vec3 normal) {
+vec3 octagloss_irradiance_of(uint probe_8, vec3 normal) {
     vec3 sum_2 = vec3(0.0);
-    uint k_2 = 0u;
-    vec3 _e2 = octagloss_source_from_world(probe_7, normal);
+    uint k_1 = 0u;
+    vec3 _e2 = octagloss_source_from_world(probe_8, normal);
 #ifdef OCTAGLOSS_CUBE
     vec3 _e3 = octagloss_place_of(_e2);
 #else
     vec2 _e3 = octagloss_place_of(_e2);
 #endif
-    vec3 _e4 = octagloss_read_cosine(probe_7, _e3);
-    float _e8 = octagloss_lights[probe_7].unscale;
+    vec3 _e4 = octagloss_read_cosine(probe_8, _e3);
+    float _e8 = octagloss_lights[probe_8].unscale;
     sum_2 = (_e4 * _e8);
     bool loop_init_5 = true;
     while(true) {
         if (!loop_init_5) {
-            uint _e41 = k_2;
-            k_2 = (_e41 + 1u);
+            uint _e41 = k_1;
+            k_1 = (_e41 + 1u);
         }
         loop_init_5 = false;
-        uint _e13 = k_2;
+        uint _e13 = k_1;
         if ((_e13 < octagloss_SUNS)) {
         } else {
             break;
         }
         {
-            uint _e19 = k_2;
-            OctaglossSun sun_1 = octagloss_lights[probe_7].suns[_e19];
+            uint _e19 = k_1;
+            OctaglossSun sun_1 = octagloss_lights[probe_8].suns[_e19];
             vec3 facing = vec3(dot(_e2, sun_1.red.xyz), dot(_e2, sun_1.green.xyz), dot(_e2, sun_1.blue.xyz));
             vec3 _e32 = sum_2;
             sum_2 = (_e32 + (sun_1.energy * (0.31830987 * max(facing, vec3(0.0)))));
@@ -477,23 +491,23 @@ vec2 octagloss_round_albedo(float cosine_1, float roughness_3) {
     return (left * mix(pair_2.xy, pair_2.zw, share_1.x));
 }
 
-vec3 octagloss_between_levels(uint probe_8, vec3 direction_4, float level_2) {
+vec3 octagloss_between_levels(uint probe_9, vec3 direction_4, float level_2) {
 #ifdef OCTAGLOSS_CUBE
     vec3 _e3 = octagloss_place_of(direction_4);
 #else
     vec2 _e3 = octagloss_place_of(direction_4);
 #endif
     if ((level_2 >= 2.0)) {
-        vec3 _e8 = octagloss_read_levels(probe_8, _e3, (level_2 - 2.0));
+        vec3 _e8 = octagloss_read_levels(probe_9, _e3, (level_2 - 2.0));
         return _e8;
     }
     if ((level_2 >= 1.0)) {
-        vec3 _e11 = octagloss_read_sharp(probe_8, _e3);
-        vec3 _e13 = octagloss_read_levels(probe_8, _e3, 0.0);
+        vec3 _e11 = octagloss_read_sharp(probe_9, _e3);
+        vec3 _e13 = octagloss_read_levels(probe_9, _e3, 0.0);
         return mix(_e11, _e13, (level_2 - 1.0));
     }
-    vec3 _e17 = octagloss_read_mirror(probe_8, _e3);
-    vec3 _e18 = octagloss_read_sharp(probe_8, _e3);
+    vec3 _e17 = octagloss_read_mirror(probe_9, _e3);
+    vec3 _e18 = octagloss_read_sharp(probe_9, _e3);
     return mix(_e17, _e18, level_2);
 }
 
@@ -614,11 +628,11 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
     return vec2(value, pow(max((1.0 - cosine_10), 0.0), 5.0));
 }
 
-vec3[5] octagloss_harmonic_orders(uint probe_9, vec3 d_2) {
+vec3[5] octagloss_harmonic_orders(uint probe_10, vec3 d_2) {
     float basis_1[25] = float[25](0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     vec3 sums[5] = vec3[5](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     uint order_1 = 0u;
-    uint k_3 = 0u;
+    uint k_2 = 0u;
     float _e2[25] = octagloss_harmonic_basis(d_2);
     basis_1 = _e2;
     bool loop_init_7 = true;
@@ -636,15 +650,15 @@ vec3[5] octagloss_harmonic_orders(uint probe_9, vec3 d_2) {
         {
             uint _e11 = order_1;
             uint _e12 = order_1;
-            k_3 = (_e11 * _e12);
+            k_2 = (_e11 * _e12);
             bool loop_init_8 = true;
             while(true) {
                 if (!loop_init_8) {
-                    uint _e40 = k_3;
-                    k_3 = (_e40 + 1u);
+                    uint _e40 = k_2;
+                    k_2 = (_e40 + 1u);
                 }
                 loop_init_8 = false;
-                uint _e15 = k_3;
+                uint _e15 = k_2;
                 uint _e16 = order_1;
                 uint _e19 = order_1;
                 if ((_e15 < ((_e16 + 1u) * (_e19 + 1u)))) {
@@ -654,10 +668,10 @@ vec3[5] octagloss_harmonic_orders(uint probe_9, vec3 d_2) {
                 {
                     uint _e24 = order_1;
                     vec3 _e26 = sums[_e24];
-                    uint _e27 = k_3;
+                    uint _e27 = k_2;
                     float _e29 = basis_1[_e27];
-                    uint _e33 = k_3;
-                    vec4 _e35 = octagloss_lights[probe_9].harmonics[_e33];
+                    uint _e33 = k_2;
+                    vec4 _e35 = octagloss_lights[probe_10].harmonics[_e33];
                     sums[_e24] = (_e26 + (_e29 * _e35.xyz));
                 }
             }
@@ -667,45 +681,45 @@ vec3[5] octagloss_harmonic_orders(uint probe_9, vec3 d_2) {
     return _e45;
 }
 
-vec3 octagloss_cosine_light(uint probe_10, vec3 n) {
+vec3 octagloss_cosine_light(uint probe_11, vec3 n) {
 #ifdef OCTAGLOSS_CUBE
     vec3 _e2 = octagloss_place_of(n);
 #else
     vec2 _e2 = octagloss_place_of(n);
 #endif
-    vec3 _e3 = octagloss_read_cosine(probe_10, _e2);
+    vec3 _e3 = octagloss_read_cosine(probe_11, _e2);
     return _e3;
 }
 
-vec3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surface, vec4 pairs[8], vec3 f0_, float f90_) {
+vec3 octagloss_harmonics_reflected(uint probe_12, octagloss_SurfaceFrame surface, vec4 pairs[8], vec3 f0_, float f90_) {
     vec2 angles[5] = vec2[5](vec2(1.0, 0.0), vec2(0.309017, 0.95105654), vec2(-0.809017, 0.58778524), vec2(0.809017, 0.58778524), vec2(-0.309017, 0.95105654));
     vec4 texels[8] = vec4[8](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     vec3 sum_3 = vec3(0.0);
     uint pair = 0u;
-    uint k_4 = 0u;
+    uint k_3 = 0u;
     vec3 orders[5] = vec3[5](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     uint order_2 = 0u;
     texels = pairs;
     bool loop_init_9 = true;
     while(true) {
         if (!loop_init_9) {
-            uint _e84 = k_4;
-            k_4 = (_e84 + 1u);
+            uint _e84 = k_3;
+            k_3 = (_e84 + 1u);
         }
         loop_init_9 = false;
-        uint _e29 = k_4;
+        uint _e29 = k_3;
         if ((_e29 < 5u)) {
         } else {
             break;
         }
         {
-            uint _e33 = k_4;
+            uint _e33 = k_3;
             float _e36 = angles[_e33].x;
-            uint _e39 = k_4;
+            uint _e39 = k_3;
             float _e42 = angles[_e39].y;
-            vec3 _e45[5] = octagloss_harmonic_orders(probe_11, ((surface.normal * _e36) + (surface.towards * _e42)));
+            vec3 _e45[5] = octagloss_harmonic_orders(probe_12, ((surface.normal * _e36) + (surface.towards * _e42)));
             orders = _e45;
-            uint _e47 = k_4;
+            uint _e47 = k_3;
             order_2 = _e47;
             bool loop_init_10 = true;
             while(true) {
@@ -744,9 +758,9 @@ float octagloss_map_inner() {
 #endif
 }
 
-vec3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1, vec2 tangent, vec2 alpha_2, vec3 f0_1, float f90_1) {
+vec3 octagloss_suns_reflected(uint probe_13, octagloss_SurfaceFrame surface_1, vec2 tangent, vec2 alpha_2, vec3 f0_1, float f90_1) {
     vec3 sum_4 = vec3(0.0);
-    uint k_5 = 0u;
+    uint disc_2 = 0u;
     vec4 channels[3] = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));
     vec2 values[3] = vec2[3](vec2(0.0), vec2(0.0), vec2(0.0));
     uint c = 0u;
@@ -759,71 +773,75 @@ vec3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1, v
     bool loop_init_11 = true;
     while(true) {
         if (!loop_init_11) {
-            uint _e109 = k_5;
-            k_5 = (_e109 + 1u);
+            uint _e122 = disc_2;
+            disc_2 = (_e122 + 1u);
         }
         loop_init_11 = false;
-        uint _e39 = k_5;
-        if ((_e39 < octagloss_SUNS)) {
+        uint _e39 = disc_2;
+        if ((_e39 < 16u)) {
         } else {
             break;
         }
         {
-            uint _e45 = k_5;
-            OctaglossSun sun_2 = octagloss_lights[probe_12].suns[_e45];
+            uint _e45 = disc_2;
+            OctaglossSun sun_2 = octagloss_lights[probe_13].suns[(_e45 / 2u)];
+            uint _e50 = disc_2;
+            vec3 _e51 = octagloss_half_axis_of(probe_13, _e50);
+            float _e52 = octagloss_squared(_e51);
+            float nearer_1 = (1.0 - (0.5 * _e52));
             channels = vec4[3](sun_2.red, sun_2.green, sun_2.blue);
             values = vec2[3](vec2(0.0), vec2(0.0), vec2(0.0));
             c = 0u;
             bool loop_init_12 = true;
             while(true) {
                 if (!loop_init_12) {
-                    uint _e77 = c;
-                    c = (_e77 + 1u);
+                    uint _e88 = c;
+                    c = (_e88 + 1u);
                 }
                 loop_init_12 = false;
-                uint _e57 = c;
-                if ((_e57 < 3u)) {
+                uint _e66 = c;
+                if ((_e66 < 3u)) {
                 } else {
                     break;
                 }
                 {
-                    uint _e60 = c;
-                    vec4 _e62 = channels[_e60];
-                    vec3 to = _e62.xyz;
-                    vec3 light_1 = vec3(dot(to, x_2), dot(to, y_1), dot(to, surface_1.normal));
                     uint _e69 = c;
-                    uint _e71 = c;
-                    float _e74 = channels[_e71].w;
-                    vec2 _e75 = octagloss_brdf_around(view_5, light_1, wide, _e74);
-                    values[_e69] = _e75;
+                    vec4 _e71 = channels[_e69];
+                    vec3 to_1 = ((nearer_1 * _e71.xyz) + _e51);
+                    vec3 light_1 = vec3(dot(to_1, x_2), dot(to_1, y_1), dot(to_1, surface_1.normal));
+                    uint _e80 = c;
+                    uint _e82 = c;
+                    float _e85 = channels[_e82].w;
+                    vec2 _e86 = octagloss_brdf_around(view_5, light_1, wide, _e85);
+                    values[_e80] = _e86;
                 }
             }
-            float _e81 = values[0].x;
-            float _e84 = values[1].x;
-            float _e87 = values[2].x;
-            vec3 value_1 = vec3(_e81, _e84, _e87);
-            float _e91 = values[0].y;
-            float _e94 = values[1].y;
-            float _e97 = values[2].y;
-            vec3 fresnel = vec3(_e91, _e94, _e97);
-            vec3 _e99 = sum_4;
-            sum_4 = (_e99 + ((sun_2.energy * value_1) * (f0_1 + ((vec3(f90_1) - f0_1) * fresnel))));
+            float _e92 = values[0].x;
+            float _e95 = values[1].x;
+            float _e98 = values[2].x;
+            vec3 value_1 = vec3(_e92, _e95, _e98);
+            float _e102 = values[0].y;
+            float _e105 = values[1].y;
+            float _e108 = values[2].y;
+            vec3 fresnel = vec3(_e102, _e105, _e108);
+            vec3 _e110 = sum_4;
+            sum_4 = (_e110 + (((0.5 * sun_2.energy) * value_1) * (f0_1 + ((vec3(f90_1) - f0_1) * fresnel))));
         }
     }
-    vec3 _e111 = sum_4;
-    return _e111;
+    vec3 _e124 = sum_4;
+    return _e124;
 }
 
 vec2 octagloss_albedo_share(vec2 albedo, vec2 sums_1) {
     return ((albedo + vec2(0.0001)) / (max(sums_1, vec2(0.0)) + vec2(0.0001)));
 }
 
-vec3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_2, float f90_2) {
+vec3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_2, float f90_2) {
     vec3 sum_5 = vec3(0.0);
     float in_mirror = 0.0;
-    uint k_6 = 0u;
+    uint k_4 = 0u;
     vec4 pairs_1[8] = vec4[8](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
-    uint k_7 = 0u;
+    uint k_5 = 0u;
     vec3 n_1 = surface_2.normal;
     float cosine_11 = surface_2.cosine;
     vec3 along_3 = (surface_2.towards * surface_2.sine);
@@ -836,68 +854,68 @@ vec3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface
     bool loop_init_13 = true;
     while(true) {
         if (!loop_init_13) {
-            uint _e64 = k_6;
-            k_6 = (_e64 + 1u);
+            uint _e64 = k_4;
+            k_4 = (_e64 + 1u);
         }
         loop_init_13 = false;
-        uint _e27 = k_6;
+        uint _e27 = k_4;
         if ((_e27 < octagloss_READS)) {
         } else {
             break;
         }
         {
-            uint _e30 = k_6;
+            uint _e30 = k_4;
             vec4 _e31 = octagloss_reflection_node(_e30, roughness_4, cosine_11);
             vec3 half_vector = normalize((n_1 + (_e31.x * along_3)));
             vec3 direction_5 = ((half_vector * (2.0 * dot(v_1, half_vector))) - v_1);
             vec3 _e41 = sum_5;
-            vec3 _e49 = octagloss_between_levels(probe_13, direction_5, _e31.y);
+            vec3 _e49 = octagloss_between_levels(probe_14, direction_5, _e31.y);
             sum_5 = (_e41 + (((scaled * _e31.z) + vec3((grazing * _e31.w))) * _e49));
             float _e52 = in_mirror;
             in_mirror = (_e52 + ((_e31.z + _e31.w) * max((1.0 - _e31.y), 0.0)));
         }
     }
     vec3 _e66 = sum_5;
-    vec3 _e73 = octagloss_cosine_light(probe_13, n_1);
+    vec3 _e73 = octagloss_cosine_light(probe_14, n_1);
     sum_5 = (_e66 + (((scaled * _e13.x) + vec3((grazing * _e13.y))) * _e73));
     bool loop_init_14 = true;
     while(true) {
         if (!loop_init_14) {
-            uint _e90 = k_7;
-            k_7 = (_e90 + 1u);
+            uint _e90 = k_5;
+            k_5 = (_e90 + 1u);
         }
         loop_init_14 = false;
-        uint _e80 = k_7;
+        uint _e80 = k_5;
         if ((_e80 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e83 = k_7;
-            uint _e86 = k_7;
+            uint _e83 = k_5;
+            uint _e86 = k_5;
             vec4 _e88 = octagloss_reflection_node((10u + _e86), roughness_4, cosine_11);
             pairs_1[_e83] = _e88;
         }
     }
     vec3 _e92 = sum_5;
     vec4 _e93[8] = pairs_1;
-    vec3 _e94 = octagloss_harmonics_reflected(probe_13, surface_2, _e93, scaled, grazing);
+    vec3 _e94 = octagloss_harmonics_reflected(probe_14, surface_2, _e93, scaled, grazing);
     sum_5 = (_e92 + _e94);
     vec3 _e96 = sum_5;
-    float _e102 = octagloss_lights[probe_13].unscale;
+    float _e102 = octagloss_lights[probe_14].unscale;
     sum_5 = (max(_e96, vec3(0.0)) * _e102);
     float _e104 = in_mirror;
     float share_3 = max((1.0 - (_e104 / (_e13.z + _e13.w))), 0.0);
     vec2 alpha_11 = vec2((roughness_4 * roughness_4));
     vec3 _e115 = sum_5;
-    vec3 _e119 = octagloss_suns_reflected(probe_13, surface_2, vec2(1.0, 0.0), alpha_11, f0_2, f90_2);
+    vec3 _e119 = octagloss_suns_reflected(probe_14, surface_2, vec2(1.0, 0.0), alpha_11, f0_2, f90_2);
     return (_e115 + (share_3 * _e119));
 }
 
-octagloss_SurfaceFrame octagloss_surface_of(uint probe_14, vec3 normal_2, vec3 view_1) {
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_15, vec3 normal_2, vec3 view_1) {
     vec3 level_view = vec3(0.0);
-    vec3 _e3 = octagloss_source_from_world(probe_14, normal_2);
-    vec3 _e4 = octagloss_source_from_world(probe_14, view_1);
+    vec3 _e3 = octagloss_source_from_world(probe_15, normal_2);
+    vec3 _e4 = octagloss_source_from_world(probe_15, view_1);
     float cosine_12 = clamp(dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = (_e4 - (_e3 * dot(_e3, _e4)));
     vec3 _e13 = level_view;
@@ -1051,7 +1069,7 @@ vec2 octagloss_row_read(octagloss_Row row_1, uint read) {
 #endif
 }
 
-vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, vec2 tangent_5, vec2 alpha_9, vec3 f0_4, float f90_4) {
+vec3 octagloss_reflect_in_row(uint probe_16, octagloss_SurfaceFrame surface_3, vec2 tangent_5, vec2 alpha_9, vec3 f0_4, float f90_4) {
     vec3 sum_6 = vec3(0.0);
     float in_mirror_1 = 0.0;
     uint distance_ = 0u;
@@ -1059,11 +1077,11 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
     vec2 skew = vec2(0.0);
     uint side_1 = 0u;
     vec4 pairs_2[8] = vec4[8](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
-    uint k_8 = 0u;
+    uint k_6 = 0u;
     vec3 aside[4] = vec3[4](vec3(0.4620342, 0.54655075, -0.6984316), vec3(0.8966183, 0.38650447, 0.21607853), vec3(0.11814805, 0.3835753, 0.91592085), vec3(0.14011177, 0.8172301, -0.5590202));
     vec4 texel_1 = vec4(0.0);
     uint pair_1 = 15u;
-    uint k_9 = 0u;
+    uint k_7 = 0u;
     vec3 own_1[5] = vec3[5](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 other[5] = vec3[5](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     uint order_3 = 0u;
@@ -1098,7 +1116,7 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
             uint _e54 = distance_;
             if ((_e54 == 0u)) {
                 vec3 _e57 = sum_6;
-                vec3 _e64 = octagloss_cosine_light(probe_15, n_2);
+                vec3 _e64 = octagloss_cosine_light(probe_16, n_2);
                 sum_6 = (_e57 + (((scaled_1 * _e49.z) + vec3((grazing_1 * _e49.w))) * _e64));
             } else {
                 mean = (0.5 * (_e49.xy + _e49.zw));
@@ -1132,7 +1150,7 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
                     vec3 half_vector_1 = normalize((n_2 + (_e108.x * axis_2)));
                     vec3 direction_6 = ((half_vector_1 * (2.0 * dot(v_2, half_vector_1))) - v_2);
                     vec3 _e118 = sum_6;
-                    vec3 _e126 = octagloss_between_levels(probe_15, direction_6, _e108.y);
+                    vec3 _e126 = octagloss_between_levels(probe_16, direction_6, _e108.y);
                     sum_6 = (_e118 + (((scaled_1 * weights_3.x) + vec3((grazing_1 * weights_3.y))) * _e126));
                     float _e129 = in_mirror_1;
                     in_mirror_1 = (_e129 + (dot(_e34, weights_3) * max((1.0 - _e108.y), 0.0)));
@@ -1143,25 +1161,25 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
     bool loop_init_17 = true;
     while(true) {
         if (!loop_init_17) {
-            uint _e158 = k_8;
-            k_8 = (_e158 + 1u);
+            uint _e158 = k_6;
+            k_6 = (_e158 + 1u);
         }
         loop_init_17 = false;
-        uint _e148 = k_8;
+        uint _e148 = k_6;
         if ((_e148 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e151 = k_8;
-            uint _e154 = k_8;
+            uint _e151 = k_6;
+            uint _e154 = k_6;
             vec4 _e156 = octagloss_row_node((octagloss_ROW_PAIRS + _e154), _e16);
             pairs_2[_e151] = _e156;
         }
     }
     vec3 _e160 = sum_6;
     vec4 _e161[8] = pairs_2;
-    vec3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled_1, grazing_1);
+    vec3 _e162 = octagloss_harmonics_reflected(probe_16, surface_3, _e161, scaled_1, grazing_1);
     sum_6 = (_e160 + _e162);
     vec3 mirrored = (across_2 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
     vec4 _e192 = pairs_2[7];
@@ -1169,30 +1187,30 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
     bool loop_init_18 = true;
     while(true) {
         if (!loop_init_18) {
-            uint _e280 = k_9;
-            k_9 = (_e280 + 1u);
+            uint _e280 = k_7;
+            k_7 = (_e280 + 1u);
         }
         loop_init_18 = false;
-        uint _e198 = k_9;
+        uint _e198 = k_7;
         if ((_e198 < 4u)) {
         } else {
             break;
         }
         {
-            uint _e202 = k_9;
+            uint _e202 = k_7;
             float _e205 = aside[_e202].x;
-            uint _e207 = k_9;
+            uint _e207 = k_7;
             float _e210 = aside[_e207].z;
             vec3 level_4 = ((surface_3.towards * _e205) + (n_2 * _e210));
-            uint _e213 = k_9;
+            uint _e213 = k_7;
             float _e216 = aside[_e213].y;
-            vec3 _e219[5] = octagloss_harmonic_orders(probe_15, (level_4 + (mirrored * _e216)));
+            vec3 _e219[5] = octagloss_harmonic_orders(probe_16, (level_4 + (mirrored * _e216)));
             own_1 = _e219;
-            uint _e221 = k_9;
+            uint _e221 = k_7;
             float _e224 = aside[_e221].y;
-            vec3 _e227[5] = octagloss_harmonic_orders(probe_15, (level_4 - (mirrored * _e224)));
+            vec3 _e227[5] = octagloss_harmonic_orders(probe_16, (level_4 - (mirrored * _e224)));
             other = _e227;
-            uint _e229 = k_9;
+            uint _e229 = k_7;
             order_3 = (_e229 + 1u);
             bool loop_init_19 = true;
             while(true) {
@@ -1230,19 +1248,19 @@ vec3 octagloss_reflect_in_row(uint probe_15, octagloss_SurfaceFrame surface_3, v
         }
     }
     vec3 _e282 = sum_6;
-    float _e288 = octagloss_lights[probe_15].unscale;
+    float _e288 = octagloss_lights[probe_16].unscale;
     sum_6 = (max(_e282, vec3(0.0)) * _e288);
     float _e290 = in_mirror_1;
     float share_4 = max((1.0 - (_e290 / (_e34.x + _e34.y))), 0.0);
     vec3 _e299 = sum_6;
-    vec3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_5, alpha_9, f0_4, f90_4);
+    vec3 _e300 = octagloss_suns_reflected(probe_16, surface_3, tangent_5, alpha_9, f0_4, f90_4);
     return (_e299 + (share_4 * _e300));
 }
 
-vec3 octagloss_reflect_of(uint probe_16, vec3 normal_4, vec3 view_3, vec3 tangent_6, float roughness_7, float anisotropy_1, vec3 f0_5, float f90_5) {
+vec3 octagloss_reflect_of(uint probe_17, vec3 normal_4, vec3 view_3, vec3 tangent_6, float roughness_7, float anisotropy_1, vec3 f0_5, float f90_5) {
     vec2 level_3 = vec2(0.0);
     bool local = false;
-    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_16, normal_4, view_3);
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_17, normal_4, view_3);
     if ((anisotropy_1 > 0.0)) {
         local = (dot(tangent_6, tangent_6) > 0.0);
     } else {
@@ -1250,26 +1268,26 @@ vec3 octagloss_reflect_of(uint probe_16, vec3 normal_4, vec3 view_3, vec3 tangen
     }
     bool _e19 = local;
     if (_e19) {
-        vec3 _e20 = octagloss_source_from_world(probe_16, tangent_6);
+        vec3 _e20 = octagloss_source_from_world(probe_17, tangent_6);
         vec3 across_3 = cross(_e8.normal, _e8.towards);
         level_3 = vec2(dot(_e20, _e8.towards), dot(_e20, across_3));
     }
     vec2 _e28 = level_3;
     vec2 _e29 = level_3;
     if ((dot(_e28, _e29) < 1e-10)) {
-        vec3 _e33 = octagloss_reflected_isotropic(probe_16, _e8, roughness_7, f0_5, f90_5);
+        vec3 _e33 = octagloss_reflected_isotropic(probe_17, _e8, roughness_7, f0_5, f90_5);
         return _e33;
     }
     vec2 _e36 = octagloss_row_alphas(roughness_7, min(anisotropy_1, 1.0));
     float _e37 = octagloss_row_share(_e36);
     vec2 _e38 = level_3;
-    vec3 _e40 = octagloss_reflect_in_row(probe_16, _e8, normalize(_e38), _e36, f0_5, f90_5);
+    vec3 _e40 = octagloss_reflect_in_row(probe_17, _e8, normalize(_e38), _e36, f0_5, f90_5);
     vec3 sum_7 = (_e37 * _e40);
     if ((_e37 == 1.0)) {
         return sum_7;
     }
     float round_ = sqrt(sqrt((_e36.x * _e36.y)));
-    vec3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round_, f0_5, f90_5);
+    vec3 _e51 = octagloss_reflected_isotropic(probe_17, _e8, round_, f0_5, f90_5);
     return (sum_7 + ((1.0 - _e37) * _e51));
 }
 

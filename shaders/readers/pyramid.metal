@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a d2efe0e61a89a15f.
+// Translated from pyramid_cube.wgsl, FNV-1a 7a745a8d23f07844.
 #else
-// Translated from pyramid.wgsl, FNV-1a c17472e0021b8653.
+// Translated from pyramid.wgsl, FNV-1a 69dcc3c15cf1c5be.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
@@ -415,6 +415,27 @@ metal::float3 octagloss_read_cosine(
 #endif
 }
 
+uint naga_div(uint lhs, uint rhs) {
+    return lhs / metal::select(rhs, 1u, rhs == 0u);
+}
+
+uint naga_mod(uint lhs, uint rhs) {
+    return lhs % metal::select(rhs, 1u, rhs == 0u);
+}
+
+metal::float3 octagloss_half_axis_of(
+    uint probe_6,
+    uint disc,
+    constant type_7& octagloss_lights
+) {
+    uint k_8 = 3u * naga_div(disc, 2u);
+    float _e11 = octagloss_lights.inner[probe_6].harmonics.inner[k_8].w;
+    float _e19 = octagloss_lights.inner[probe_6].harmonics.inner[k_8 + 1u].w;
+    float _e27 = octagloss_lights.inner[probe_6].harmonics.inner[k_8 + 2u].w;
+    metal::float3 half_axis = metal::float3(_e11, _e19, _e27);
+    return (naga_mod(disc, 2u) == 0u) ? half_axis : -(half_axis);
+}
+
 float octagloss_squared(
     metal::float3 v
 ) {
@@ -426,7 +447,7 @@ uint naga_f2u32(float value) {
 }
 
 metal::float3 octagloss_radiance_of(
-    uint probe_6,
+    uint probe_7,
     metal::float3 direction_2,
     float roughness,
     constant type_7& octagloss_lights,
@@ -452,26 +473,26 @@ metal::float3 octagloss_radiance_of(
     type_18 levels = {};
 #endif
     uint level_1 = 0u;
-    uint k_1 = 0u;
-    metal::float3 _e3 = octagloss_source_from_world(probe_6, direction_2, octagloss_lights);
+    uint disc_1 = 0u;
+    metal::float3 _e3 = octagloss_source_from_world(probe_7, direction_2, octagloss_lights);
 #ifdef OCTAGLOSS_CUBE
     octagloss_MapPlace _e4 = octagloss_place_of(_e3);
 #else
     octagloss_MapPlace _e4 = octagloss_place_of(_e3, octagloss_maps);
 #endif
     float node_1 = metal::log2(1.0 + (50.0 * roughness)) * 112.826515;
-    uint k_10 = metal::min(naga_f2u32(node_1), 639u);
-    float share = node_1 - static_cast<float>(k_10);
+    uint k_9 = metal::min(naga_f2u32(node_1), 639u);
+    float share = node_1 - static_cast<float>(k_9);
 #ifdef OCTAGLOSS_CUBE
-    type_14 _e17 = octagloss_node_weights(k_10, octagloss_tables);
+    type_14 _e17 = octagloss_node_weights(k_9, octagloss_tables);
 #else
-    type_15 _e17 = octagloss_node_weights(k_10, octagloss_tables);
+    type_15 _e17 = octagloss_node_weights(k_9, octagloss_tables);
 #endif
     low = _e17;
 #ifdef OCTAGLOSS_CUBE
-    type_14 _e21 = octagloss_node_weights(k_10 + 1u, octagloss_tables);
+    type_14 _e21 = octagloss_node_weights(k_9 + 1u, octagloss_tables);
 #else
-    type_15 _e21 = octagloss_node_weights(k_10 + 1u, octagloss_tables);
+    type_15 _e21 = octagloss_node_weights(k_9 + 1u, octagloss_tables);
 #endif
     high = _e21;
     metal::float4 _e24 = low.inner[0];
@@ -488,12 +509,12 @@ metal::float3 octagloss_radiance_of(
     metal::float4 e = metal::mix(_e39, _e41, share);
     if (a_1.x != 0.0) {
         metal::float3 _e48 = sum_1;
-        metal::float3 _e50 = octagloss_read_mirror(probe_6, _e4, octagloss_maps, octagloss_linear);
+        metal::float3 _e50 = octagloss_read_mirror(probe_7, _e4, octagloss_maps, octagloss_linear);
         sum_1 = _e48 + (a_1.x * _e50);
     }
     if (a_1.y != 0.0) {
         metal::float3 _e56 = sum_1;
-        metal::float3 _e58 = octagloss_read_sharp(probe_6, _e4, octagloss_maps, octagloss_linear);
+        metal::float3 _e58 = octagloss_read_sharp(probe_7, _e4, octagloss_maps, octagloss_linear);
         sum_1 = _e56 + (a_1.y * _e58);
     }
 #ifdef OCTAGLOSS_CUBE
@@ -521,7 +542,7 @@ metal::float3 octagloss_radiance_of(
                 uint _e81 = level_1;
                 float _e83 = levels.inner[_e81];
                 uint _e84 = level_1;
-                metal::float3 _e86 = octagloss_read_levels(probe_6, _e4, static_cast<float>(_e84), octagloss_maps, octagloss_linear);
+                metal::float3 _e86 = octagloss_read_levels(probe_7, _e4, static_cast<float>(_e84), octagloss_maps, octagloss_linear);
                 sum_1 = _e80 + (_e83 * _e86);
             }
         }
@@ -529,51 +550,56 @@ metal::float3 octagloss_radiance_of(
     if (c_2.y != 0.0) {
         metal::float3 _e95 = sum_1;
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e97 = octagloss_read_cosine(probe_6, _e4, octagloss_lights);
+        metal::float3 _e97 = octagloss_read_cosine(probe_7, _e4, octagloss_lights);
 #else
-        metal::float3 _e97 = octagloss_read_cosine(probe_6, _e4, octagloss_maps, octagloss_linear);
+        metal::float3 _e97 = octagloss_read_cosine(probe_7, _e4, octagloss_maps, octagloss_linear);
 #endif
         sum_1 = _e95 + (c_2.y * _e97);
     }
     metal::float3 _e100 = sum_1;
-    metal::float3 _e107 = octagloss_harmonics_around(probe_6, _e3, type_13 {{c_2.z, c_2.w, e.x, e.y, e.z}}, octagloss_lights);
+    metal::float3 _e107 = octagloss_harmonics_around(probe_7, _e3, type_13 {{c_2.z, c_2.w, e.x, e.y, e.z}}, octagloss_lights);
     sum_1 = _e100 + _e107;
     metal::float3 _e109 = sum_1;
-    float _e115 = octagloss_lights.inner[probe_6].unscale;
+    float _e115 = octagloss_lights.inner[probe_7].unscale;
     sum_1 = metal::max(_e109, metal::float3 {}) * _e115;
     float a2_ = ((roughness * roughness) * roughness) * roughness;
     bool loop_init_4 = true;
     while(true) {
         if (!loop_init_4) {
-            uint _e212 = k_1;
-            k_1 = _e212 + 1u;
+            uint _e225 = disc_1;
+            disc_1 = _e225 + 1u;
         }
         loop_init_4 = false;
-        uint _e122 = k_1;
-        if (_e122 < octagloss_SUNS) {
+        uint _e122 = disc_1;
+        if (_e122 < 16u) {
         } else {
             break;
         }
         {
-            uint _e128 = k_1;
-            OctaglossSun sun = octagloss_lights.inner[probe_6].suns.inner[_e128];
-            float _e134 = octagloss_squared(_e3 - sun.red.xyz);
-            float _e138 = octagloss_squared(_e3 - sun.green.xyz);
-            float _e142 = octagloss_squared(_e3 - sun.blue.xyz);
-            metal::float3 apart = metal::float3(_e134, _e138, _e142);
+            uint _e128 = disc_1;
+            OctaglossSun sun = octagloss_lights.inner[probe_7].suns.inner[naga_div(_e128, 2u)];
+            uint _e133 = disc_1;
+            metal::float3 _e134 = octagloss_half_axis_of(probe_7, _e133, octagloss_lights);
+            float _e135 = octagloss_squared(_e134);
+            float nearer = 1.0 - (0.5 * _e135);
+            metal::float3 to = _e3 - _e134;
+            float _e145 = octagloss_squared(to - (nearer * sun.red.xyz));
+            float _e150 = octagloss_squared(to - (nearer * sun.green.xyz));
+            float _e155 = octagloss_squared(to - (nearer * sun.blue.xyz));
+            metal::float3 apart = metal::float3(_e145, _e150, _e155);
             metal::float3 s = metal::min(0.25 * apart, metal::float3(0.5));
             metal::float3 radius2_ = 0.5 * metal::float3(sun.red.w, sun.green.w, sun.blue.w);
             metal::float3 nearness = (s + (a2_ * (metal::float3(1.0) - s))) - radius2_;
             metal::float3 root = metal::max(metal::sqrt((nearness * nearness) + ((4.0 * a2_) * radius2_)), metal::float3(0.000000000000000000000000000001));
             metal::float3 outside = metal::float3(2.0 * a2_) / (root * metal::max(root + nearness, metal::float3(0.000000000000000000000000000001)));
             metal::float3 inside = (root - nearness) / ((2.0 * metal::max(radius2_, metal::float3(0.000000000000000000000000000001))) * root);
-            metal::float3 lobe = (0.31830987 * metal::select(inside, outside, nearness > metal::float3 {})) * (metal::float3(1.0) - (2.0 * s));
-            metal::float3 _e201 = sum_1;
-            sum_1 = _e201 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x)));
+            metal::float3 lobe = (0.15915494 * metal::select(inside, outside, nearness > metal::float3 {})) * (metal::float3(1.0) - (2.0 * s));
+            metal::float3 _e214 = sum_1;
+            sum_1 = _e214 + ((sun.energy * lobe) * (e.w * (1.0 - a_1.x)));
         }
     }
-    metal::float3 _e214 = sum_1;
-    return _e214;
+    metal::float3 _e227 = sum_1;
+    return _e227;
 }
 
 metal::float3 octagloss_radiance(
@@ -593,7 +619,7 @@ metal::float3 octagloss_radiance(
 }
 
 metal::float3 octagloss_irradiance_of(
-    uint probe_7,
+    uint probe_8,
     metal::float3 normal,
 #ifdef OCTAGLOSS_CUBE
     constant type_7& octagloss_lights
@@ -604,32 +630,32 @@ metal::float3 octagloss_irradiance_of(
 #endif
 ) {
     metal::float3 sum_2 = {};
-    uint k_2 = 0u;
-    metal::float3 _e2 = octagloss_source_from_world(probe_7, normal, octagloss_lights);
+    uint k_1 = 0u;
+    metal::float3 _e2 = octagloss_source_from_world(probe_8, normal, octagloss_lights);
 #ifdef OCTAGLOSS_CUBE
     octagloss_MapPlace _e3 = octagloss_place_of(_e2);
-    metal::float3 _e4 = octagloss_read_cosine(probe_7, _e3, octagloss_lights);
+    metal::float3 _e4 = octagloss_read_cosine(probe_8, _e3, octagloss_lights);
 #else
     octagloss_MapPlace _e3 = octagloss_place_of(_e2, octagloss_maps);
-    metal::float3 _e4 = octagloss_read_cosine(probe_7, _e3, octagloss_maps, octagloss_linear);
+    metal::float3 _e4 = octagloss_read_cosine(probe_8, _e3, octagloss_maps, octagloss_linear);
 #endif
-    float _e8 = octagloss_lights.inner[probe_7].unscale;
+    float _e8 = octagloss_lights.inner[probe_8].unscale;
     sum_2 = _e4 * _e8;
     bool loop_init_5 = true;
     while(true) {
         if (!loop_init_5) {
-            uint _e41 = k_2;
-            k_2 = _e41 + 1u;
+            uint _e41 = k_1;
+            k_1 = _e41 + 1u;
         }
         loop_init_5 = false;
-        uint _e13 = k_2;
+        uint _e13 = k_1;
         if (_e13 < octagloss_SUNS) {
         } else {
             break;
         }
         {
-            uint _e19 = k_2;
-            OctaglossSun sun_1 = octagloss_lights.inner[probe_7].suns.inner[_e19];
+            uint _e19 = k_1;
+            OctaglossSun sun_1 = octagloss_lights.inner[probe_8].suns.inner[_e19];
             metal::float3 facing = metal::float3(metal::dot(_e2, sun_1.red.xyz), metal::dot(_e2, sun_1.green.xyz), metal::dot(_e2, sun_1.blue.xyz));
             metal::float3 _e32 = sum_2;
             sum_2 = _e32 + (sun_1.energy * (0.31830987 * metal::max(facing, metal::float3 {})));
@@ -695,14 +721,6 @@ metal::float4 octagloss_reflection_node(
     return _e31;
 }
 
-uint naga_mod(uint lhs, uint rhs) {
-    return lhs % metal::select(rhs, 1u, rhs == 0u);
-}
-
-uint naga_div(uint lhs, uint rhs) {
-    return lhs / metal::select(rhs, 1u, rhs == 0u);
-}
-
 metal::float4 octagloss_read_albedo(
     uint texel,
     metal::texture2d<float, metal::access::sample> octagloss_tables
@@ -731,7 +749,7 @@ metal::float2 octagloss_round_albedo(
 }
 
 metal::float3 octagloss_between_levels(
-    uint probe_8,
+    uint probe_9,
     metal::float3 direction_4,
     float level_2,
 #ifdef OCTAGLOSS_CUBE
@@ -747,16 +765,16 @@ metal::float3 octagloss_between_levels(
     octagloss_MapPlace _e3 = octagloss_place_of(direction_4, octagloss_maps);
 #endif
     if (level_2 >= 2.0) {
-        metal::float3 _e8 = octagloss_read_levels(probe_8, _e3, level_2 - 2.0, octagloss_maps, octagloss_linear);
+        metal::float3 _e8 = octagloss_read_levels(probe_9, _e3, level_2 - 2.0, octagloss_maps, octagloss_linear);
         return _e8;
     }
     if (level_2 >= 1.0) {
-        metal::float3 _e11 = octagloss_read_sharp(probe_8, _e3, octagloss_maps, octagloss_linear);
-        metal::float3 _e13 = octagloss_read_levels(probe_8, _e3, 0.0, octagloss_maps, octagloss_linear);
+        metal::float3 _e11 = octagloss_read_sharp(probe_9, _e3, octagloss_maps, octagloss_linear);
+        metal::float3 _e13 = octagloss_read_levels(probe_9, _e3, 0.0, octagloss_maps, octagloss_linear);
         return metal::mix(_e11, _e13, level_2 - 1.0);
     }
-    metal::float3 _e17 = octagloss_read_mirror(probe_8, _e3, octagloss_maps, octagloss_linear);
-    metal::float3 _e18 = octagloss_read_sharp(probe_8, _e3, octagloss_maps, octagloss_linear);
+    metal::float3 _e17 = octagloss_read_mirror(probe_9, _e3, octagloss_maps, octagloss_linear);
+    metal::float3 _e18 = octagloss_read_sharp(probe_9, _e3, octagloss_maps, octagloss_linear);
     return metal::mix(_e17, _e18, level_2);
 }
 
@@ -890,7 +908,7 @@ type_18 octagloss_harmonic_orders(
 #else
 type_19 octagloss_harmonic_orders(
 #endif
-    uint probe_9,
+    uint probe_10,
     metal::float3 d_2,
     constant type_7& octagloss_lights
 ) {
@@ -901,7 +919,7 @@ type_19 octagloss_harmonic_orders(
     type_19 sums = type_19 {};
 #endif
     uint order_1 = 0u;
-    uint k_3 = {};
+    uint k_2 = {};
     type_12 _e2 = octagloss_harmonic_basis(d_2);
     basis_1 = _e2;
     bool loop_init_7 = true;
@@ -919,15 +937,15 @@ type_19 octagloss_harmonic_orders(
         {
             uint _e11 = order_1;
             uint _e12 = order_1;
-            k_3 = _e11 * _e12;
+            k_2 = _e11 * _e12;
             bool loop_init_8 = true;
             while(true) {
                 if (!loop_init_8) {
-                    uint _e40 = k_3;
-                    k_3 = _e40 + 1u;
+                    uint _e40 = k_2;
+                    k_2 = _e40 + 1u;
                 }
                 loop_init_8 = false;
-                uint _e15 = k_3;
+                uint _e15 = k_2;
                 uint _e16 = order_1;
                 uint _e19 = order_1;
                 if (_e15 < ((_e16 + 1u) * (_e19 + 1u))) {
@@ -937,10 +955,10 @@ type_19 octagloss_harmonic_orders(
                 {
                     uint _e24 = order_1;
                     metal::float3 _e26 = sums.inner[_e24];
-                    uint _e27 = k_3;
+                    uint _e27 = k_2;
                     float _e29 = basis_1.inner[_e27];
-                    uint _e33 = k_3;
-                    metal::float4 _e35 = octagloss_lights.inner[probe_9].harmonics.inner[_e33];
+                    uint _e33 = k_2;
+                    metal::float4 _e35 = octagloss_lights.inner[probe_10].harmonics.inner[_e33];
                     sums.inner[_e24] = _e26 + (_e29 * _e35.xyz);
                 }
             }
@@ -955,7 +973,7 @@ type_19 octagloss_harmonic_orders(
 }
 
 metal::float3 octagloss_cosine_light(
-    uint probe_10,
+    uint probe_11,
     metal::float3 n,
 #ifdef OCTAGLOSS_CUBE
     constant type_7& octagloss_lights
@@ -966,16 +984,16 @@ metal::float3 octagloss_cosine_light(
 ) {
 #ifdef OCTAGLOSS_CUBE
     octagloss_MapPlace _e2 = octagloss_place_of(n);
-    metal::float3 _e3 = octagloss_read_cosine(probe_10, _e2, octagloss_lights);
+    metal::float3 _e3 = octagloss_read_cosine(probe_11, _e2, octagloss_lights);
 #else
     octagloss_MapPlace _e2 = octagloss_place_of(n, octagloss_maps);
-    metal::float3 _e3 = octagloss_read_cosine(probe_10, _e2, octagloss_maps, octagloss_linear);
+    metal::float3 _e3 = octagloss_read_cosine(probe_11, _e2, octagloss_maps, octagloss_linear);
 #endif
     return _e3;
 }
 
 metal::float3 octagloss_harmonics_reflected(
-    uint probe_11,
+    uint probe_12,
     octagloss_SurfaceFrame surface,
 #ifdef OCTAGLOSS_CUBE
     type_19 pairs,
@@ -995,7 +1013,7 @@ metal::float3 octagloss_harmonics_reflected(
 #endif
     metal::float3 sum_3 = metal::float3 {};
     uint pair = 0u;
-    uint k_4 = 0u;
+    uint k_3 = 0u;
 #ifdef OCTAGLOSS_CUBE
     type_18 orders = {};
 #else
@@ -1006,27 +1024,27 @@ metal::float3 octagloss_harmonics_reflected(
     bool loop_init_9 = true;
     while(true) {
         if (!loop_init_9) {
-            uint _e84 = k_4;
-            k_4 = _e84 + 1u;
+            uint _e84 = k_3;
+            k_3 = _e84 + 1u;
         }
         loop_init_9 = false;
-        uint _e29 = k_4;
+        uint _e29 = k_3;
         if (_e29 < 5u) {
         } else {
             break;
         }
         {
-            uint _e33 = k_4;
+            uint _e33 = k_3;
             float _e36 = angles.inner[_e33].x;
-            uint _e39 = k_4;
+            uint _e39 = k_3;
             float _e42 = angles.inner[_e39].y;
 #ifdef OCTAGLOSS_CUBE
-            type_18 _e45 = octagloss_harmonic_orders(probe_11, (surface.normal * _e36) + (surface.towards * _e42), octagloss_lights);
+            type_18 _e45 = octagloss_harmonic_orders(probe_12, (surface.normal * _e36) + (surface.towards * _e42), octagloss_lights);
 #else
-            type_19 _e45 = octagloss_harmonic_orders(probe_11, (surface.normal * _e36) + (surface.towards * _e42), octagloss_lights);
+            type_19 _e45 = octagloss_harmonic_orders(probe_12, (surface.normal * _e36) + (surface.towards * _e42), octagloss_lights);
 #endif
             orders = _e45;
-            uint _e47 = k_4;
+            uint _e47 = k_3;
             order_2 = _e47;
             bool loop_init_10 = true;
             while(true) {
@@ -1068,7 +1086,7 @@ float octagloss_map_inner(
 }
 
 metal::float3 octagloss_suns_reflected(
-    uint probe_12,
+    uint probe_13,
     octagloss_SurfaceFrame surface_1,
     metal::float2 tangent,
     metal::float2 alpha_2,
@@ -1082,7 +1100,7 @@ metal::float3 octagloss_suns_reflected(
 #endif
 ) {
     metal::float3 sum_4 = metal::float3 {};
-    uint k_5 = 0u;
+    uint disc_2 = 0u;
 #ifdef OCTAGLOSS_CUBE
     type_21 channels = {};
     type_22 values = {};
@@ -1100,18 +1118,22 @@ metal::float3 octagloss_suns_reflected(
     bool loop_init_11 = true;
     while(true) {
         if (!loop_init_11) {
-            uint _e109 = k_5;
-            k_5 = _e109 + 1u;
+            uint _e122 = disc_2;
+            disc_2 = _e122 + 1u;
         }
         loop_init_11 = false;
-        uint _e39 = k_5;
-        if (_e39 < octagloss_SUNS) {
+        uint _e39 = disc_2;
+        if (_e39 < 16u) {
         } else {
             break;
         }
         {
-            uint _e45 = k_5;
-            OctaglossSun sun_2 = octagloss_lights.inner[probe_12].suns.inner[_e45];
+            uint _e45 = disc_2;
+            OctaglossSun sun_2 = octagloss_lights.inner[probe_13].suns.inner[naga_div(_e45, 2u)];
+            uint _e50 = disc_2;
+            metal::float3 _e51 = octagloss_half_axis_of(probe_13, _e50, octagloss_lights);
+            float _e52 = octagloss_squared(_e51);
+            float nearer_1 = 1.0 - (0.5 * _e52);
 #ifdef OCTAGLOSS_CUBE
             channels = type_21 {{sun_2.red, sun_2.green, sun_2.blue}};
             values = type_22 {};
@@ -1123,41 +1145,41 @@ metal::float3 octagloss_suns_reflected(
             bool loop_init_12 = true;
             while(true) {
                 if (!loop_init_12) {
-                    uint _e77 = c;
-                    c = _e77 + 1u;
+                    uint _e88 = c;
+                    c = _e88 + 1u;
                 }
                 loop_init_12 = false;
-                uint _e57 = c;
-                if (_e57 < 3u) {
+                uint _e66 = c;
+                if (_e66 < 3u) {
                 } else {
                     break;
                 }
                 {
-                    uint _e60 = c;
-                    metal::float4 _e62 = channels.inner[_e60];
-                    metal::float3 to = _e62.xyz;
-                    metal::float3 light_1 = metal::float3(metal::dot(to, x_2), metal::dot(to, y_1), metal::dot(to, surface_1.normal));
                     uint _e69 = c;
-                    uint _e71 = c;
-                    float _e74 = channels.inner[_e71].w;
-                    metal::float2 _e75 = octagloss_brdf_around(view_5, light_1, wide, _e74);
-                    values.inner[_e69] = _e75;
+                    metal::float4 _e71 = channels.inner[_e69];
+                    metal::float3 to_1 = (nearer_1 * _e71.xyz) + _e51;
+                    metal::float3 light_1 = metal::float3(metal::dot(to_1, x_2), metal::dot(to_1, y_1), metal::dot(to_1, surface_1.normal));
+                    uint _e80 = c;
+                    uint _e82 = c;
+                    float _e85 = channels.inner[_e82].w;
+                    metal::float2 _e86 = octagloss_brdf_around(view_5, light_1, wide, _e85);
+                    values.inner[_e80] = _e86;
                 }
             }
-            float _e81 = values.inner[0].x;
-            float _e84 = values.inner[1].x;
-            float _e87 = values.inner[2].x;
-            metal::float3 value_1 = metal::float3(_e81, _e84, _e87);
-            float _e91 = values.inner[0].y;
-            float _e94 = values.inner[1].y;
-            float _e97 = values.inner[2].y;
-            metal::float3 fresnel = metal::float3(_e91, _e94, _e97);
-            metal::float3 _e99 = sum_4;
-            sum_4 = _e99 + ((sun_2.energy * value_1) * (f0_1 + ((metal::float3(f90_1) - f0_1) * fresnel)));
+            float _e92 = values.inner[0].x;
+            float _e95 = values.inner[1].x;
+            float _e98 = values.inner[2].x;
+            metal::float3 value_1 = metal::float3(_e92, _e95, _e98);
+            float _e102 = values.inner[0].y;
+            float _e105 = values.inner[1].y;
+            float _e108 = values.inner[2].y;
+            metal::float3 fresnel = metal::float3(_e102, _e105, _e108);
+            metal::float3 _e110 = sum_4;
+            sum_4 = _e110 + (((0.5 * sun_2.energy) * value_1) * (f0_1 + ((metal::float3(f90_1) - f0_1) * fresnel)));
         }
     }
-    metal::float3 _e111 = sum_4;
-    return _e111;
+    metal::float3 _e124 = sum_4;
+    return _e124;
 }
 
 metal::float2 octagloss_albedo_share(
@@ -1168,7 +1190,7 @@ metal::float2 octagloss_albedo_share(
 }
 
 metal::float3 octagloss_reflected_isotropic(
-    uint probe_13,
+    uint probe_14,
     octagloss_SurfaceFrame surface_2,
     float roughness_4,
     metal::float3 f0_2,
@@ -1184,13 +1206,13 @@ metal::float3 octagloss_reflected_isotropic(
 ) {
     metal::float3 sum_5 = metal::float3 {};
     float in_mirror = 0.0;
-    uint k_6 = 0u;
+    uint k_4 = 0u;
 #ifdef OCTAGLOSS_CUBE
     type_19 pairs_1 = type_19 {};
 #else
     type_20 pairs_1 = type_20 {};
 #endif
-    uint k_7 = 0u;
+    uint k_5 = 0u;
     metal::float3 n_1 = surface_2.normal;
     float cosine_11 = surface_2.cosine;
     metal::float3 along_3 = surface_2.towards * surface_2.sine;
@@ -1203,22 +1225,22 @@ metal::float3 octagloss_reflected_isotropic(
     bool loop_init_13 = true;
     while(true) {
         if (!loop_init_13) {
-            uint _e64 = k_6;
-            k_6 = _e64 + 1u;
+            uint _e64 = k_4;
+            k_4 = _e64 + 1u;
         }
         loop_init_13 = false;
-        uint _e27 = k_6;
+        uint _e27 = k_4;
         if (_e27 < octagloss_READS) {
         } else {
             break;
         }
         {
-            uint _e30 = k_6;
+            uint _e30 = k_4;
             metal::float4 _e31 = octagloss_reflection_node(_e30, roughness_4, cosine_11, octagloss_tables, octagloss_linear);
             metal::float3 half_vector = metal::normalize(n_1 + (_e31.x * along_3));
             metal::float3 direction_5 = (half_vector * (2.0 * metal::dot(v_1, half_vector))) - v_1;
             metal::float3 _e41 = sum_5;
-            metal::float3 _e49 = octagloss_between_levels(probe_13, direction_5, _e31.y, octagloss_maps, octagloss_linear);
+            metal::float3 _e49 = octagloss_between_levels(probe_14, direction_5, _e31.y, octagloss_maps, octagloss_linear);
             sum_5 = _e41 + (((scaled * _e31.z) + metal::float3(grazing * _e31.w)) * _e49);
             float _e52 = in_mirror;
             in_mirror = _e52 + ((_e31.z + _e31.w) * metal::max(1.0 - _e31.y, 0.0));
@@ -1226,26 +1248,26 @@ metal::float3 octagloss_reflected_isotropic(
     }
     metal::float3 _e66 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e73 = octagloss_cosine_light(probe_13, n_1, octagloss_lights);
+    metal::float3 _e73 = octagloss_cosine_light(probe_14, n_1, octagloss_lights);
 #else
-    metal::float3 _e73 = octagloss_cosine_light(probe_13, n_1, octagloss_maps, octagloss_linear);
+    metal::float3 _e73 = octagloss_cosine_light(probe_14, n_1, octagloss_maps, octagloss_linear);
 #endif
     sum_5 = _e66 + (((scaled * _e13.x) + metal::float3(grazing * _e13.y)) * _e73);
     bool loop_init_14 = true;
     while(true) {
         if (!loop_init_14) {
-            uint _e90 = k_7;
-            k_7 = _e90 + 1u;
+            uint _e90 = k_5;
+            k_5 = _e90 + 1u;
         }
         loop_init_14 = false;
-        uint _e80 = k_7;
+        uint _e80 = k_5;
         if (_e80 < 8u) {
         } else {
             break;
         }
         {
-            uint _e83 = k_7;
-            uint _e86 = k_7;
+            uint _e83 = k_5;
+            uint _e86 = k_5;
             metal::float4 _e88 = octagloss_reflection_node(10u + _e86, roughness_4, cosine_11, octagloss_tables, octagloss_linear);
             pairs_1.inner[_e83] = _e88;
         }
@@ -1256,28 +1278,28 @@ metal::float3 octagloss_reflected_isotropic(
 #else
     type_20 _e93 = pairs_1;
 #endif
-    metal::float3 _e94 = octagloss_harmonics_reflected(probe_13, surface_2, _e93, scaled, grazing, octagloss_lights);
+    metal::float3 _e94 = octagloss_harmonics_reflected(probe_14, surface_2, _e93, scaled, grazing, octagloss_lights);
     sum_5 = _e92 + _e94;
     metal::float3 _e96 = sum_5;
-    float _e102 = octagloss_lights.inner[probe_13].unscale;
+    float _e102 = octagloss_lights.inner[probe_14].unscale;
     sum_5 = metal::max(_e96, metal::float3 {}) * _e102;
     float _e104 = in_mirror;
     float share_3 = metal::max(1.0 - (_e104 / (_e13.z + _e13.w)), 0.0);
     metal::float2 alpha_11 = metal::float2(roughness_4 * roughness_4);
     metal::float3 _e115 = sum_5;
-    metal::float3 _e119 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_2, f90_2, octagloss_lights, octagloss_maps);
+    metal::float3 _e119 = octagloss_suns_reflected(probe_14, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_2, f90_2, octagloss_lights, octagloss_maps);
     return _e115 + (share_3 * _e119);
 }
 
 octagloss_SurfaceFrame octagloss_surface_of(
-    uint probe_14,
+    uint probe_15,
     metal::float3 normal_2,
     metal::float3 view_1,
     constant type_7& octagloss_lights
 ) {
     metal::float3 level_view = {};
-    metal::float3 _e3 = octagloss_source_from_world(probe_14, normal_2, octagloss_lights);
-    metal::float3 _e4 = octagloss_source_from_world(probe_14, view_1, octagloss_lights);
+    metal::float3 _e3 = octagloss_source_from_world(probe_15, normal_2, octagloss_lights);
+    metal::float3 _e4 = octagloss_source_from_world(probe_15, view_1, octagloss_lights);
     float cosine_12 = metal::clamp(metal::dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = _e4 - (_e3 * metal::dot(_e3, _e4));
     metal::float3 _e13 = level_view;
@@ -1513,7 +1535,7 @@ metal::float2 octagloss_row_read(
 }
 
 metal::float3 octagloss_reflect_in_row(
-    uint probe_15,
+    uint probe_16,
     octagloss_SurfaceFrame surface_3,
     metal::float2 tangent_5,
     metal::float2 alpha_9,
@@ -1540,7 +1562,7 @@ metal::float3 octagloss_reflect_in_row(
 #else
     type_20 pairs_2 = type_20 {};
 #endif
-    uint k_8 = 0u;
+    uint k_6 = 0u;
 #ifdef OCTAGLOSS_CUBE
     type_23 aside = type_23 {{metal::float3(0.4620342, 0.54655075, -0.6984316), metal::float3(0.8966183, 0.38650447, 0.21607853), metal::float3(0.11814805, 0.3835753, 0.91592085), metal::float3(0.14011177, 0.8172301, -0.5590202)}};
 #else
@@ -1548,7 +1570,7 @@ metal::float3 octagloss_reflect_in_row(
 #endif
     metal::float4 texel_1 = {};
     uint pair_1 = 15u;
-    uint k_9 = 0u;
+    uint k_7 = 0u;
 #ifdef OCTAGLOSS_CUBE
     type_18 own_1 = {};
     type_18 other = {};
@@ -1589,9 +1611,9 @@ metal::float3 octagloss_reflect_in_row(
             if (_e54 == 0u) {
                 metal::float3 _e57 = sum_6;
 #ifdef OCTAGLOSS_CUBE
-                metal::float3 _e64 = octagloss_cosine_light(probe_15, n_2, octagloss_lights);
+                metal::float3 _e64 = octagloss_cosine_light(probe_16, n_2, octagloss_lights);
 #else
-                metal::float3 _e64 = octagloss_cosine_light(probe_15, n_2, octagloss_maps, octagloss_linear);
+                metal::float3 _e64 = octagloss_cosine_light(probe_16, n_2, octagloss_maps, octagloss_linear);
 #endif
                 sum_6 = _e57 + (((scaled_1 * _e49.z) + metal::float3(grazing_1 * _e49.w)) * _e64);
             } else {
@@ -1626,7 +1648,7 @@ metal::float3 octagloss_reflect_in_row(
                     metal::float3 half_vector_1 = metal::normalize(n_2 + (_e108.x * axis_2));
                     metal::float3 direction_6 = (half_vector_1 * (2.0 * metal::dot(v_2, half_vector_1))) - v_2;
                     metal::float3 _e118 = sum_6;
-                    metal::float3 _e126 = octagloss_between_levels(probe_15, direction_6, _e108.y, octagloss_maps, octagloss_linear);
+                    metal::float3 _e126 = octagloss_between_levels(probe_16, direction_6, _e108.y, octagloss_maps, octagloss_linear);
                     sum_6 = _e118 + (((scaled_1 * weights_3.x) + metal::float3(grazing_1 * weights_3.y)) * _e126);
                     float _e129 = in_mirror_1;
                     in_mirror_1 = _e129 + (metal::dot(_e34, weights_3) * metal::max(1.0 - _e108.y, 0.0));
@@ -1637,18 +1659,18 @@ metal::float3 octagloss_reflect_in_row(
     bool loop_init_17 = true;
     while(true) {
         if (!loop_init_17) {
-            uint _e158 = k_8;
-            k_8 = _e158 + 1u;
+            uint _e158 = k_6;
+            k_6 = _e158 + 1u;
         }
         loop_init_17 = false;
-        uint _e148 = k_8;
+        uint _e148 = k_6;
         if (_e148 < 8u) {
         } else {
             break;
         }
         {
-            uint _e151 = k_8;
-            uint _e154 = k_8;
+            uint _e151 = k_6;
+            uint _e154 = k_6;
             metal::float4 _e156 = octagloss_row_node(octagloss_ROW_PAIRS + _e154, _e16, octagloss_linear, octagloss_rows);
             pairs_2.inner[_e151] = _e156;
         }
@@ -1659,7 +1681,7 @@ metal::float3 octagloss_reflect_in_row(
 #else
     type_20 _e161 = pairs_2;
 #endif
-    metal::float3 _e162 = octagloss_harmonics_reflected(probe_15, surface_3, _e161, scaled_1, grazing_1, octagloss_lights);
+    metal::float3 _e162 = octagloss_harmonics_reflected(probe_16, surface_3, _e161, scaled_1, grazing_1, octagloss_lights);
     sum_6 = _e160 + _e162;
     metal::float3 mirrored = across_2 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
     metal::float4 _e192 = pairs_2.inner[7];
@@ -1667,38 +1689,38 @@ metal::float3 octagloss_reflect_in_row(
     bool loop_init_18 = true;
     while(true) {
         if (!loop_init_18) {
-            uint _e280 = k_9;
-            k_9 = _e280 + 1u;
+            uint _e280 = k_7;
+            k_7 = _e280 + 1u;
         }
         loop_init_18 = false;
-        uint _e198 = k_9;
+        uint _e198 = k_7;
         if (_e198 < 4u) {
         } else {
             break;
         }
         {
-            uint _e202 = k_9;
+            uint _e202 = k_7;
             float _e205 = aside.inner[_e202].x;
-            uint _e207 = k_9;
+            uint _e207 = k_7;
             float _e210 = aside.inner[_e207].z;
             metal::float3 level_4 = (surface_3.towards * _e205) + (n_2 * _e210);
-            uint _e213 = k_9;
+            uint _e213 = k_7;
             float _e216 = aside.inner[_e213].y;
 #ifdef OCTAGLOSS_CUBE
-            type_18 _e219 = octagloss_harmonic_orders(probe_15, level_4 + (mirrored * _e216), octagloss_lights);
+            type_18 _e219 = octagloss_harmonic_orders(probe_16, level_4 + (mirrored * _e216), octagloss_lights);
 #else
-            type_19 _e219 = octagloss_harmonic_orders(probe_15, level_4 + (mirrored * _e216), octagloss_lights);
+            type_19 _e219 = octagloss_harmonic_orders(probe_16, level_4 + (mirrored * _e216), octagloss_lights);
 #endif
             own_1 = _e219;
-            uint _e221 = k_9;
+            uint _e221 = k_7;
             float _e224 = aside.inner[_e221].y;
 #ifdef OCTAGLOSS_CUBE
-            type_18 _e227 = octagloss_harmonic_orders(probe_15, level_4 - (mirrored * _e224), octagloss_lights);
+            type_18 _e227 = octagloss_harmonic_orders(probe_16, level_4 - (mirrored * _e224), octagloss_lights);
 #else
-            type_19 _e227 = octagloss_harmonic_orders(probe_15, level_4 - (mirrored * _e224), octagloss_lights);
+            type_19 _e227 = octagloss_harmonic_orders(probe_16, level_4 - (mirrored * _e224), octagloss_lights);
 #endif
             other = _e227;
-            uint _e229 = k_9;
+            uint _e229 = k_7;
             order_3 = _e229 + 1u;
             bool loop_init_19 = true;
             while(true) {
@@ -1736,17 +1758,17 @@ metal::float3 octagloss_reflect_in_row(
         }
     }
     metal::float3 _e282 = sum_6;
-    float _e288 = octagloss_lights.inner[probe_15].unscale;
+    float _e288 = octagloss_lights.inner[probe_16].unscale;
     sum_6 = metal::max(_e282, metal::float3 {}) * _e288;
     float _e290 = in_mirror_1;
     float share_4 = metal::max(1.0 - (_e290 / (_e34.x + _e34.y)), 0.0);
     metal::float3 _e299 = sum_6;
-    metal::float3 _e300 = octagloss_suns_reflected(probe_15, surface_3, tangent_5, alpha_9, f0_4, f90_4, octagloss_lights, octagloss_maps);
+    metal::float3 _e300 = octagloss_suns_reflected(probe_16, surface_3, tangent_5, alpha_9, f0_4, f90_4, octagloss_lights, octagloss_maps);
     return _e299 + (share_4 * _e300);
 }
 
 metal::float3 octagloss_reflect_of(
-    uint probe_16,
+    uint probe_17,
     metal::float3 normal_4,
     metal::float3 view_3,
     metal::float3 tangent_6,
@@ -1766,7 +1788,7 @@ metal::float3 octagloss_reflect_of(
 ) {
     metal::float2 level_3 = metal::float2 {};
     bool local = {};
-    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_16, normal_4, view_3, octagloss_lights);
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_17, normal_4, view_3, octagloss_lights);
     if (anisotropy_1 > 0.0) {
         local = metal::dot(tangent_6, tangent_6) > 0.0;
     } else {
@@ -1774,26 +1796,26 @@ metal::float3 octagloss_reflect_of(
     }
     bool _e19 = local;
     if (_e19) {
-        metal::float3 _e20 = octagloss_source_from_world(probe_16, tangent_6, octagloss_lights);
+        metal::float3 _e20 = octagloss_source_from_world(probe_17, tangent_6, octagloss_lights);
         metal::float3 across_3 = metal::cross(_e8.normal, _e8.towards);
         level_3 = metal::float2(metal::dot(_e20, _e8.towards), metal::dot(_e20, across_3));
     }
     metal::float2 _e28 = level_3;
     metal::float2 _e29 = level_3;
     if (metal::dot(_e28, _e29) < 0.0000000001) {
-        metal::float3 _e33 = octagloss_reflected_isotropic(probe_16, _e8, roughness_7, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+        metal::float3 _e33 = octagloss_reflected_isotropic(probe_17, _e8, roughness_7, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
         return _e33;
     }
     metal::float2 _e36 = octagloss_row_alphas(roughness_7, metal::min(anisotropy_1, 1.0));
     float _e37 = octagloss_row_share(_e36);
     metal::float2 _e38 = level_3;
-    metal::float3 _e40 = octagloss_reflect_in_row(probe_16, _e8, metal::normalize(_e38), _e36, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 _e40 = octagloss_reflect_in_row(probe_17, _e8, metal::normalize(_e38), _e36, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
     metal::float3 sum_7 = _e37 * _e40;
     if (_e37 == 1.0) {
         return sum_7;
     }
     float round = metal::sqrt(metal::sqrt(_e36.x * _e36.y));
-    metal::float3 _e51 = octagloss_reflected_isotropic(probe_16, _e8, round, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    metal::float3 _e51 = octagloss_reflected_isotropic(probe_17, _e8, round, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
     return sum_7 + ((1.0 - _e37) * _e51);
 }
 
