@@ -21,8 +21,8 @@ struct OctaglossLight {
     unscale: f32,
     clamp: f32,
     pad: f32,
-    // Harmonics of the rest to order 4, scaled. The fourth components of the first 24 are the suns' half axes,
-    // three for each: so 64 lights fit in a uniform buffer.
+    // Harmonics of the rest to order 4, scaled. The fourth components of the first 24 are the suns' half
+    // axes, three for each: so 64 lights fit in a uniform buffer.
     harmonics: array<vec4<f32>, 25>,
     // Fills a multiple of 256 bytes, at which bindings may begin.
     @size(560) suns: array<OctaglossSun, SUNS>,

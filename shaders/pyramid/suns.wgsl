@@ -180,8 +180,12 @@ fn suns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let share = energy / all;
-    let middle = share.x * channels[0].direction + share.y * channels[1].direction
+    var middle = share.x * channels[0].direction + share.y * channels[1].direction
         + share.z * channels[2].direction;
+    // Channels that are opposite leave no direction.
+    if squared(middle) < 1e-12 {
+        middle = vec3<f32>(0.0, 0.0, 1.0);
+    }
     // Two axes that touch the sphere.
     let up = select(vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(1.0, 0.0, 0.0), abs(middle.y) > abs(middle.x));
     let t = normalize(cross(up, middle));

@@ -131,8 +131,8 @@ fn map_of(size: u32, seed: u64, look: Look) -> (octagloss_core::light::environme
     (environment(layout, texels.clone()), oem(OemSize { inner: size, border: 0 }, &texels))
 }
 
-/// Exhaustive sums of `oem` under a Gaussian lobe. Its texels' light lies at their centres, which widens it by
-/// a twelfth of a texel's square.
+/// Exhaustive sums of `oem` under a Gaussian lobe. Its texels' light lies at their centres, which widens it
+/// by a twelfth of a texel's square.
 fn under_gaussian(oem: &Oem, width: f64, direction: DVec3) -> DVec3 {
     let inner = oem.size().inner;
     let (t, b) = direction.any_orthonormal_pair();

@@ -32,8 +32,8 @@ pub struct OctaglossLight {
     /// What the rest is clamped to, scaled.
     pub clamp: f32,
     pad: f32,
-    /// Harmonics of the rest, scaled. The fourth components of the first 24 are the suns' half axes, three for
-    /// each: so 64 lights fit in a uniform buffer.
+    /// Harmonics of the rest, scaled. The fourth components of the first 24 are the suns' half axes, three
+    /// for each: so 64 lights fit in a uniform buffer.
     pub harmonics: [[f32; 4]; 25],
     /// Suns.
     pub suns: [OctaglossSun; suns::COUNT],

@@ -31,8 +31,8 @@ pub const NEAR: f32 = 0.02;
 pub const NEAR_TEXELS: f32 = 7.0;
 
 /// A sun: the light above the clamp that is nearest to one seed. Lamps of several colours may share a sun, so
-/// each channel has a place of its own. Half of its light is a disc [`Self::half_axis`] away from there, half a
-/// disc on the other side: suns are as long as wide, or longer.
+/// each channel has a place of its own. Half of its light is a disc [`Self::half_axis`] away from there, half
+/// one on the other side: few suns are round.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sun {
     /// Red, green and blue.
@@ -130,7 +130,7 @@ pub(crate) fn kept(brightness: f32, clamp: f32) -> f32 {
 }
 
 impl Sun {
-    /// The sun of texels of a width of `texel`: their centres, and energies.
+    /// The sun of `texels` of the width `texel`: their centres on the square, and energies.
     fn of(texel: f64, texels: &[(DVec2, [f64; 3])]) -> Self {
         let sum = |c: usize| texels.iter().map(|(_, energy)| energy[c]).sum::<f64>();
         let energies = [0, 1, 2].map(sum);
@@ -144,7 +144,8 @@ impl Sun {
         };
         let directions = [0, 1, 2].map(mean);
         let middle: DVec3 = directions.iter().zip(energies).map(|(to, energy)| energy / all * *to).sum();
-        let (t, b) = middle.normalize().any_orthonormal_pair();
+        // Channels that are opposite leave no direction.
+        let (t, b) = middle.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();
         // Covariances of the channels in the plane that touches the sphere: along t, along both, along b.
         let mut covariances = [DVec3::ZERO; 3];
         for (at, energy) in texels {
@@ -196,8 +197,8 @@ impl Sun {
 }
 
 impl SunChannel {
-    /// GGX under a uniform disc of its spread, whose centre is so far away, in closed form: a2 / (a2 + s)^2 is the kernel of a parallel
-    /// disc's form factor.
+    /// GGX under a uniform disc of its spread, whose centre is so far away, in closed form: a2 / (a2 + s)^2 is
+    /// the kernel of a parallel disc's form factor.
     fn glossy(&self, alpha: f32, distance_squared: f32) -> f32 {
         if self.energy == 0.0 {
             return 0.0;
