@@ -26,7 +26,7 @@ pub fn rgbd_from_rgb(rgb: Rgb) -> [u8; 4] {
 /// Encodes row-major `texels` of `width` columns as a PNG in RGBD.
 ///
 /// # Errors
-/// [`Error::Parameter`] if the texels do not fill the image.
+/// [`crate::common::error::Error::Parameter`] if the texels do not fill the image.
 pub fn rgbd_png_bytes(width: u32, texels: &[Rgb]) -> Result<Vec<u8>> {
     let codes: Vec<[u8; 4]> = texels.iter().map(|texel| rgbd_from_rgb(*texel)).collect();
     png_bytes(width, &codes)
