@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 7a745a8d23f07844.
+// Translated from pyramid_cube.wgsl, FNV-1a aa799bad59c6e5be.
 #else
-// Translated from pyramid.wgsl, FNV-1a 69dcc3c15cf1c5be.
+// Translated from pyramid.wgsl, FNV-1a 1f070e1bccb3db4c.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
