@@ -197,8 +197,8 @@ impl Sun {
 }
 
 impl SunChannel {
-    /// GGX under a uniform disc of its spread, whose centre is so far away, in closed form: a2 / (a2 + s)^2 is
-    /// the kernel of a parallel disc's form factor.
+    /// GGX under a uniform disc of its spread, whose centre is so far away, in closed form: a2 / (a2 + s)^2
+    /// is the kernel of a parallel disc's form factor.
     fn glossy(&self, alpha: f32, distance_squared: f32) -> f32 {
         if self.energy == 0.0 {
             return 0.0;
