@@ -17,12 +17,12 @@ use crate::read::InputLayout;
 use crate::recipes::{BakePlan, InputOptions, Source, products};
 use crate::{BakeSettings, Environment, Error, Filter, Oracle};
 use anyhow::anyhow;
+use octagloss_core::common::parallel;
 use octagloss_core::files::export::produce::check_memory;
 use octagloss_core::files::io::file_name::path_key;
 use octagloss_core::files::io::output;
 use octagloss_core::files::io::regular::CHANGED;
 use octagloss_core::sphere::cube::direction_from_texel;
-use rayon::prelude::*;
 use serde_json::json;
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -438,7 +438,7 @@ fn reference_seconds(environment: &Environment, settings: &BakeSettings) -> crat
         // Lobes cost about the same at every level: extrapolate from the first slow one.
         if last < 1.0 {
             let start = Instant::now();
-            directions.par_iter().for_each(|direction| {
+            parallel::for_each(&directions, |direction| {
                 std::hint::black_box(oracle.reflected(settings.lobe, level.roughness, *direction));
             });
             last = start.elapsed().as_secs_f64();

@@ -7,11 +7,11 @@ use super::values::EngineArg;
 use crate::{BakeSettings, Environment, Filter, Ladder, OemSize, Scan, bake};
 use octagloss_core::analysis::sat_f32::sat_f32;
 use octagloss_core::bake::memory;
+use octagloss_core::common::parallel;
 use octagloss_core::cpu::reparameterise::oem_from_environment;
 use octagloss_core::cpu::sat_scan;
 use octagloss_core::light::oem::Oem;
 use octagloss_core::light::sat::FixedPoint;
-use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -120,7 +120,7 @@ fn time<T>(runs: u32, mut work: impl FnMut() -> T) -> Timing {
 /// Copies memory, split between the threads.
 fn copy(from: &[[u64; 4]], to: &mut [[u64; 4]]) {
     let share = from.len().div_ceil(rayon::current_num_threads());
-    to.par_chunks_mut(share).zip(from.par_chunks(share)).for_each(|(to, from)| to.copy_from_slice(from));
+    parallel::for_each(to.chunks_mut(share).zip(from.chunks(share)), |(to, from)| to.copy_from_slice(from));
 }
 
 fn time_oem(environment: &Environment, size: u32, runs: u32) -> Timing {

@@ -12,11 +12,11 @@ use crate::files::Existing;
 use crate::recipes::InputOptions;
 use crate::{Chain, Ladder};
 use glam::DVec3;
+use octagloss_core::common::parallel;
 use octagloss_core::files::image::side_by_side::{Column, directions, side_by_side};
 use octagloss_core::files::io::LoadedChain;
 use octagloss_core::files::io::ldr::write::write_png;
 use octagloss_core::light::chain_lookup::ChainLookup;
-use rayon::prelude::*;
 use serde_json::json;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -121,7 +121,7 @@ fn drawn(sides: &[Side; 2], roughnesses: &[f64]) -> crate::Result<Vec<Column>> {
                 let Side { chain, ladder, .. } = &sides[side];
                 let lookup = ChainLookup::new(&chain.levels);
                 let lod = ladder.lod(*roughness, chain.levels.len() as u32, chain.levels[0].size());
-                seen[side].par_iter().map(|direction| lookup.read(*direction, lod)).collect()
+                parallel::values(seen[side].len(), |k| lookup.read(seen[side][k], lod))
             };
             Ok(Column {
                 roughness: *roughness,

@@ -16,9 +16,9 @@ use crate::{Answer, Bound, Filter, Lobe, Oracle, Reflector, ReflectorSettings, R
 use glam::DVec3;
 use octagloss_core::analysis::oracle::reflection::reflection;
 use octagloss_core::common::frame::Frame;
+use octagloss_core::common::parallel;
 use octagloss_core::cpu::reflection::{LEAST_ROUGHNESS, ReflectedLight};
 use octagloss_core::files::io::npy;
-use rayon::prelude::*;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -142,7 +142,7 @@ fn reflected(
             let reflect = |frame: &Frame| {
                 unbounded(reflector.reflect(frame, roughness as f32, anisotropy as f32, f0 as f32))
             };
-            Ok(frames.values.par_iter().map(reflect).collect())
+            Ok(parallel::map(&frames.values, reflect))
         }
         Filter::Reference | Filter::Adaptive(_) if roughness < LEAST_ROUGHNESS => {
             usage(format!("--filter {} reflects from roughness {LEAST_ROUGHNESS} up", args.filter))
@@ -154,13 +154,13 @@ fn reflected(
                 let [all, grazing] = reflection(&oracle, frame, roughness, anisotropy);
                 unbounded([0, 1, 2].map(|c| (f0 * all[c] + (1.0 - f0) * grazing[c]) as f32))
             };
-            Ok(frames.values.par_iter().map(reflect).collect())
+            Ok(parallel::map(&frames.values, reflect))
         }
         Filter::Adaptive(error) => {
             let environment = source.open(&args.input, console)?.environment;
             let light = ReflectedLight::new(&environment);
             let reflect = |frame: &Frame| light.reflect(frame, roughness, anisotropy, [f0; 3], error);
-            Ok(frames.values.par_iter().map(reflect).collect())
+            Ok(parallel::map(&frames.values, reflect))
         }
         Filter::Box => usage("--frames has no --filter box; use adaptive:E, pyramid or reference"),
     }

@@ -14,6 +14,7 @@ use octagloss_core::bake::level::{Advance, BakedLevel, LeafCounts, LevelJob};
 use octagloss_core::bake::{self, Bake, BakeSettings, OnProgress, Processor, sparse};
 use octagloss_core::common::direction::units;
 use octagloss_core::common::error::{Error, Result, wrong};
+use octagloss_core::common::parallel;
 use octagloss_core::cpu::box_filter::single_box;
 use octagloss_core::cpu::cells::{Cells, SourceLight};
 use octagloss_core::cpu::leaves::LANES;
@@ -30,7 +31,6 @@ use octagloss_core::lobe::Lobe;
 use octagloss_core::lobe::filter::{Answer, Filter};
 use octagloss_core::lobe::kernel::Kernel;
 use octagloss_core::pyramid::Octaves;
-use rayon::prelude::*;
 use std::sync::OnceLock;
 
 /// Least alpha that float32 directions resolve. The CPU evaluates sharper lobes and mirrors over the OEM read
@@ -465,7 +465,7 @@ fn groups(tiling: &Tiling) -> Vec<Vec<DVec3>> {
         });
         groups
     };
-    (0..tiling.rows()).into_par_iter().flat_map_iter(of_row).collect()
+    parallel::map(0..tiling.rows(), of_row).concat()
 }
 
 /// Packets of `groups` of world directions.
@@ -477,5 +477,5 @@ fn packets(groups: &[&[DVec3]], source_from_world: DMat3) -> Vec<Packet> {
         }
         Packet::new(&turned[..group.len()])
     };
-    groups.par_iter().map(packet).collect()
+    parallel::map(groups, packet)
 }

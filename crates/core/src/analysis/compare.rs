@@ -5,6 +5,7 @@ use crate::analysis::oracle::Oracle;
 use crate::analysis::sun::{neighbour, texel_width};
 use crate::common::error::{Result, wrong};
 use crate::common::finite::finite;
+use crate::common::parallel;
 use crate::common::smoothstep::smoothstep;
 use crate::geometry::footprints::footprints_over;
 use crate::light::chain::{Chain, Level};
@@ -13,7 +14,6 @@ use crate::lobe::{Lobe, full_width_at_half_maximum};
 use crate::sphere::cube::Face;
 use crate::sphere::octahedral;
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -297,7 +297,7 @@ fn level_errors(
 ) -> LevelErrors {
     let picks = sampling.picks(level.layout);
     let texels = sampling.most();
-    let references: Vec<[f64; 3]> = picks.par_iter().map(|at| reference(*at)).collect();
+    let references = parallel::map(&picks, |at| reference(*at));
 
     let mut sums = ErrorSums::default();
     let mut worst = (0, Greatest { error: -1.0, of: "" });
@@ -352,14 +352,11 @@ fn seam(size: u32, texels: Option<usize>, value: &(dyn Fn(usize) -> f64 + Sync))
     let mean = |count: usize, step: fn(u32, usize) -> (usize, usize)| {
         // Together as many integrations as for the texels.
         let picks = sample(count, texels.map(|count| count.div_ceil(4)));
-        let steps: Vec<f64> = picks
-            .par_iter()
-            .map(|pick| {
-                let (a, b) = step(size, *pick);
-                let angle = layout.direction_at(a).angle_between(layout.direction_at(b));
-                (value(a) - value(b)).abs() / angle
-            })
-            .collect();
+        let steps = parallel::map(&picks, |pick| {
+            let (a, b) = step(size, *pick);
+            let angle = layout.direction_at(a).angle_between(layout.direction_at(b));
+            (value(a) - value(b)).abs() / angle
+        });
         steps.iter().sum::<f64>() / steps.len() as f64
     };
     if size < 2 {

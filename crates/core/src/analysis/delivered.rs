@@ -3,12 +3,12 @@
 use crate::analysis::channels::{ErrorSums, Relative};
 use crate::common::error::Result;
 use crate::common::finite::finite;
+use crate::common::parallel;
 use crate::light::chain::Chain;
 use crate::light::chain_lookup::ChainLookup;
 use crate::light::environment::Rgb;
 use crate::lobe::ladder::Ladder;
 use glam::{DQuat, DVec3};
-use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -98,8 +98,7 @@ pub fn delivered_errors(
         let directions = [&even[..], &near].concat();
         let expected = truth(*roughness, &directions)?;
         let lod = ladder.lod(*roughness, levels, size);
-        let got: Vec<[f64; 3]> =
-            directions.par_iter().map(|direction| lookup.read(*direction, lod)).collect();
+        let got = parallel::values(directions.len(), |k| lookup.read(directions[k], lod));
         let sums = |range: Range<usize>| {
             let mut sums = ErrorSums::default();
             for (got, expected) in got[range.clone()].iter().zip(&expected[range]) {

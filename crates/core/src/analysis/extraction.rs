@@ -4,6 +4,7 @@ use crate::analysis::delivered::even_directions;
 use crate::analysis::sun::{Brightest, Peak, SUN_CONTRAST, SUN_SOLID_ANGLE, Sun, disc_radius, largest};
 use crate::common::direction::units;
 use crate::common::error::Result;
+use crate::common::parallel;
 use crate::light::environment::{Environment, Layout, Rgb, exact_luminance};
 use crate::light::sh::scale::{ShScale, scaled};
 use crate::light::sh::{MAX_ORDER, basis, spherical_harmonics};
@@ -188,8 +189,8 @@ struct Parting<'a> {
 impl<'a> Parting<'a> {
     fn new(environment: &'a Environment) -> Self {
         let grid = environment.layout();
-        let luminances: Vec<f64> =
-            environment.texels().par_iter().map(|texel| exact_luminance(*texel)).collect();
+        let texels = environment.texels();
+        let luminances = parallel::values(texels.len(), |index| exact_luminance(texels[index]));
         let energy = (0..luminances.len()).map(|at| grid.solid_angle_at(at) * luminances[at]).sum();
         let irradiance =
             scaled(&spherical_harmonics(environment, MAX_ORDER).expect("the highest"), ShScale::Irradiance);
@@ -406,7 +407,8 @@ impl<'a> Parting<'a> {
             .step_by(rim.len().div_ceil(RIM).max(1))
             .map(|&at| (self.grid.direction_at(at), self.grid.solid_angle_at(at), self.rest[at]))
             .collect();
-        let continued = |&at: &usize| {
+        let continued = |index: usize| {
+            let at = texels[index];
             let direction = self.grid.direction_at(at);
             let (mut sum, mut total) = ([0.0; 3], f64::MIN_POSITIVE);
             for (place, solid_angle, radiance) in &rim {
@@ -418,7 +420,7 @@ impl<'a> Parting<'a> {
             }
             std::array::from_fn(|c| self.rest[at][c].min((sum[c] / total) as f32))
         };
-        texels.par_iter().map(continued).collect()
+        parallel::values(texels.len(), continued)
     }
 
     /// Greatest change of the irradiance when `sun` replaces the radiance `removed` from texels, as a share
@@ -459,7 +461,7 @@ impl<'a> Parting<'a> {
             change.map(f64::abs)
         };
         let most = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|c| a[c].max(b[c]));
-        let worst = normals.par_iter().map(change).reduce(|| [0.0; 3], most);
+        let worst = parallel::map(&normals, change).into_iter().fold([0.0; 3], most);
         std::array::from_fn(|c| if worst[c] > 0.0 { worst[c] / self.greatest[c] } else { 0.0 })
     }
 }

@@ -8,9 +8,9 @@
 //! free of noise.
 
 use crate::common::error::{Result, wrong};
+use crate::common::parallel;
 use crate::lobe::reflectance;
 use crate::sphere::quadrature::gauss_legendre;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Form of the red and green channels.
@@ -82,7 +82,7 @@ pub fn dfg_table_with(
     };
     let mut texels = vec![[0.0; 3]; size as usize * size as usize];
     let done = AtomicU64::new(0);
-    texels.par_chunks_mut(size as usize).zip(0..size).for_each(|(row, j)| {
+    parallel::for_each(texels.chunks_mut(size as usize).zip(0..size), |(row, j)| {
         row.iter_mut().zip(j * size..).for_each(|(value, index)| *value = texel(index));
         progress(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(size));
     });

@@ -15,6 +15,7 @@ use super::FINEST;
 use super::level::{Advance, BakedLevel, LeafCounts, LevelJob, Processor};
 use super::sparse::{FEWEST_CELLS, Nodes, Part, share};
 use crate::common::error::Result;
+use crate::common::parallel;
 use crate::geometry::energy::energy;
 use crate::light::environment::{Environment, Layout, exact_luminance};
 use crate::light::light_scale::rounded_up;
@@ -22,7 +23,6 @@ use crate::lobe::filter::{Answer, Bound, Filter};
 use crate::lobe::kernel::{Kernel, KernelShape};
 use crate::lobe::profiles::Ggx;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// The greatest bound that interpolation adds in the middle of a cell, over the radiance around it.
@@ -149,7 +149,7 @@ impl Interpolation {
                 })
                 .collect::<Vec<Answer>>()
         };
-        let rows: Vec<Vec<Answer>> = (0..6 * size).into_par_iter().map(row).collect();
+        let rows = parallel::map(0..6 * size, row);
         Ok(BakedLevel::new(processor, rows.into_iter().flatten(), work))
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::common::error::{Error, Result};
 use crate::common::names::named;
+use crate::common::parallel;
 use crate::cpu::reflector::{Reflector, Workspace};
 use crate::geometry::footprints::footprints_over;
 use crate::geometry::tiling::{Tile, Tiling};
@@ -10,7 +11,6 @@ use crate::light::environment::{Layout, Rgb, first_wrong};
 use crate::lobe::Lobe;
 use crate::lobe::filter::{Answer, Bound, Filter};
 use crate::sphere::cube::Face;
-use rayon::prelude::*;
 use std::mem::take;
 
 /// Engine that computed a level.
@@ -102,20 +102,15 @@ pub(crate) fn bake_level(
     }
     let lobes = reflector.lobes(lobe, spec.roughness, filter)?;
     let tiling = Tiling::new(reflector.size().inner, spec, lobe);
-    let rows = (0..tiling.rows())
-        .into_par_iter()
-        .map_init(
-            || (Tile::default(), Workspace::default(), Vec::new()),
-            |(tile, workspace, answers), row| {
-                let mut line = tiling.line(row);
-                tiling.for_each_tile(row, tile, |tile| {
-                    lobes.evaluate_tile(tile, workspace, answers, &mut line);
-                });
-                advance(line.len() as u64)?;
-                Ok((line, LeafCounts::take(workspace)))
-            },
-        )
-        .collect::<Result<Vec<(Vec<Answer>, LeafCounts)>>>()?;
+    let start = || (Tile::default(), Workspace::default(), Vec::new());
+    let rows = parallel::try_map_with(0..tiling.rows(), start, |(tile, workspace, answers), row| {
+        let mut line = tiling.line(row);
+        tiling.for_each_tile(row, tile, |tile| {
+            lobes.evaluate_tile(tile, workspace, answers, &mut line);
+        });
+        advance(line.len() as u64)?;
+        Ok((line, LeafCounts::take(workspace)))
+    })?;
     let mut work = LeafCounts::default();
     rows.iter().for_each(|(_, counts)| work.add(counts));
     Ok(BakedLevel::new(Processor::Cpu, rows.into_iter().flat_map(|(line, _)| line), work))

@@ -14,6 +14,7 @@ pub mod sparse;
 use self::interpolated::Interpolation;
 use crate::analysis::typical::{median, probes};
 use crate::common::error::{Error, Result};
+use crate::common::parallel;
 use crate::cpu::reflector::{Reflector, Workspace, check_answers};
 use crate::light::chain::Chain;
 use crate::light::chain_lookup::ChainLookup;
@@ -26,7 +27,6 @@ use glam::DVec3;
 use job::Job;
 pub use level::Processor;
 use level::{Advance, BakedLevel, LevelJob};
-use rayon::prelude::*;
 pub use result::{Bake, LevelStats, OnProgress, Progress};
 pub use settings::{BakeSettings, Skybox};
 use std::ops::ControlFlow;
@@ -124,7 +124,7 @@ impl Engine for Reflector<'_> {
             Ok(answers[0])
         };
         let start = || (Workspace::default(), Vec::with_capacity(1));
-        let answers = directions.par_iter().map_init(start, answer).collect::<Result<Vec<Answer>>>()?;
+        let answers = parallel::try_map_with(directions, start, answer)?;
         check_answers(directions, &answers)?;
         Ok(answers)
     }

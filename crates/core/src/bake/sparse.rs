@@ -4,6 +4,7 @@
 
 use super::level::{Advance, BakedLevel, LeafCounts, LevelJob, Processor};
 use crate::common::error::Result;
+use crate::common::parallel;
 use crate::cpu::leaves::LANES;
 use crate::cpu::reflector::{Lobes, Workspace};
 use crate::geometry::tiling::{TILE, Tile, Tiling, at, interleaved};
@@ -12,7 +13,6 @@ use crate::light::environment::{Layout, Rgb};
 use crate::lobe::filter::{Answer, Filter};
 use crate::lobe::{self, Lobe};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Greatest distance of nodes, over the lobe's full width at half maximum.
 const NODE_SHARE: f64 = 0.45;
@@ -98,9 +98,9 @@ pub(super) fn evaluate(
         done(task as u64, tasks)?;
         Ok((answers, LeafCounts::take(workspace)))
     };
-    let found = packets.par_chunks(TASK).enumerate().map_init(Workspace::default, task);
+    let found = parallel::try_map_with(packets.chunks(TASK).enumerate(), Workspace::default, task)?;
     let (mut answers, mut work) = (Vec::new(), LeafCounts::default());
-    for (found, counts) in found.collect::<Result<Vec<(Vec<Answer>, LeafCounts)>>>()? {
+    for (found, counts) in found {
         answers.extend(found);
         work.add(&counts);
     }
@@ -161,7 +161,7 @@ pub async fn bake_sparsely(
             );
             (line, packets)
         };
-        let (lines, packets): (Vec<_>, Vec<_>) = rows.clone().into_par_iter().map(gather).unzip();
+        let (lines, packets): (Vec<_>, Vec<_>) = parallel::map(rows.clone(), gather).into_iter().unzip();
         let (answers, counts) = evaluate(&packets.concat(), unmeasured).await?;
         work.add(&counts);
         let mut rest = &answers[..];
@@ -194,7 +194,8 @@ impl Nodes {
         let (stride, cells) = (self.stride / 2, 2 * self.cells);
         let side = cells + 1;
         let weights: Vec<(u32, [f64; 4])> = (0..side).map(|n| self.weights(f64::from(n) / 2.0)).collect();
-        let value = |k: u32| {
+        let value = |k: usize| {
+            let k = k as u32;
             let (face, i, j) = (k / (side * side), k % side, k / side % side);
             if i % 2 == 0 && j % 2 == 0 {
                 self.at(face, i / 2, j / 2)
@@ -202,7 +203,7 @@ impl Nodes {
                 self.between(face, weights[i as usize], weights[j as usize])
             }
         };
-        Self { stride, cells, radiance: (0..6 * side * side).into_par_iter().map(value).collect() }
+        Self { stride, cells, radiance: parallel::values((6 * side * side) as usize, value) }
     }
 
     /// Whether node (`i`, `j`) of `face` among those half as far apart is none of these, and in or beside a
@@ -230,7 +231,8 @@ impl Nodes {
             let index = |(i, j)| ((face * side + j) * side + i) as usize;
             (places.into_iter().map(index).collect::<Vec<usize>>(), packets)
         };
-        let (places, packets): (Vec<_>, Vec<_>) = (0..6 * blocks * blocks).into_par_iter().map(block).unzip();
+        let (places, packets): (Vec<_>, Vec<_>) =
+            parallel::map(0..6 * blocks * blocks, block).into_iter().unzip();
         (places.concat(), packets.concat())
     }
 

@@ -13,6 +13,7 @@
 //! contains their centroid, whole: their moments are exact, so nothing is spread over an OEM texel. A cell's
 //! reach encloses its texels, whatever their size.
 
+use crate::common::parallel;
 use crate::geometry::panorama_row::RunSums;
 use crate::geometry::source_texels::SourceGrid;
 use crate::geometry::source_texels::{SourceTexels, longest_run};
@@ -22,7 +23,6 @@ use crate::light::environment::{Environment, LUMINANCE, Rgb, exact_luminance};
 use crate::light::light_scale::LightScale;
 use crate::light::oem::Oem;
 use glam::{DVec3, Vec3, Vec3Swizzles as _};
-use rayon::prelude::*;
 
 /// Four sibling cells, field by field, so that one visit evaluates all four.
 #[derive(Clone, Copy, Debug, Default)]
@@ -156,7 +156,7 @@ impl Members {
             });
             runs
         };
-        let by_row: Vec<Vec<(u32, Run)>> = (0..rows).into_par_iter().map(of_row).collect();
+        let by_row = parallel::map(0..rows, of_row);
         // A stable counting sort.
         let mut starts = vec![0_u32; width as usize * width as usize + 1];
         for (cell, _) in by_row.iter().flatten() {
@@ -229,7 +229,8 @@ impl<'a> SourceLight<'a> {
     fn least(&self) -> Vec3 {
         let least =
             |chunk: &[Rgb]| chunk.iter().fold(Vec3::INFINITY, |least, texel| least.min(Vec3::from(*texel)));
-        let least = self.texels.par_chunks(1 << 16).map(least).reduce(|| Vec3::INFINITY, Vec3::min);
+        let least =
+            parallel::map(self.texels.chunks(1 << 16), least).into_iter().fold(Vec3::INFINITY, Vec3::min);
         Vec3::from(self.scale.scaled_texel(least.to_array()))
     }
 }
@@ -331,7 +332,7 @@ impl Cells {
 
         let width = n.div_ceil(block);
         let mut cells = vec![Cell::default(); width as usize * width as usize];
-        cells.par_chunks_mut(width as usize).zip(0..width).for_each(|(row, j)| {
+        parallel::for_each(cells.chunks_mut(width as usize).zip(0..width), |(row, j)| {
             let range = |k: u32| k * block..((k + 1) * block).min(n);
             let mut members = Vec::with_capacity((block * block) as usize);
             for (cell, i) in row.iter_mut().zip(0..width) {
@@ -469,20 +470,16 @@ fn pyramid<T: Send>(
     let mut levels = vec![CellLevel { first: 0, width: half(width) }];
     let mut cells = vec![Cell::default(); first.len()];
     let above = half(width) as usize;
-    let rows = first.par_chunks_mut(above).zip(cells.par_chunks_mut(above)).zip(0..half(width));
+    let rows = first.chunks_mut(above).zip(cells.chunks_mut(above)).zip(0..half(width));
     // Two rows at a time: they stay in the cache.
-    let made: Vec<Vec<T>> = rows
-        .map_init(
-            || [(); 2].map(|()| vec![Cell::default(); width as usize]),
-            |below, ((quads, parents), j)| {
-                let rows = (2 * j..width.min(2 * j + 2)).zip(below.iter_mut());
-                let made = rows.map(|(j, row)| fill(j, row)).collect();
-                let [upper, lower] = &*below;
-                gather_quads([upper, if 2 * j + 1 < width { lower } else { &[] }], quads, parents);
-                made
-            },
-        )
-        .collect();
+    let start = || [(); 2].map(|()| vec![Cell::default(); width as usize]);
+    let made = parallel::map_with(rows, start, |below, ((quads, parents), j)| {
+        let rows = (2 * j..width.min(2 * j + 2)).zip(below.iter_mut());
+        let made: Vec<T> = rows.map(|(j, row)| fill(j, row)).collect();
+        let [upper, lower] = &*below;
+        gather_quads([upper, if 2 * j + 1 < width { lower } else { &[] }], quads, parents);
+        made
+    });
     let (mut width, mut start, mut rest) = (half(width), first.len(), rest);
     while width > 1 {
         let above = half(width) as usize;
@@ -490,8 +487,8 @@ fn pyramid<T: Send>(
         let place = u32::try_from(start).expect("fewer than 2^32 cells");
         levels.push(CellLevel { first: place, width: half(width) });
         let mut parents = vec![Cell::default(); above * above];
-        let rows = own.par_chunks_mut(above).zip(parents.par_chunks_mut(above)).zip(0..half(width));
-        rows.for_each(|((quads, parents), j)| {
+        let rows = own.chunks_mut(above).zip(parents.chunks_mut(above)).zip(0..half(width));
+        parallel::for_each(rows, |((quads, parents), j)| {
             let lower = if 2 * j + 1 < width { row_of(&cells, width, 2 * j + 1) } else { &[] };
             gather_quads([row_of(&cells, width, 2 * j), lower], quads, parents);
         });

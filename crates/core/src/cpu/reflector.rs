@@ -6,6 +6,7 @@ use crate::analysis::oracle::Oracle;
 use crate::common::direction::units;
 use crate::common::error::{Error, Result, wrong};
 use crate::common::frame::Frame;
+use crate::common::parallel;
 use crate::cpu::adaptive::Adaptive;
 use crate::cpu::box_filter::BoxFilter;
 use crate::cpu::cells::{Cells, SourceLight};
@@ -23,7 +24,6 @@ use crate::lobe::kernel::Kernel;
 use crate::lobe::{self, Lobe};
 use crate::pyramid::{Octaves, Pyramid, PyramidLobes};
 use glam::{DMat3, DVec3};
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -375,7 +375,7 @@ impl<'a> Reflector<'a> {
             lobes.evaluate_units(directions, &mut Workspace::default(), &mut answers);
             answers
         };
-        let answers = directions.par_chunks(BLOCK).map(block).collect::<Vec<_>>().concat();
+        let answers = parallel::map(directions.chunks(BLOCK), block).concat();
         check_answers(directions, &answers)?;
         Ok(answers)
     }

@@ -2,11 +2,11 @@
 //! constant.
 
 use crate::common::error::Result;
+use crate::common::parallel;
 use crate::geometry::overlap::{Space, Target, mean_radiances, surely_fits};
 use crate::geometry::solid_angles::solid_angles;
 use crate::light::environment::{Environment, Layout, Rgb};
 use crate::light::oem::{Oem, OemSize};
-use rayon::prelude::*;
 
 /// Whether [`oem_from_environment`] cannot fail for sources of `layout`.
 pub(crate) fn is_infallible(layout: Layout, size: OemSize) -> bool {
@@ -27,11 +27,10 @@ pub fn oem_from_environment(environment: &Environment, size: OemSize) -> Result<
         means = mean_radiances(environment, Target::Octahedral(n), Space::Source)?;
         &means
     };
-    let weigh = |(k, radiance): (usize, &Rgb)| {
+    let square = parallel::values(texels.len(), |k| {
         let (x, y) = (k % n as usize, k / n as usize);
-        energy(*radiance, weights.at(x as u32, y as u32))
-    };
-    let square = texels.par_iter().enumerate().map(weigh).collect();
+        energy(texels[k], weights.at(x as u32, y as u32))
+    });
     Ok(Oem::from_square(size, square))
 }
 

@@ -1,8 +1,8 @@
 //! Scans of an OEM into an exact summed-area table. All give the same bits.
 
+use crate::common::parallel;
 use crate::light::oem::Oem;
 use crate::light::sat::{FixedPoint, Sat, Scan};
-use rayon::prelude::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -204,10 +204,12 @@ fn hensley(radix: u32, fixed: FixedPoint, texels: &[[f32; 4]], width: usize, out
     // The last pass writes `out`.
     let (mut front, mut back) =
         if passes.len().is_multiple_of(2) { (out, &mut other[..]) } else { (&mut other[..], out) };
-    front.par_iter_mut().zip(texels).for_each(|(value, texel)| *value = fixed.quantise(*texel));
+    parallel::for_each(std::iter::zip(front.chunks_mut(width), texels.chunks(width)), |(values, texels)| {
+        std::iter::zip(values, texels).for_each(|(value, texel)| *value = fixed.quantise(*texel));
+    });
     for (step, stride) in passes {
         let from = &*front;
-        back.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        parallel::for_each(back.chunks_mut(width).enumerate(), |(y, row)| {
             for (x, value) in row.iter_mut().enumerate() {
                 let (k, along) = (y * width + x, if step == 1 { x } else { y });
                 *value = (0..radix as usize)

@@ -1,10 +1,10 @@
 //! Fills the borders in pictures of a whole map.
 
 use super::resample::Continuation;
+use crate::common::parallel;
 use crate::light::environment::Rgb;
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
-use rayon::prelude::*;
 
 /// Rows filled together.
 const BAND: usize = 16;
@@ -33,9 +33,9 @@ pub fn bordered_picture(
         let columns = -border..sides[0] + border;
         let (left, top) = ((origin[0] - border) as usize, (origin[1] - border) as usize);
         let last = sides[1] + border;
-        let tops: Vec<i64> = (-border..last).step_by(BAND).collect();
-        let bands = picture[top * width..].par_chunks_mut(BAND * width);
-        bands.zip(tops).for_each(|(rows, top)| {
+        let tops = (-border..last).step_by(BAND);
+        let bands = picture[top * width..].chunks_mut(BAND * width);
+        parallel::for_each(bands.zip(tops), |(rows, top)| {
             let band = top..last.min(top + BAND as i64);
             let mut outside = continuation
                 .means(component, columns.clone(), band.clone(), |x, y| texel(x, y).is_none())

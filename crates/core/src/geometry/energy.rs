@@ -2,9 +2,9 @@
 
 use super::quadrant::Quadrant;
 use super::solid_angles::solid_angles;
+use crate::common::parallel;
 use crate::light::environment::{Layout, Rgb};
 use crate::sphere::{cube, equirect};
-use rayon::prelude::*;
 
 /// Solid angles of a layout's texels.
 enum Weights {
@@ -50,6 +50,6 @@ pub(crate) fn energy(layout: Layout, texels: &[Rgb]) -> [f64; 3] {
         }
         sums
     };
-    let sums: Vec<[f64; 3]> = texels.par_chunks(columns as usize).enumerate().map(of_row).collect();
+    let sums = parallel::map(texels.chunks(columns as usize).enumerate(), of_row);
     std::array::from_fn(|channel| sums.iter().map(|row| row[channel]).sum())
 }

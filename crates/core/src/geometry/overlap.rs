@@ -17,11 +17,11 @@ mod panorama;
 mod sweep;
 
 use crate::common::error::{Error, Result};
+use crate::common::parallel;
 use crate::light::environment::{Environment, Layout, Rgb};
 use cells::Cell;
 use glam::{DMat3, DVec3};
 use index::SourceMap;
-use rayon::prelude::*;
 
 pub(super) use grid::{Accumulator, walk_outline};
 pub use index::Target;
@@ -76,14 +76,12 @@ pub(crate) fn mean_radiances(environment: &Environment, target: Target, space: S
     if let (Target::Cube(n), true) = (target, overlaps.symmetric) {
         let half = n as usize / 2;
         let mut means = vec![[0.0; 3]; target.texel_count()];
-        means
-            .par_chunks_mut(half)
-            .enumerate()
-            .for_each(|(k, means)| overlaps.half_row(k * half, texels, means));
+        let rows = means.chunks_mut(half).enumerate();
+        parallel::for_each(rows, |(k, means)| overlaps.half_row(k * half, texels, means));
         return Ok(means);
     }
     let mean = |texel| overlaps.mean_radiance(texel, texels);
-    Ok((0..target.texel_count()).into_par_iter().map(mean).collect())
+    Ok(parallel::values(target.texel_count(), mean))
 }
 
 /// Whether unrotated sources of `layout` are resampled to `target` without a matrix.
@@ -193,34 +191,31 @@ impl Overlaps {
     pub fn new(source: Layout, turn: DMat3, target: Target) -> Result<Self> {
         let symmetric = is_symmetric(source, turn, target);
         let bands = if symmetric { cells::octant_bands(source) } else { cells::bands(source) };
-        let parts: Vec<Vec<Entry>> = bands
-            .into_par_iter()
-            .map(|band| {
-                let mut walker = grid::Walker::new(target);
-                let mut clipper = grid::OctantClipper::default();
-                let mut entries = Vec::new();
-                let carry = |cell: Cell<'_>| {
-                    let first = entries.len();
-                    let mut walk = |octant: usize, corners: &[DVec3]| {
-                        walker.walk(corners, octant, |target, solid_angle| {
-                            entries.push(Entry { target, source: cell.index, solid_angle });
-                        });
-                    };
-                    if symmetric {
-                        walk(0, cell.corners);
-                    } else {
-                        clipper.clip(cell.corners, turn, walk);
-                    }
-                    share_out(cell.solid_angle, &mut entries[first..]);
+        let parts = parallel::map(bands, |band| {
+            let mut walker = grid::Walker::new(target);
+            let mut clipper = grid::OctantClipper::default();
+            let mut entries = Vec::new();
+            let carry = |cell: Cell<'_>| {
+                let first = entries.len();
+                let mut walk = |octant: usize, corners: &[DVec3]| {
+                    walker.walk(corners, octant, |target, solid_angle| {
+                        entries.push(Entry { target, source: cell.index, solid_angle });
+                    });
                 };
                 if symmetric {
-                    cells::for_each_octant_cell(source, target, band, carry);
+                    walk(0, cell.corners);
                 } else {
-                    cells::for_each_cell(source, target, band, carry);
+                    clipper.clip(cell.corners, turn, walk);
                 }
-                entries
-            })
-            .collect();
+                share_out(cell.solid_angle, &mut entries[first..]);
+            };
+            if symmetric {
+                cells::for_each_octant_cell(source, target, band, carry);
+            } else {
+                cells::for_each_cell(source, target, band, carry);
+            }
+            entries
+        });
         // Mirroring doubles the entries.
         let count: usize = 2 * parts.iter().map(Vec::len).sum::<usize>();
         if u32::try_from(count).is_err() {

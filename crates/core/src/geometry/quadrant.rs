@@ -1,7 +1,7 @@
 //! Tables of squares whose texels are mirror images of each other.
 
+use crate::common::parallel;
 use glam::Vec3;
-use rayon::prelude::*;
 
 /// What a table holds of a texel, of a square in x and z. Numbers are those of all mirror images.
 pub trait Mirrored: Copy + Default + Send + Sync {
@@ -34,7 +34,7 @@ impl<T: Mirrored> Quadrant<T> {
         let half = side.div_ceil(2);
         let (first, edge) = (side - half, half as usize);
         let mut values = vec![T::default(); edge * edge];
-        values.par_chunks_mut(edge.max(1)).zip(first..side).for_each(|(row, y)| {
+        parallel::for_each(values.chunks_mut(edge.max(1)).zip(first..side), |(row, y)| {
             for (place, x) in row.iter_mut().zip(first..=y) {
                 *place = value(x, y);
             }

@@ -22,13 +22,13 @@ mod sums;
 
 use super::light::Light;
 use super::overlap::most_overlaps;
+use crate::common::parallel;
 use crate::light::environment::Rgb;
 use crate::sphere::grid::Grid;
 use band::Band;
 pub use continuation::Continuation;
 use glam::DMat3;
 use mirrors::Mirrors;
-use rayon::prelude::*;
 use std::ops::Range;
 use sums::{Sums, Totals};
 
@@ -97,10 +97,10 @@ fn resample_by(mirrors: &Mirrors, light: &Light<'_>, target: &Grid) -> Option<(V
         .collect();
     let at_once = (SHARES_AT_ONCE / per_row / most as usize).clamp(1, BANDS_AT_ONCE);
     for some in bands.chunks(at_once) {
-        let bands: Vec<Band> = some
-            .par_iter()
-            .map(|(component, rows)| Band::new(light, target, *component, rows.clone(), mirrors))
-            .collect::<Option<_>>()?;
+        let band = |(component, rows): &(u32, Range<u32>)| {
+            Band::new(light, target, *component, rows.clone(), mirrors)
+        };
+        let bands: Vec<Band> = parallel::map(some, band).into_iter().collect::<Option<_>>()?;
         sums.add(&bands, light.texels, mirrors, target)?;
     }
     sums.means(mirrors, target)

@@ -6,9 +6,9 @@
 //! its tables, and multiplies its answers and bounds by 2^-k. Products with powers of two are exact, so light
 //! of ordinary brightness gives the same answers with any k; it keeps k = 0.
 
+use crate::common::parallel;
 use crate::light::environment::{Environment, Rgb};
 use crate::lobe::filter::Answer;
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Light up to 2^60 is unscaled; brighter light is scaled so that its peak lies below this. The energy of the
@@ -51,11 +51,8 @@ impl LightScale {
                 (most.max(bits), least.min(bits.wrapping_sub(1)))
             })
         };
-        let (most, least) = environment
-            .texels()
-            .par_chunks(1 << 16)
-            .map(range)
-            .reduce(|| (0, u32::MAX), |a, b| (a.0.max(b.0), a.1.min(b.1)));
+        let ranges = parallel::map(environment.texels().chunks(1 << 16), range);
+        let (most, least) = ranges.into_iter().fold((0, u32::MAX), |a, b| (a.0.max(b.0), a.1.min(b.1)));
         if most == 0 {
             return Self::default();
         }
@@ -76,7 +73,8 @@ impl LightScale {
         if self.exponent == 0 {
             return Cow::Borrowed(environment);
         }
-        let texels = environment.texels().par_iter().map(|texel| self.scaled_texel(*texel)).collect();
+        let texels = environment.texels();
+        let texels = parallel::values(texels.len(), |index| self.scaled_texel(texels[index]));
         Cow::Owned(environment.with_texels(texels))
     }
 

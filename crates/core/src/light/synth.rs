@@ -5,12 +5,12 @@
 mod marks;
 
 use crate::common::error::{Result, wrong};
+use crate::common::parallel;
 use crate::common::smoothstep::smoothstep;
 use crate::light::environment::{Environment, Layout, Rgb};
 use crate::sphere::cube::{self, Face};
 use crate::sphere::equirect;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// A synthetic environment.
@@ -115,12 +115,8 @@ fn panorama(width: u32, height: u32, samples: u32, radiance: fn(DVec3) -> Rgb) -
         let samples = if direction(0.5, 0.5).dot(sun_direction()) > near_sun { 32 } else { samples };
         mean(samples, |x, y| radiance(direction(x, y)))
     };
-    let texels = (0..height)
-        .into_par_iter()
-        .flat_map_iter(|j| (0..width).map(move |i| (i, j)))
-        .map(|(i, j)| texel(i, j))
-        .collect();
-    Environment::new(Layout::Panorama { width, height }, texels)
+    let rows = parallel::map(0..height, |j| (0..width).map(|i| texel(i, j)).collect::<Vec<Rgb>>());
+    Environment::new(Layout::Panorama { width, height }, rows.concat())
 }
 
 /// Mean over a grid of `samples` x `samples` points of the unit square.

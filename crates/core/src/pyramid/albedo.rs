@@ -4,10 +4,10 @@
 //! n.v it runs along a diagonal that nodes cannot follow. The table has the albedo over that dip's closed
 //! form, and is smooth.
 
+use crate::common::parallel;
 use crate::lobe::reflectance;
 use crate::sphere::quadrature::gauss_legendre;
 use half::f16;
-use rayon::prelude::*;
 use std::sync::LazyLock;
 
 /// Nodes over roughness, evenly in log(1 + 30 r), and over n.v, evenly in its fourth root.
@@ -33,14 +33,11 @@ const GRAZING: f64 = 0.02;
 /// Scale and bias of f0 over what [`dip`] leaves, at the nodes: those of the least n.v first.
 static TABLE: LazyLock<Vec<[f32; 2]>> = LazyLock::new(|| {
     let [across, up] = NODES;
-    (0..across * up)
-        .into_par_iter()
-        .map(|k| {
-            let (roughness, cosine) = (roughness_of(k % across), cosine_of(k / across));
-            let left = f64::from(left_by_dip(cosine as f32, roughness as f32));
-            integral(cosine, roughness).map(|share| f16::from_f64(share / left).to_f32())
-        })
-        .collect()
+    parallel::map(0..across * up, |k| {
+        let (roughness, cosine) = (roughness_of(k % across), cosine_of(k / across));
+        let left = f64::from(left_by_dip(cosine as f32, roughness as f32));
+        integral(cosine, roughness).map(|share| f16::from_f64(share / left).to_f32())
+    })
 });
 
 fn integral(cosine: f64, roughness: f64) -> [f64; 2] {
@@ -106,6 +103,7 @@ pub fn albedo_at(roughness: f32, cosine: f32) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rayon::prelude::*;
 
     #[test]
     fn albedos_are_within_a_thousandth_of_the_integral() {

@@ -13,11 +13,11 @@ use super::reads::{
     AROUND, HARMONICS, HARMONICS_FROM, Point, RIDGE, Read, half_vectors, level_of, weights, wide_functions,
 };
 use crate::common::frame::LEAST_COSINE;
+use crate::common::parallel;
 use crate::lobe::{legendre, reflectance};
 use crate::sphere::quadrature::gauss_legendre;
 use glam::{DVec2, DVec3};
 use half::f16;
-use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{LazyLock, OnceLock};
 
@@ -195,7 +195,7 @@ fn lobe_of([across, up, around, deep]: [usize; 4], index: usize) -> (DVec2, f64,
 
 /// All nodes over the levels of `octaves`, first axes first.
 pub fn table(octaves: Octaves) -> Vec<Node> {
-    (0..NODES.iter().product()).into_par_iter().map(|index| *node(octaves, index)).collect()
+    parallel::map(0..NODES.iter().product(), |index| *node(octaves, index))
 }
 
 /// Width, height and depth of the table as a texture.
@@ -218,8 +218,7 @@ pub fn texels(octaves: Octaves) -> Vec<[f32; 4]> {
     let nodes = table(octaves);
     let node = |x, y, z, w| &nodes[x + across * (y + up * (z + around * w))];
     let [wide, high, _, blocks] = ALBEDO_NODES;
-    let albedo: Vec<[f32; 4]> =
-        (0..ALBEDO_NODES.iter().product()).into_par_iter().map(more_of_node).collect();
+    let albedo = parallel::map(0..ALBEDO_NODES.iter().product(), more_of_node);
     let mut texels = Vec::with_capacity(TEXTURE.iter().product::<u32>() as usize);
     for z in 0..around {
         for (w, y) in (0..deep).flat_map(|w| (0..up).map(move |y| (w, y))) {

@@ -6,11 +6,11 @@
 use super::COARSEST;
 use super::levels::{self, Map};
 use super::suns;
+use crate::common::parallel;
 use crate::light::oem::Oem;
 use crate::light::sh::basis;
 use crate::sphere::octahedral::{direction_from_oct, texel_centre};
 use glam::{DVec3, Vec3A};
-use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 
 /// Cells along an edge of the finest grid.
@@ -36,7 +36,8 @@ impl Cells {
         let side = inner.min(FINEST);
         let block = inner / side;
         let scale = levels::scale(exponent);
-        let cell = |k: u32| {
+        let cell = |k: usize| {
+            let k = k as u32;
             let mut cell = Cell::default();
             for texel in 0..block * block {
                 let (x, y) = (k % side * block + texel % block, k / side * block + texel / block);
@@ -50,7 +51,7 @@ impl Cells {
             }
             cell
         };
-        Self { cells: (0..side * side).into_par_iter().map(cell).collect() }
+        Self { cells: parallel::values((side * side) as usize, cell) }
     }
 
     /// Irradiance over pi.

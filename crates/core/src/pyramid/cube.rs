@@ -6,11 +6,11 @@
 
 use super::Pyramid;
 use super::levels::{BETWEEN, Map, Place, Texels, scale, taps};
+use crate::common::parallel;
 use crate::light::chain_lookup::LevelLookup;
 use crate::light::environment::Rgb;
 use crate::sphere::cube::{Face, direction_from_texel};
 use glam::Vec3A;
-use rayon::prelude::*;
 
 impl Map {
     /// The cube whose faces of `inner` x `inner` have `texels`, which continue across edges as in every
@@ -27,7 +27,7 @@ impl Map {
                 three.into_iter().flatten().sum::<Vec3A>() / 3.0
             })
         };
-        let texels = (0..6 * side * side).into_par_iter().map(bordered).collect();
+        let texels = parallel::values(6 * side * side, bordered);
         Self { inner, is_cube: true, texels }
     }
 
@@ -51,9 +51,11 @@ impl Pyramid {
         let cube = |mip: usize| {
             let size = octaves.inner() >> mip;
             let each = |texel: &(dyn Fn(Face, u32, u32) -> Vec3A + Sync)| -> Vec<Vec3A> {
-                let (area, of) = (size * size, |k: u32| Face::ALL[k as usize]);
-                let texels = (0..6 * area).into_par_iter();
-                texels.map(|k| texel(of(k / area), k % size, k / size % size)).collect()
+                let area = size * size;
+                parallel::values(6 * area as usize, |k| {
+                    let k = k as u32;
+                    texel(Face::ALL[(k / area) as usize], k % size, k / size % size)
+                })
             };
             let texels = match mip {
                 0 => each(&|face, x, y| self.maps[0].around(direction_from_texel(face, size, x, y))),

@@ -7,8 +7,8 @@
 //! jumps, and limits those in use to [`READS`].
 
 use super::{Octaves, WIDEST, suns};
+use crate::common::parallel;
 use crate::lobe::{self, Lobe, legendre};
-use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -63,7 +63,7 @@ const FLOOR: f64 = 0.015;
 
 /// Weights of the levels of `octaves` at [`INTERVALS`] + 1 nodes over roughness.
 pub fn table(octaves: Octaves) -> Vec<[f32; WEIGHTS]> {
-    (0..=INTERVALS).into_par_iter().map(|index| node(octaves, index)).collect()
+    parallel::map(0..=INTERVALS, |index| node(octaves, index))
 }
 
 /// Those at one node, fitted at the first call.

@@ -11,6 +11,7 @@
 //! area at one point.
 
 use super::suns;
+use crate::common::parallel;
 use crate::light::environment::Rgb;
 use crate::light::oem::Oem;
 use crate::sphere::cube::{Face, cube_from_direction, cube_from_texel, cube_point};
@@ -19,7 +20,6 @@ use crate::sphere::octahedral::{
 };
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A, Vec4};
 use half::f16;
-use rayon::prelude::*;
 
 /// Rings of reads around a Gaussian: reads, radius in standard deviations, weight of all.
 pub(crate) const RINGS: [(u32, f64, f64); 3] =
@@ -50,7 +50,8 @@ impl Map {
     pub(crate) fn new(inner: u32, texel: impl Fn(u32, u32) -> Vec3A + Sync) -> Self {
         let side = inner as usize + 2;
         let mut texels = vec![Vec3A::ZERO; side * side];
-        texels.par_chunks_exact_mut(side).skip(1).take(inner as usize).zip(0..inner).for_each(|(row, y)| {
+        let rows = texels.chunks_exact_mut(side).skip(1).take(inner as usize);
+        parallel::for_each(rows.zip(0..inner), |(row, y)| {
             for (place, x) in row[1..].iter_mut().zip(0..inner) {
                 *place = texel(x, y);
             }
@@ -71,9 +72,9 @@ impl Map {
         let side = last + 2;
         let mut all = vec![Vec3A::ZERO; side * side];
         let (top, bottom) = all.split_at_mut(side * (half + 1));
-        let bottom = bottom.par_chunks_exact_mut(side).take(half).rev();
-        let rows = top.par_chunks_exact_mut(side).skip(1).zip(bottom).zip(0..inner / 2);
-        rows.for_each(|((above, below), y)| {
+        let bottom = bottom.chunks_exact_mut(side).take(half).rev();
+        let rows = top.chunks_exact_mut(side).skip(1).zip(bottom).zip(0..inner / 2);
+        parallel::for_each(rows, |((above, below), y)| {
             for (x, at) in (0..inner / 2).zip(1..) {
                 [above[at], above[last + 1 - at], below[at], below[last + 1 - at]] = texels(x, y);
             }
@@ -284,20 +285,17 @@ pub(super) struct Texels {
 impl Texels {
     pub(super) fn new(mirror: &Map, clamp: f32) -> Self {
         let inner = mirror.inner();
-        let texels = (0..inner * inner).into_par_iter().map(|k| [k % inner, k / inner]);
-        let directions = texels
-            .clone()
-            .map(|[x, y]| {
-                let point = octahedron_from_oct(texel_centre(inner, x, y));
-                point.normalize().as_vec3().extend(point.length().powi(-3) as f32)
-            })
-            .collect();
-        let light = texels
-            .map(|[x, y]| {
-                let own = mirror.texel(x as i32, y as i32);
-                own * suns::kept(own.max_element(), clamp)
-            })
-            .collect();
+        let (count, at) = ((inner * inner) as usize, |k: usize| [k as u32 % inner, k as u32 / inner]);
+        let directions = parallel::values(count, |k| {
+            let [x, y] = at(k);
+            let point = octahedron_from_oct(texel_centre(inner, x, y));
+            point.normalize().as_vec3().extend(point.length().powi(-3) as f32)
+        });
+        let light = parallel::values(count, |k| {
+            let [x, y] = at(k).map(|at| at as i32);
+            let own = mirror.texel(x, y);
+            own * suns::kept(own.max_element(), clamp)
+        });
         Self { inner, directions, light }
     }
 

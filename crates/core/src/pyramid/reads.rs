@@ -11,10 +11,10 @@ use super::fit::{gaussian, smooth, solved};
 use super::places::{READS, places};
 use super::{Octaves, WIDEST};
 use crate::common::frame::LEAST_COSINE;
+use crate::common::parallel;
 use crate::lobe::{legendre, reflectance};
 use glam::{DVec2, DVec3};
 use half::f16;
-use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -81,10 +81,7 @@ pub fn table(octaves: Octaves) -> &'static [Node] {
     FITTED[octaves.count() as usize - 1].get_or_init(|| {
         let [across, _] = NODES;
         let nodes = 0..across * NODES[1];
-        nodes
-            .into_par_iter()
-            .map(|k| fitted(octaves, roughness_of(k % across), cosine_of(k / across)))
-            .collect()
+        parallel::map(nodes, |k| fitted(octaves, roughness_of(k % across), cosine_of(k / across)))
     })
 }
 

@@ -10,11 +10,11 @@
 //! texel's square (Sheppard's correction), which is subtracted.
 
 use super::Octaves;
+use crate::common::parallel;
 use crate::light::oem::Oem;
 use crate::lobe;
 use crate::sphere::octahedral::{direction_from_oct, steps_from_oct, texel_centre};
 use glam::{DVec2, DVec3, Vec3A};
-use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 
 /// Most suns.
@@ -90,9 +90,9 @@ impl Suns {
         };
         let first = |a: (f32, [u32; 2]), b: (f32, [u32; 2])| if b.0 > a.0 { b } else { a };
         let none = (-1.0, [0; 2]);
-        let blocks = (0..side * side).into_par_iter();
-        let brightest: Vec<_> =
-            blocks.map(|k| texels(k).map(|texel| (own(texel), texel)).fold(none, first)).collect();
+        let brightest = parallel::values((side * side) as usize, |k| {
+            texels(k as u32).map(|texel| (own(texel), texel)).fold(none, first)
+        });
         let greatest = brightest.iter().copied().fold(none, first).0;
         let mut left = brightest.clone();
         let mut seeds = Vec::new();

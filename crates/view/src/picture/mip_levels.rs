@@ -1,8 +1,8 @@
 //! Mip levels of images.
 
+use octagloss_core::common::parallel;
 use octagloss_drawing::tone::srgb_from_linear;
 use octagloss_mesh::Image;
-use rayon::prelude::*;
 
 /// Encoding of texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -35,7 +35,8 @@ pub(crate) fn halved(image: &Image, space: Space) -> Image {
     let (width, height) = ((image.width / 2).max(1), (image.height / 2).max(1));
     let light: Vec<f32> = (0..=255_u8).map(|byte| space.light(byte)).collect();
     let span = |k: u32, of: u32, from: u32| k * from / of..((k + 1) * from).div_ceil(of);
-    let texel = |index: u32| {
+    let texel = |index: usize| {
+        let index = index as u32;
         let mut sum = [0.0; 4];
         let mut count = 0.0;
         for y in span(index / width, height, image.height) {
@@ -52,7 +53,7 @@ pub(crate) fn halved(image: &Image, space: Space) -> Image {
         let [red, green, blue] = [red, green, blue].map(|light| byte(space.encoded(light)));
         [red, green, blue, byte(opacity)]
     };
-    Image { width, height, texels: (0..width * height).into_par_iter().map(texel).collect() }
+    Image { width, height, texels: parallel::values((width * height) as usize, texel) }
 }
 
 #[cfg(test)]

@@ -4,13 +4,13 @@
 use glam::{DMat3, DVec3};
 use octagloss_core::common::error::Result;
 use octagloss_core::common::frame::Frame;
+use octagloss_core::common::parallel;
 use octagloss_core::cpu::reflection::{LEAST_ROUGHNESS, ReflectedLight};
 use octagloss_core::cpu::reflector::{Reflector, ReflectorSettings, Workspace};
 use octagloss_core::cpu::table_bytes::{LIMIT, LobeRequest};
 use octagloss_core::light::environment::{Environment, Rgb};
 use octagloss_core::lobe::Lobe;
 use octagloss_core::lobe::filter::Filter;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
@@ -121,15 +121,13 @@ impl Truth {
             });
             let roughness = f64::from(f32::from_bits(roughness)).clamp(0.0, 1.0);
             let lobes = self.reflector.lobes(Lobe::Ggx, roughness, Filter::Adaptive(error))?;
-            let found: Vec<_> = pixels
-                .par_chunks(64 * TILE * TILE)
-                .map(|chunk| {
-                    let directions: Vec<DVec3> =
-                        chunk.iter().map(|index| asked[*index].direction(source_from_world)).collect();
-                    let mut found = Vec::with_capacity(directions.len());
-                    lobes.evaluate(&directions, &mut Workspace::default(), &mut found).map(|()| found)
-                })
-                .collect::<Result<_>>()?;
+            let chunks = pixels.chunks(64 * TILE * TILE);
+            let found = parallel::try_map_with(chunks, Workspace::default, |workspace, chunk| {
+                let directions: Vec<DVec3> =
+                    chunk.iter().map(|index| asked[*index].direction(source_from_world)).collect();
+                let mut found = Vec::with_capacity(directions.len());
+                lobes.evaluate(&directions, workspace, &mut found).map(|()| found)
+            })?;
             for (index, answer) in pixels.iter().zip(found.iter().flatten()) {
                 let fresnel = asked[*index].frame(source_from_world).map_or([1.0; 3], |(frame, _, f0)| {
                     f0.map(|f0| f0 + (1.0 - f0) * (1.0 - frame.view.z).powi(5))
@@ -140,13 +138,11 @@ impl Truth {
             }
         }
         if asked.iter().any(is_frame) {
-            let found: Vec<(usize, Rgb)> = asked
-                .par_iter()
-                .enumerate()
-                .filter(|(_, query)| is_frame(query))
-                .filter_map(|(index, query)| Some((index, self.reflected(query, source_from_world, error)?)))
-                .collect();
-            for (index, radiance) in found {
+            let frames = asked.iter().enumerate().filter(|(_, query)| is_frame(query));
+            let reflect = |(index, query): (usize, &PixelQuery)| {
+                Some((index, self.reflected(query, source_from_world, error)?))
+            };
+            for (index, radiance) in parallel::map(frames, reflect).into_iter().flatten() {
                 answers[index][..3].copy_from_slice(&radiance);
             }
         }

@@ -3,8 +3,8 @@
 use super::grid::{Grid, MARGIN, MIN_CUBIC, Scratch, Sums, Taps, VALUES, add, linear_taps, read_row};
 use super::nodes::MIN_EDGE;
 use super::seams::Seams;
+use crate::common::parallel;
 use crate::common::vector::Arch;
-use rayon::prelude::*;
 use std::iter::zip;
 
 /// Weight of a deviation from the sampled texels, relative to the error of a look-up.
@@ -97,8 +97,8 @@ impl Fit {
     pub(super) fn residual(&self, own: &Grid, targets: TargetRows<'_>) -> Grid {
         let mut residual = Grid::black(self.n);
         let side = residual.side();
-        let bands = residual.places.par_chunks_mut(BAND * side).enumerate();
-        bands.for_each_init(Scratch::default, |scratch, (band, places)| {
+        let bands = residual.places.chunks_mut(BAND * side).enumerate();
+        parallel::map_with(bands, Scratch::default, |scratch, (band, places)| {
             let mut rows = vec![[0.0; VALUES]; places.len()];
             let [mut target, mut found] = [(); 2].map(|()| vec![[0.0; VALUES]; self.linear.len()]);
             let first = band * BAND;
@@ -135,19 +135,16 @@ impl Fit {
         let mut first = [f64::INFINITY; 3];
         for round in 0..=STEPS {
             // The squares of the residual, and the next step.
-            let rows = residual.places.par_chunks(side).zip(self.inverse.par_chunks(side));
-            let rows = rows.skip(MARGIN).take(n);
-            let sums: Vec<Sums> = rows
-                .map(|(residual, inverse)| {
-                    let mut sums = [0.0; VALUES];
-                    for (residual, inverse) in zip(residual, inverse).skip(MARGIN).take(n) {
-                        for l in 0..VALUES {
-                            sums[l] += f64::from(residual[l]) * f64::from(residual[l]) * f64::from(*inverse);
-                        }
+            let rows = zip(residual.places.chunks(side), self.inverse.chunks(side));
+            let sums = parallel::map(rows.skip(MARGIN).take(n), |(residual, inverse)| {
+                let mut sums = [0.0; VALUES];
+                for (residual, inverse) in zip(residual, inverse).skip(MARGIN).take(n) {
+                    for l in 0..VALUES {
+                        sums[l] += f64::from(residual[l]) * f64::from(residual[l]) * f64::from(*inverse);
                     }
-                    sums
-                })
-                .collect();
+                }
+                sums
+            });
             let next = total(&sums);
             if round == 0 {
                 first = next;
@@ -159,21 +156,19 @@ impl Fit {
                 break;
             }
             let shares: [f32; VALUES] = std::array::from_fn(|l| share[l % 3] as f32);
-            let rows = step.places.par_chunks_mut(side).zip(residual.places.par_chunks(side));
-            rows.zip(self.inverse.par_chunks(side)).skip(MARGIN).take(n).for_each(
-                |((step, residual), inverse)| {
-                    for ((step, residual), inverse) in zip(zip(step, residual), inverse).skip(MARGIN).take(n)
-                    {
-                        for l in 0..VALUES {
-                            step[l] = residual[l] * inverse + shares[l] * step[l];
-                        }
+            let rows = zip(step.places.chunks_mut(side), residual.places.chunks(side));
+            let rows = zip(rows, self.inverse.chunks(side)).skip(MARGIN).take(n);
+            parallel::for_each(rows, |((step, residual), inverse)| {
+                for ((step, residual), inverse) in zip(zip(step, residual), inverse).skip(MARGIN).take(n) {
+                    for l in 0..VALUES {
+                        step[l] = residual[l] * inverse + shares[l] * step[l];
                     }
-                },
-            );
+                }
+            });
             self.seams.fill(&mut step);
-            let rows = image.places.par_chunks_mut(side).enumerate().skip(1).take(n + 2);
-            let sums: Vec<Sums> =
-                rows.map(|(j, row)| arch.dispatch(Coupling { fit: self, step: &step, j, row })).collect();
+            let rows = image.places.chunks_mut(side).enumerate().skip(1).take(n + 2);
+            let sums =
+                parallel::map(rows, |(j, row)| arch.dispatch(Coupling { fit: self, step: &step, j, row }));
             self.seams.fold(&mut image);
             let curvature = total(&sums);
             let length = |c: usize| {
@@ -184,9 +179,9 @@ impl Fit {
                 }
             };
             let lengths: [f32; VALUES] = std::array::from_fn(|l| length(l % 3) as f32);
-            let rows = texels.places.par_chunks_mut(side).zip(residual.places.par_chunks_mut(side));
-            let rows = rows.zip(step.places.par_chunks(side).zip(image.places.par_chunks(side)));
-            rows.skip(MARGIN).take(n).for_each(|((texels, residual), (step, image))| {
+            let rows = zip(texels.places.chunks_mut(side), residual.places.chunks_mut(side));
+            let rows = zip(rows, zip(step.places.chunks(side), image.places.chunks(side)));
+            parallel::for_each(rows.skip(MARGIN).take(n), |((texels, residual), (step, image))| {
                 let places = zip(zip(texels, residual), zip(step, image));
                 for ((texel, residual), (step, image)) in places.skip(MARGIN).take(n) {
                     for l in 0..VALUES {

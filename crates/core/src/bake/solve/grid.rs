@@ -1,8 +1,8 @@
 //! The values of a cube with all faces side by side, and how they are interpolated.
 
+use crate::common::parallel;
 use crate::common::vector::Arch;
 use crate::light::environment::Rgb;
-use rayon::prelude::*;
 use std::iter::zip;
 
 /// Values of a place: the channels of all six faces, face by face.
@@ -99,7 +99,8 @@ impl Grid {
     pub(super) fn new(size: u32, texels: &[Rgb], scale: Scale) -> Self {
         let mut grid = Self::black(size as usize);
         let (n, side) = (grid.n, grid.side());
-        grid.places.par_chunks_mut(side).skip(MARGIN).take(n).enumerate().for_each(|(y, row)| {
+        let rows = grid.places.chunks_mut(side).skip(MARGIN).take(n);
+        parallel::for_each(rows.enumerate(), |(y, row)| {
             for face in 0..6 {
                 for (place, texel) in zip(&mut row[MARGIN..], &texels[(face * n + y) * n..][..n]) {
                     for c in 0..3 {
@@ -114,7 +115,7 @@ impl Grid {
     /// Writes the values to `texels`.
     pub(super) fn write(&self, texels: &mut [Rgb], scale: Scale) {
         let n = self.n;
-        texels.par_chunks_mut(n).enumerate().for_each(|(k, row)| {
+        parallel::for_each(texels.chunks_mut(n).enumerate(), |(k, row)| {
             let (face, y) = (k / n, k % n);
             for (texel, place) in zip(row, &self.row(y + MARGIN)[MARGIN..]) {
                 for c in 0..3 {

@@ -1,9 +1,9 @@
 //! Edges and corners of faces: what lies beyond them, and neighbours across them.
 
 use super::grid::{Grid, MARGIN, MIN_CUBIC, Taps, VALUES, cubic_tap, linear_taps, read_row};
+use crate::common::parallel;
 use crate::light::chain_lookup::LevelLookup;
 use crate::sphere::cube::{Face, cube_from_direction, cube_point};
-use rayon::prelude::*;
 use std::collections::BinaryHeap;
 use std::iter::zip;
 
@@ -189,7 +189,7 @@ impl Seams {
             }
             found
         };
-        let rows: Vec<[Vec<u32>; 2]> = (MARGIN..side - MARGIN).into_par_iter().map(row).collect();
+        let rows = parallel::map(MARGIN..side - MARGIN, row);
         [0, 1].map(|change| rows.iter().flat_map(|row| &row[change]).copied().collect())
     }
 }
@@ -231,13 +231,12 @@ impl Grid {
                 let tap = |x: f64| cubic_tap((x + 1.0) / 2.0 * n as f64 + 0.5, (2, n - 2));
                 *values = self.interpolated(face, tap(s), tap(t));
             }
-            (k, place)
+            place
         };
         let is_outside = |k: &usize| !(inside.contains(&(k % side)) && inside.contains(&(k / side)));
         let margin: Vec<usize> = (0..side * side).filter(is_outside).collect();
-        let margin: Vec<(usize, [f32; VALUES])> =
-            margin.into_par_iter().with_min_len(256).map(extended).collect();
-        margin.into_iter().for_each(|(k, place)| self.places[k] = place);
+        let places = parallel::values(margin.len(), |k| extended(margin[k]));
+        margin.into_iter().zip(places).for_each(|(k, place)| self.places[k] = place);
         self
     }
 

@@ -2,7 +2,7 @@
 
 use super::grid::{Grid, MARGIN, Scratch, Sums, Taps, VALUES, add, at_least_black, cubic_taps, read_row};
 use super::nodes::{Held, MIN_SHARE, Node};
-use rayon::prelude::*;
+use crate::common::parallel;
 use std::iter::zip;
 
 /// Number of levels on either side of the solved one.
@@ -153,8 +153,8 @@ impl Targets<'_> {
         let mut grid = Grid::black(self.edge);
         let side = grid.side();
         let start = || (Scratch::default(), vec![[0.0; VALUES]; self.edge]);
-        let rows = grid.places.par_chunks_mut(side).skip(MARGIN).take(self.edge);
-        rows.enumerate().for_each_init(start, |(scratch, values), (y, row)| {
+        let rows = grid.places.chunks_mut(side).skip(MARGIN).take(self.edge);
+        parallel::map_with(rows.enumerate(), start, |(scratch, values), (y, row)| {
             self.row(y, scratch, values);
             zip(&mut row[MARGIN..], values)
                 .for_each(|(place, value)| *place = value.map(|value| value as f32));

@@ -6,6 +6,7 @@
 //! run upwards.
 
 use crate::common::error::Result;
+use crate::common::parallel;
 use crate::files::format::Pixel;
 use crate::files::format::container::ENV_MAGIC;
 use crate::files::format::rgbd::rgbd_png_bytes;
@@ -15,7 +16,6 @@ use crate::files::target::sizes::check_env;
 use crate::light::chain::Chain;
 use crate::light::sh::scale::{ShScale, scaled};
 use crate::sphere::cube::Face;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -52,16 +52,12 @@ pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<Cu
 
 /// Encodes every face of every level as PNG, rows upwards.
 pub(crate) fn png_faces(chain: &Chain) -> Result<Vec<Vec<u8>>> {
-    let faces: Vec<_> = chain
-        .levels
-        .iter()
-        .flat_map(|level| Face::ALL.map(|face| (level.size(), level.face(face))))
-        .collect();
+    let faces = chain.levels.iter().flat_map(|level| Face::ALL.map(|face| (level.size(), level.face(face))));
     let png = |(size, texels): (u32, &[[f32; 3]])| {
         let texels: Vec<_> = texels.chunks_exact(size as usize).rev().flatten().copied().collect();
         rgbd_png_bytes(size, &texels)
     };
-    faces.into_par_iter().map(png).collect()
+    parallel::map(faces, png).into_iter().collect()
 }
 
 /// Babylon.js's `SphericalPolynomial`: x, y, z, their squares and products, without a constant.

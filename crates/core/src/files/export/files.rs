@@ -3,6 +3,7 @@
 use super::{babylon, gltf, playcanvas, pyramid};
 use crate::bake::Bake;
 use crate::common::error::{Error, Result, wrong};
+use crate::common::parallel;
 use crate::files::format::container::Container;
 use crate::files::format::{LevelName, Pixel, Shown};
 use crate::files::io::cube_file::CubeFile;
@@ -24,7 +25,6 @@ use crate::light::sh::{name, order_text};
 use crate::lobe::Lobe;
 use crate::pyramid::BakedPyramid;
 use crate::sphere::cube::Face;
-use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
@@ -68,7 +68,7 @@ pub fn files(
         let file = file_of(plan, name, bake, metadata, readers, (&path, content))?;
         Ok(Made { path, bytes: file.bytes, clamped: file.clamped })
     };
-    plan.files(&shape).into_par_iter().map(make).collect()
+    parallel::map(plan.files(&shape), make).into_iter().collect()
 }
 
 /// Encodes the file at `path` of `plan` with `content`.

@@ -7,6 +7,7 @@
 //! negates x before every look-up.
 
 use crate::common::error::Result;
+use crate::common::parallel;
 use crate::files::format::Pixel;
 use crate::files::format::rgbd::png_bytes;
 use crate::files::format::rgbp::rgbp_from_rgb;
@@ -16,7 +17,6 @@ use crate::light::chain::{Chain, Level};
 use crate::light::chain_lookup::SeamlessLevel;
 use crate::light::environment::Rgb;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Edge of the atlas in the units of [`Rect`].
@@ -84,8 +84,8 @@ impl AtlasImage {
         let share = |place: f64, length: u32| (place - scale) / (f64::from(length) - 2.0 * scale);
         let sample = |texel: u32, at: u32| f64::from(texel) + (f64::from(at) + 0.5) / f64::from(samples);
         let weight = f64::from(samples * samples).recip();
-        let rows = self.texels.par_chunks_exact_mut(self.edge as usize).skip(y as usize);
-        rows.take(width as usize / 2).enumerate().for_each(|(row, texels)| {
+        let rows = self.texels.chunks_exact_mut(self.edge as usize).skip(y as usize);
+        parallel::for_each(rows.take(width as usize / 2).enumerate(), |(row, texels)| {
             for column in 0..width {
                 let mut sum = [0.0; 3];
                 for at in 0..samples * samples {

@@ -1,10 +1,10 @@
 //! BC6H: blocks of 4 x 4 texels in 16 bytes, encoded by the `block_compression` crate, decoded by `bcdec_rs`.
 
 use super::HALF_MAX;
+use crate::common::parallel;
 use crate::light::environment::Rgb;
 use block_compression::{BC6HSettings, CompressionVariant, encode::compress_rgba16};
 use half::f16;
-use rayon::prelude::*;
 
 /// Texels along an edge of a block.
 const BLOCK: usize = 4;
@@ -46,25 +46,21 @@ pub fn bc6h_blocks(size: u32, texels: &[Rgb]) -> Vec<u8> {
     // to 1.3 dB.
     let variant = CompressionVariant::BC6H(BC6HSettings::basic());
     // Strips of blocks are independent.
-    let strips: Vec<_> =
-        texels.chunks_exact(n * n).flat_map(|square| (0..across).map(move |strip| (square, strip))).collect();
-    let blocks: Vec<Vec<u8>> = strips
-        .into_par_iter()
-        .map(|(square, strip)| {
-            let mut halves = Vec::with_capacity(BLOCK * padded * 4);
-            for row in strip * BLOCK..(strip + 1) * BLOCK {
-                let row = &square[row.min(n - 1) * n..][..n];
-                for column in 0..padded {
-                    let texel = row[column.min(n - 1)].map(|c| f16::from_f32(c.clamp(0.0, HALF_MAX)));
-                    halves.extend(texel);
-                    halves.push(f16::ONE);
-                }
+    let strips = texels.chunks_exact(n * n).flat_map(|square| (0..across).map(move |strip| (square, strip)));
+    let blocks = parallel::map(strips, |(square, strip)| {
+        let mut halves = Vec::with_capacity(BLOCK * padded * 4);
+        for row in strip * BLOCK..(strip + 1) * BLOCK {
+            let row = &square[row.min(n - 1) * n..][..n];
+            for column in 0..padded {
+                let texel = row[column.min(n - 1)].map(|c| f16::from_f32(c.clamp(0.0, HALF_MAX)));
+                halves.extend(texel);
+                halves.push(f16::ONE);
             }
-            let mut blocks = vec![0; across * 16];
-            let width = padded as u32;
-            compress_rgba16(variant, &halves, &mut blocks, width, BLOCK as u32, width * 4);
-            blocks
-        })
-        .collect();
+        }
+        let mut blocks = vec![0; across * 16];
+        let width = padded as u32;
+        compress_rgba16(variant, &halves, &mut blocks, width, BLOCK as u32, width * 4);
+        blocks
+    });
     blocks.concat()
 }

@@ -5,6 +5,7 @@ use super::exposure::{Exposure, Rolloff};
 use super::faces::{draw_cross, draw_outlined, shrunk};
 use crate::analysis::sun::{Brightest, Sun};
 use crate::common::error::{Result, wrong};
+use crate::common::parallel;
 use crate::geometry::footprints::footprints_over;
 use crate::light::chain::{Chain, Level};
 use crate::light::chain_lookup::ChainLookup;
@@ -16,7 +17,6 @@ use octagloss_drawing::page::page;
 use octagloss_drawing::scene::{Anchor, Frame, Scene};
 use octagloss_drawing::style::{GAP, INK, LABEL, MARGIN, PAPER, SMALL, SOFT, TINY};
 use octagloss_drawing::tone::srgb;
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
@@ -264,8 +264,8 @@ impl Seen<'_> {
             }
             srgb(sum.map(|c| c / (SAMPLES * SAMPLES) as f32))
         };
-        let rows: Vec<Vec<Pixel<u8>>> =
-            (0..TILE).into_par_iter().map(|j| (0..TILE).map(|i| pixel(i, j)).collect()).collect();
+        let row = |j| (0..TILE).map(|i| pixel(i, j)).collect::<Vec<Pixel<u8>>>();
+        let rows = parallel::map(0..TILE, row);
         RgbImage::from_fn(TILE, TILE, |i, j| rows[j as usize][i as usize])
     }
 }

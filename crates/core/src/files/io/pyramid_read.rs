@@ -7,13 +7,13 @@ use super::provenance::Provenance;
 use super::pyramid_write::{KEY, SQUARES, VERSION, check_size};
 use super::texture::Texture;
 use crate::common::error::Result;
+use crate::common::parallel;
 use crate::light::chain::{Chain, Level};
 use crate::light::environment::{Layout, Rgb};
 use crate::pyramid::levels::Map;
 use crate::pyramid::light::OctaglossLight;
 use crate::pyramid::{BakedPyramid, COARSEST, Octaves};
 use glam::{DVec3, Vec3A};
-use rayon::prelude::*;
 use serde::Deserialize;
 
 /// Texels along an edge of the first cube.
@@ -64,11 +64,12 @@ pub(super) fn decode_irradiance(texture: &Texture<'_>) -> Result<Level> {
 /// A cube whose texels are `radiance` around their directions.
 fn cube(size: u32, roughness: f64, radiance: impl Fn(DVec3) -> Rgb + Sync) -> Level {
     let (layout, area) = (Layout::Cube { size }, size * size);
-    let texel = |k: u32| {
+    let texel = |k: usize| {
+        let k = k as u32;
         let (face, at) = (k / area, k % area);
         radiance(layout.direction_from_texel(face, at % size, at / size))
     };
-    Level::cube(size, roughness, (0..6 * area).into_par_iter().map(texel).collect())
+    Level::cube(size, roughness, parallel::values(6 * area as usize, texel))
 }
 
 /// The pyramid of a file.

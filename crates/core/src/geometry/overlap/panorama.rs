@@ -1,7 +1,7 @@
 //! Panorama to panorama: rotations are about the polar axis only, so rows and columns separate.
 
+use crate::common::parallel;
 use crate::light::environment::{Environment, Layout, Rgb};
-use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Mean radiance of `environment`, a panorama, over every texel of another panorama in the world.
@@ -51,8 +51,7 @@ pub(super) fn mean_radiances(environment: &Environment, width: u32, height: u32)
         }
         sums.map(|sum| (sum / total) as f32)
     };
-    let (columns, texel) = (&columns, &texel);
-    rows.par_iter().flat_map_iter(|row| columns.iter().map(move |column| texel(row, column))).collect()
+    parallel::map(&rows, |row| columns.iter().map(|column| texel(row, column)).collect::<Vec<Rgb>>()).concat()
 }
 
 /// Snaps a position to a texel edge within rounding.

@@ -8,9 +8,9 @@
 use super::Chords;
 use super::grid::{CellOverlap, walk_outline};
 use super::index::{self, SourceMap, Target, pack};
+use crate::common::parallel;
 use crate::light::environment::{Environment, Layout, Rgb};
 use glam::{DVec2, DVec3, Vec4};
-use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -55,13 +55,10 @@ pub(super) fn mean_radiances(environment: &Environment, target: Target) -> Optio
     let sweep = Sweep::new(environment, width, height, target);
     let side = half as usize;
     let mut octants = vec![[[0.0; 3]; 8]; families as usize * side * side];
-    let bands: Vec<_> = (0..families)
-        .zip(octants.chunks_mut(side * side))
-        .flat_map(|(family, means)| {
-            (0..half).step_by(BAND).zip(means.chunks_mut(BAND * side)).map(move |band| (family, band))
-        })
-        .collect();
-    bands.into_par_iter().for_each(|(family, (first, means))| {
+    let bands = (0..families).zip(octants.chunks_mut(side * side)).flat_map(|(family, means)| {
+        (0..half).step_by(BAND).zip(means.chunks_mut(BAND * side)).map(move |band| (family, band))
+    });
+    parallel::for_each(bands, |(family, (first, means))| {
         sweep.band(family, first..half.min(first + BAND as u32), means);
     });
     let mean = |texel| match index::octants_of_texel(target, texel) {
@@ -72,7 +69,7 @@ pub(super) fn mean_radiances(environment: &Environment, target: Target) -> Optio
         }
         [one, other] => one.or(other).map_or([0.0; 3], |(octant, row)| octants[row][octant]),
     };
-    Some((0..target.texel_count()).into_par_iter().map(mean).collect())
+    Some(parallel::values(target.texel_count(), mean))
 }
 
 /// One octant of a target over the grid of a panorama.

@@ -9,12 +9,12 @@ use super::carrier::{Block, Carrier, Numbers, quarterings};
 use super::chart::{Around, Chart, Continued, Piece};
 use super::sums::Totals;
 use super::{BLOCK, Share};
+use crate::common::parallel;
 use crate::geometry::light::Light;
 use crate::light::environment::Rgb;
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -66,8 +66,7 @@ impl<'a> Continuation<'a> {
                 }
                 totals
             };
-            let parts: Vec<Totals> =
-                own.par_chunks_mut(width * BLOCK as usize).enumerate().map(of_rows).collect();
+            let parts = parallel::map(own.chunks_mut(width * BLOCK as usize).enumerate(), of_rows);
             totals = parts.iter().fold(totals, |sum, part| sum.plus(part));
         }
         totals

@@ -2,9 +2,9 @@
 
 use super::band::Band;
 use super::mirrors::Mirrors;
+use crate::common::parallel;
 use crate::light::environment::Rgb;
 use crate::sphere::grid::Grid;
-use rayon::prelude::*;
 
 /// Places whose sums are converted at once, after which their memory is free.
 const CHUNK: usize = 1 << 13;
@@ -57,7 +57,7 @@ impl Sums {
         // Every thread sums its own range of slots, in the order of the sources.
         let per_thread = self.chunks.len().div_ceil(rayon::current_num_threads()).max(1);
         let slots = &self.slots;
-        self.chunks.par_chunks_mut(per_thread).enumerate().for_each(|(thread, chunks)| {
+        parallel::for_each(self.chunks.chunks_mut(per_thread).enumerate(), |(thread, chunks)| {
             let first = thread * per_thread * CHUNK;
             for band in bands {
                 for share in &band.shares {
@@ -97,22 +97,19 @@ impl Sums {
     /// NaN for texels without sums. `None` if an image of a texel is not a texel.
     pub(super) fn means(mut self, mirrors: &Mirrors, target: &Grid) -> Option<(Vec<Rgb>, Totals)> {
         let stride = self.stride();
-        let parts: Vec<(Vec<u32>, Totals)> = self
-            .chunks
-            .par_iter_mut()
-            .zip(self.targets.par_chunks(CHUNK))
-            .map(|(sums, targets)| {
-                let mut totals = Totals::default();
-                let mut images = Vec::with_capacity(self.images * targets.len());
-                for (sums, index) in sums.chunks_exact_mut(stride).zip(targets) {
-                    let texel = target.texel(*index as usize);
-                    let first = images.len();
-                    mirrors.append(target, texel, &mut images)?;
-                    to_means(sums, &images[first..], target.solid_angle(texel), &mut totals);
-                }
-                Some((images, totals))
-            })
-            .collect::<Option<_>>()?;
+        let chunks = self.chunks.iter_mut().zip(self.targets.chunks(CHUNK));
+        let parts = parallel::map(chunks, |(sums, targets)| {
+            let mut totals = Totals::default();
+            let mut images = Vec::with_capacity(self.images * targets.len());
+            for (sums, index) in sums.chunks_exact_mut(stride).zip(targets) {
+                let texel = target.texel(*index as usize);
+                let first = images.len();
+                mirrors.append(target, texel, &mut images)?;
+                to_means(sums, &images[first..], target.solid_angle(texel), &mut totals);
+            }
+            Some((images, totals))
+        });
+        let parts: Vec<(Vec<u32>, Totals)> = parts.into_iter().collect::<Option<_>>()?;
         let totals = parts.iter().fold(Totals::default(), |sum, (_, term)| sum.plus(term));
         let mut texels = vec![[f32::NAN; 3]; self.slots.len()];
         for (sums, (images, _)) in self.chunks.into_iter().zip(parts) {
@@ -163,8 +160,8 @@ impl Totals {
         let rates: [f64; 3] = std::array::from_fn(|c| {
             if self.squares[c] > 0.0 { (self.arrived[c] - self.held[c]) / self.squares[c] } else { 0.0 }
         });
-        texels.par_iter_mut().for_each(|texel| {
-            for (value, rate) in texel.iter_mut().zip(rates) {
+        parallel::for_each(texels.chunks_mut(CHUNK), |texels| {
+            for (value, rate) in texels.iter_mut().flat_map(|texel| texel.iter_mut().zip(rates)) {
                 let exact = f64::from(*value);
                 *value = ((exact * (1.0 + rate * exact).max(0.0)) as f32).clamp(f32::MIN, f32::MAX);
             }

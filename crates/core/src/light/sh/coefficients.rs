@@ -6,11 +6,11 @@
 //! the sphere, and L(d) is about the sum of c_k Y_k(d).
 
 use crate::common::error::{Result, wrong};
+use crate::common::parallel;
 use crate::geometry::exact::{ExactTexels, outer};
 use crate::light::environment::{Environment, Layout, Rgb};
 use crate::sphere::quadrature::gauss_legendre;
 use glam::{DMat3, DVec3};
-use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// The highest supported band.
@@ -147,11 +147,8 @@ fn panorama<const WAVES: usize>(
         })
         .collect();
     let arch = crate::common::vector::Arch::new();
-    let rows: Vec<[[f64; 4]; WAVES]> = environment
-        .texels()
-        .par_chunks_exact(width)
-        .map(|row| arch.dispatch(RowSums { row, waves: &waves }))
-        .collect();
+    let rows = environment.texels().chunks_exact(width);
+    let rows = parallel::map(rows, |row| arch.dispatch(RowSums { row, waves: &waves }));
     let mut coefficients = vec![[0.0; 3]; count(order)];
     for (block, sums) in rows.iter().enumerate() {
         let integrals = block_integrals(texels, block, pole_from_up, order);
@@ -193,8 +190,7 @@ impl<const WAVES: usize> pulp::NullaryFnOnce for RowSums<'_, WAVES> {
 /// every block.
 fn blocks(environment: &Environment, texels: &ExactTexels, order: u32) -> Coefficients {
     let indices = 0..texels.blocks().len();
-    let integrals: Vec<[f64; MAX_COUNT]> =
-        indices.into_par_iter().map(|block| block_integrals(texels, block, DMat3::IDENTITY, order)).collect();
+    let integrals = parallel::map(indices, |block| block_integrals(texels, block, DMat3::IDENTITY, order));
     let mut gathered = vec![vec![[0.0; 3]; count(order)]; texels.frames().len()];
     texels.for_each(|index, block, frame| {
         let radiance = environment.texels()[index].map(f64::from);

@@ -7,9 +7,9 @@
 
 use super::deflate::Deflater;
 use crate::common::error::{Result, wrong};
+use crate::common::parallel;
 use crate::files::format::{Pixel, push_halves};
 use crate::light::environment::Rgb;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Rows of a ZIP block.
@@ -140,10 +140,8 @@ pub(super) fn push_blocks(blocks: &[Block<'_>], out: &mut Vec<u8>) {
     out.resize(entry + 8 * blocks.len(), 0);
     let packer = || (Deflater::new(), Vec::new());
     for blocks in blocks.chunks(BLOCKS_AT_ONCE) {
-        let packed: Vec<Vec<u8>> = blocks
-            .par_iter()
-            .map_init(packer, |(deflater, scratch), block| block.packed(deflater, scratch))
-            .collect();
+        let packed =
+            parallel::map_with(blocks, packer, |(deflater, scratch), block| block.packed(deflater, scratch));
         for bytes in packed {
             let offset = out.len() as u64;
             out[entry..][..8].copy_from_slice(&offset.to_le_bytes());

@@ -3,6 +3,7 @@
 use super::select::{Channels, Selection};
 use super::window::{Window, exr_error};
 use crate::common::error::Result;
+use crate::common::parallel;
 use crate::files::io::panics::catching_panics;
 use crate::files::io::source::{Source, TEXEL_BYTES, limit};
 use crate::light::environment::Rgb;
@@ -14,7 +15,6 @@ use ::exr::meta::attribute::{Compression, SampleType};
 use ::exr::meta::header::Header;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
-use rayon::prelude::*;
 use std::collections::HashSet;
 use std::io::Cursor;
 
@@ -113,7 +113,7 @@ pub(super) fn decode_into(
         let blocks: Vec<Result<UncompressedBlock>> = if serial {
             batch.into_iter().map(decompress).collect()
         } else {
-            batch.into_par_iter().map(decompress).collect()
+            parallel::map(batch, decompress)
         };
         for block in blocks {
             let block = block?;
