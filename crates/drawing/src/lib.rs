@@ -7,6 +7,7 @@
 #![doc(hidden)]
 #![allow(missing_docs, reason = "only crates of this workspace use it")]
 
+pub mod bitmap;
 pub mod font;
 pub mod page;
 pub mod path;

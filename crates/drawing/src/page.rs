@@ -1,11 +1,11 @@
 //! Common parts of pictures: title, caption, colour bar.
 
+use super::bitmap::Bitmap;
 use super::font::fitted;
 use super::scale::ColourScale;
 use super::scene::{Anchor, Frame, Scene, wrapped};
 use super::style::{GAP, INK, LINE, MARGIN, SMALL, SOFT, TITLE};
 use glam::DVec2;
-use image::RgbImage;
 
 /// Width of most figures in pixels.
 pub const WIDTH: f64 = 1000.0;
@@ -34,9 +34,8 @@ pub fn colour_bar(scene: &mut Scene, frame: &Frame, scale: &ColourScale, name: &
     let tip = 12.0;
     let (top, bottom) = (frame.low.y + tip, frame.high.y - tip);
     let rows = 256;
-    let gradient = RgbImage::from_fn(1, rows, |_, y| {
-        image::Rgb(scale.colour_at(1.0 - (f64::from(y) + 0.5) / f64::from(rows)))
-    });
+    let gradient =
+        Bitmap::from_fn(1, rows, |_, y| scale.colour_at(1.0 - (f64::from(y) + 0.5) / f64::from(rows)));
     scene.picture_at(DVec2::new(left, top), DVec2::new(right, bottom), gradient);
     let [low, high] = scale.range();
     let ends = [

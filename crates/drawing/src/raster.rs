@@ -1,17 +1,17 @@
 //! Draws scenes as pixels: every shape by the exact share of each pixel that it covers.
 
+use super::bitmap::Bitmap;
 use super::font::text_path;
 use super::path::Path;
 use super::scene::{Item, Scene, Text};
 use super::style::{Colour, PAPER};
 use ab_glyph_rasterizer::{Point, Rasterizer, point};
 use glam::DVec2;
-use image::RgbImage;
 
 impl Scene {
     /// The scene as a picture.
-    pub fn picture(&self) -> RgbImage {
-        let mut picture = RgbImage::from_pixel(self.width, self.height, image::Rgb(PAPER));
+    pub fn picture(&self) -> Bitmap {
+        let mut picture = Bitmap::filled(self.width, self.height, PAPER);
         for item in &self.items {
             draw(&mut picture, item);
         }
@@ -19,7 +19,7 @@ impl Scene {
     }
 }
 
-fn draw(picture: &mut RgbImage, item: &Item) {
+fn draw(picture: &mut Bitmap, item: &Item) {
     let mut path = Path::default();
     let ink = match item {
         Item::Polygon { points, fill } => {
@@ -52,7 +52,7 @@ fn outline(text: &Text) -> Path {
 }
 
 /// Fills `path`, blending its edges in sRGB.
-fn fill(picture: &mut RgbImage, path: &Path, colour: Colour) {
+fn fill(picture: &mut Bitmap, path: &Path, colour: Colour) {
     if path.pieces.is_empty() {
         return;
     }
@@ -73,8 +73,8 @@ fn fill(picture: &mut RgbImage, path: &Path, colour: Colour) {
         let inside =
             (0..i64::from(picture.width())).contains(&x) && (0..i64::from(picture.height())).contains(&y);
         if inside && share > 1e-3 {
-            let pixel = picture.get_pixel_mut(x as u32, y as u32);
-            pixel.0 = super::style::mix(pixel.0, colour, f64::from(share.min(1.0)));
+            let pixel = picture.pixel_mut(x as u32, y as u32);
+            *pixel = super::style::mix(*pixel, colour, f64::from(share.min(1.0)));
         }
     });
 }
@@ -83,12 +83,12 @@ fn fill(picture: &mut RgbImage, path: &Path, colour: Colour) {
 const SAMPLES: u32 = 4;
 
 /// Draws `pixels` over the rectangle from `low` to `high`, each as a rectangle, to whole pixels of `picture`.
-fn stretch(picture: &mut RgbImage, low: DVec2, high: DVec2, pixels: &RgbImage) {
+fn stretch(picture: &mut Bitmap, low: DVec2, high: DVec2, pixels: &Bitmap) {
     let (low, high) = (low.round(), high.round());
     let [width, height] = (high - low).max(DVec2::ONE).to_array().map(|side| side as u32);
     let (left, top) = (low.x as i64, low.y as i64);
-    if pixels.dimensions() == (width, height) {
-        return image::imageops::replace(picture, pixels, left, top);
+    if (pixels.width(), pixels.height()) == (width, height) {
+        return picture.put(pixels, left, top);
     }
     // Sources of the samples across and down.
     let sources = |to: u32, from: u32| -> Vec<u32> {
@@ -96,16 +96,16 @@ fn stretch(picture: &mut RgbImage, low: DVec2, high: DVec2, pixels: &RgbImage) {
         (0..to * SAMPLES).map(|k| place(k) as u32).collect()
     };
     let (across, down) = (sources(width, pixels.width()), sources(height, pixels.height()));
-    let stretched = RgbImage::from_fn(width, height, |x, y| {
+    let stretched = Bitmap::from_fn(width, height, |x, y| {
         let mut sum = [0_u32; 3];
         for v in &down[(SAMPLES * y) as usize..(SAMPLES * (y + 1)) as usize] {
             for u in &across[(SAMPLES * x) as usize..(SAMPLES * (x + 1)) as usize] {
-                let pixel = pixels.get_pixel(*u, *v).0;
+                let pixel = pixels.pixel(*u, *v);
                 sum = std::array::from_fn(|c| sum[c] + u32::from(pixel[c]));
             }
         }
         let count = SAMPLES * SAMPLES;
-        image::Rgb(sum.map(|sum| ((sum + count / 2) / count) as u8))
+        sum.map(|sum| ((sum + count / 2) / count) as u8)
     });
-    image::imageops::replace(picture, &stretched, left, top);
+    picture.put(&stretched, left, top);
 }

@@ -1,9 +1,9 @@
 //! Scenes: lists of shapes and texts in pixels.
 
+use super::bitmap::Bitmap;
 use super::font::{fitted, text_width};
 use super::style::{Colour, INK, LINE, PAPER, SOFT, TINY};
 use glam::DVec2;
-use image::RgbImage;
 
 /// Anchor of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub enum Item {
     Picture {
         low: DVec2,
         high: DVec2,
-        pixels: RgbImage,
+        pixels: Bitmap,
     },
 }
 
@@ -205,7 +205,7 @@ impl Scene {
     }
 
     /// Adds `pixels`, stretched over the rectangle from `low` to `high`.
-    pub fn picture_at(&mut self, low: DVec2, high: DVec2, pixels: RgbImage) {
+    pub fn picture_at(&mut self, low: DVec2, high: DVec2, pixels: Bitmap) {
         self.items.push(Item::Picture { low, high, pixels });
     }
 

@@ -1,6 +1,6 @@
 //! From radiance to the bytes of a picture.
 
-use image::Rgb as Pixel;
+use super::style::Colour;
 
 /// Tone-maps radiance to [0, 1], linear: Narkowicz 2016, "ACES filmic tone mapping curve".
 pub fn tone_mapped(radiance: [f32; 3], exposure: f64) -> [f32; 3] {
@@ -12,8 +12,8 @@ pub fn tone_mapped(radiance: [f32; 3], exposure: f64) -> [f32; 3] {
 }
 
 /// Converts linear display values in [0, 1] to 8-bit sRGB.
-pub fn srgb(linear: [f32; 3]) -> Pixel<u8> {
-    Pixel(linear.map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0).round() as u8))
+pub fn srgb(linear: [f32; 3]) -> Colour {
+    linear.map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0).round() as u8)
 }
 
 /// The sRGB transfer function (IEC 61966-2-1): encodes a linear value in [0, 1].
@@ -22,6 +22,6 @@ pub fn srgb_from_linear(linear: f32) -> f32 {
 }
 
 /// Radiance to 8-bit sRGB as every picture shows it; `exposure` is a factor.
-pub fn display(radiance: [f32; 3], exposure: f64) -> Pixel<u8> {
+pub fn display(radiance: [f32; 3], exposure: f64) -> Colour {
     srgb(tone_mapped(radiance, exposure))
 }

@@ -1,14 +1,15 @@
 //! Encodes pictures of figures.
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder as _, RgbImage};
+use octagloss_drawing::bitmap::Bitmap;
 
 /// Encodes `pixels` as PNG without filters, which halves the size of flat colours.
-pub(super) fn png(pixels: &RgbImage) -> Vec<u8> {
+pub(super) fn png(pixels: &Bitmap) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::NoFilter);
-    let (width, height) = pixels.dimensions();
-    let written = encoder.write_image(pixels.as_raw(), width, height, ExtendedColorType::Rgb8);
+    let mut encoder = png::Encoder::new(&mut bytes, pixels.width(), pixels.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_filter(png::Filter::NoFilter);
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(pixels.bytes()));
     written.expect("drawing to memory cannot fail");
     bytes
 }

@@ -4,6 +4,7 @@ use octagloss_core::analysis::channels::Relative;
 use octagloss_core::analysis::compare::{LevelErrors, errors_against_texels};
 use octagloss_core::files::image::error_sheet::error_sheet;
 use octagloss_core::light::chain::Level;
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_drawing::scale::RELATIVE_ERROR;
 use octagloss_drawing::scene::Scene;
 use octagloss_fixtures::files::written::chain;
@@ -27,8 +28,8 @@ fn sheet(pairs: &[(&Level, &Level)]) -> octagloss_core::common::error::Result<Sc
 const CROSS: (u32, u32) = (26 + 96, 26 + 24 + 18 + 48);
 
 /// A pixel amid texel `x`, `y` of face +Z, which has eight texels of 12 pixels along its edge.
-fn pixel(picture: &image::RgbImage, x: u32, y: u32) -> [u8; 3] {
-    picture.get_pixel(CROSS.0 + 96 + x * 12 + 6, CROSS.1 + 96 + y * 12 + 6).0
+fn pixel(picture: &Bitmap, x: u32, y: u32) -> [u8; 3] {
+    picture.pixel(CROSS.0 + 96 + x * 12 + 6, CROSS.1 + 96 + y * 12 + 6)
 }
 
 #[test]

@@ -8,6 +8,7 @@ use octagloss_core::light::chain_lookup::SeamlessLevel;
 use octagloss_core::light::environment::Layout;
 use octagloss_core::light::environment::Rgb;
 use octagloss_core::sphere::cube::{self, Face};
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_drawing::scene::Scene;
 use octagloss_fixtures::common::Random;
 use octagloss_fixtures::files::written::chain;
@@ -116,7 +117,7 @@ const CROSS_AT: (u32, u32) = (TILE_AT.0, TILE_AT.1 + 240 + 10);
 const TILE: u32 = 240;
 
 /// Draws a sheet seen along +X: by a removed light over the left shoulder, 35 degrees from -X.
-fn sheet(chain: &Chain, exposure: Exposure) -> image::RgbImage {
+fn sheet(chain: &Chain, exposure: Exposure) -> Bitmap {
     let shoulder = 145.0_f64.to_radians();
     let removed = [DVec3::new(shoulder.cos(), 0.0, -shoulder.sin())];
     contact_sheet(chain, Origin { removed: &removed, ..Origin::default() }, exposure)
@@ -140,9 +141,14 @@ fn coloured() -> Chain {
 }
 
 /// Returns which channels of the pixel at `x`, `y` in [-1, 1] of the first tile are bright.
-fn channels(sheet: &image::RgbImage, x: f64, y: f64) -> [bool; 3] {
+/// The part of `picture` from (`left`, `top`) on.
+fn cropped(picture: &Bitmap, left: u32, top: u32, width: u32, height: u32) -> Bitmap {
+    Bitmap::from_fn(width, height, |x, y| picture.pixel(left + x, top + y))
+}
+
+fn channels(sheet: &Bitmap, x: f64, y: f64) -> [bool; 3] {
     let at = |origin: u32, v: f64| origin + ((v + 1.0) / 2.0 * f64::from(TILE)) as u32;
-    sheet.get_pixel(at(TILE_AT.0, x), at(TILE_AT.1, y)).0.map(|c| c > 128)
+    sheet.pixel(at(TILE_AT.0, x), at(TILE_AT.1, y)).map(|c| c > 128)
 }
 
 #[test]
@@ -181,7 +187,7 @@ fn a_smooth_world_has_no_seams_in_the_sphere() {
         for x in 0..TILE - 1 {
             let (dx, dy) = (f64::from(x) - 119.5, f64::from(y) - 119.5);
             if dx.hypot(dy) < 0.8 * 95.0 {
-                let at = |x: u32, y: u32| sheet.get_pixel(TILE_AT.0 + x, TILE_AT.1 + y).0;
+                let at = |x: u32, y: u32| sheet.pixel(TILE_AT.0 + x, TILE_AT.1 + y);
                 for next in [at(x + 1, y), at(x, y + 1)] {
                     for c in 0..3 {
                         let step = i32::from(next[c]) - i32::from(at(x, y)[c]);
@@ -216,7 +222,7 @@ fn the_sheet_is_the_same_whatever_the_thread_count_and_has_room_for_every_level(
 fn black_worlds_are_black_and_extreme_ones_exposed() {
     let middle = |radiance| {
         let chain = Chain { levels: vec![level_of(4, 0.0, |_, _| [radiance; 3])] };
-        sheet(&chain, Exposure::Auto).get_pixel(TILE_AT.0 + TILE / 2, TILE_AT.1 + TILE / 2).0
+        sheet(&chain, Exposure::Auto).pixel(TILE_AT.0 + TILE / 2, TILE_AT.1 + TILE / 2)
     };
     assert_eq!(middle(0.0), [0; 3]);
     assert_eq!(middle(1e-30), middle(1.0));
@@ -226,16 +232,12 @@ fn black_worlds_are_black_and_extreme_ones_exposed() {
 #[test]
 fn exposure_is_automatic_or_a_number() {
     let chain = chain(4, 1, false);
-    let tile = |exposure| {
-        image::imageops::crop_imm(&sheet(&chain, exposure), TILE_AT.0, TILE_AT.1, TILE, TILE).to_image()
-    };
+    let tile = |exposure| cropped(&sheet(&chain, exposure), TILE_AT.0, TILE_AT.1, TILE, TILE);
     // The caption tells it, to a hundredth.
     let labels = contact_sheet(&chain, Origin::default(), Exposure::Auto).expect("a sheet").labels();
     let caption = labels.iter().find_map(|(text, _)| text.strip_prefix("Exposure ")).expect("a caption");
     let said = caption.split('\u{a0}').next().expect("a number").replace('\u{2212}', "-");
-    let off = |a: &image::RgbImage, b: &image::RgbImage| {
-        a.as_raw().iter().zip(b.as_raw()).map(|(a, b)| a.abs_diff(*b)).max()
-    };
+    let off = |a: &Bitmap, b: &Bitmap| a.bytes().iter().zip(b.bytes()).map(|(a, b)| a.abs_diff(*b)).max();
     let automatic = tile(Exposure::Auto);
     let ev: f64 = said.parse().expect("a number");
     assert!(off(&automatic, &tile(Exposure::Ev(ev))) <= Some(2), "{said}");
@@ -262,11 +264,11 @@ fn sunny(layout: Layout, sun: DVec3) -> Chain {
 }
 
 /// Centre of brightness of a tile, from -1 to 1 to the right and down.
-fn brightest_place(sheet: &image::RgbImage, tile: u32) -> (f64, f64) {
+fn brightest_place(sheet: &Bitmap, tile: u32) -> (f64, f64) {
     let (mut sum, mut at) = (0.0, (0.0, 0.0));
     for (x, y) in (0..TILE).flat_map(|y| (0..TILE).map(move |x| (x, y))) {
         let (dx, dy) = (f64::from(x) / 119.5 - 1.0, f64::from(y) / 119.5 - 1.0);
-        let pixel = sheet.get_pixel(TILE_AT.0 + tile * 256 + x, TILE_AT.1 + y).0[0];
+        let pixel = sheet.pixel(TILE_AT.0 + tile * 256 + x, TILE_AT.1 + y)[0];
         // Within the ball, whose radius is about four fifths.
         let weight = if dx.hypot(dy) < 0.75 { f64::from(pixel).powi(40) } else { 0.0 };
         (sum, at) = (sum + weight, (at.0 + weight * dx, at.1 + weight * dy));
@@ -292,8 +294,8 @@ fn the_lit_side_faces_the_camera_wherever_the_sun_is_and_the_panorama_marks_it()
             assert!((-0.5..-0.1).contains(&x) && (-0.4..-0.02).contains(&y), "{layout:?} {tile}: {x} {y}");
         }
         // Not burnt to white: lit, but below white outside the sun itself.
-        let tile = image::imageops::crop_imm(&picture, TILE_AT.0 + 256, TILE_AT.1, TILE, TILE).to_image();
-        let most = tile.pixels().map(|pixel| pixel.0[0]).max();
+        let tile = cropped(&picture, TILE_AT.0 + 256, TILE_AT.1, TILE, TILE);
+        let most = tile.bytes().chunks(3).map(|pixel| pixel[0]).max();
         assert!((180..250).contains(&most.expect("pixels")), "{layout:?}: {most:?}");
         check_labels(&scene);
         let labels = scene.labels();
@@ -340,7 +342,7 @@ fn levels_have_an_outline_whether_black_or_white() {
         let sheet = sheet(&chain, Exposure::Ev(ev));
         // The top of the face +Y, the second of four: paper, line, texels.
         let x = CROSS_AT.0 + 90;
-        let column: Vec<u8> = (CROSS_AT.1 - 4..CROSS_AT.1 + 6).map(|y| sheet.get_pixel(x, y).0[0]).collect();
+        let column: Vec<u8> = (CROSS_AT.1 - 4..CROSS_AT.1 + 6).map(|y| sheet.pixel(x, y)[0]).collect();
         let (first, last) = (column[0], column[9]);
         assert!(first == 255 && last.abs_diff(shown) < 3, "{column:?}");
         assert!(column.iter().any(|c| c.abs_diff(shown) > 50 && *c < 220), "no line: {column:?}");
@@ -413,8 +415,7 @@ fn stacked_sheets_are_as_high_as_all() {
     };
     let (one, two) = (scene("three"), scene("godot"));
     let all = stacked(&[one.clone(), two.clone()]);
-    let below =
-        image::imageops::crop_imm(&all, 0, one.picture().height(), all.width(), two.picture().height());
-    assert_eq!(below.to_image(), two.picture());
+    let below = cropped(&all, 0, one.picture().height(), all.width(), two.picture().height());
+    assert_eq!(below, two.picture());
     assert_ne!(one.picture(), two.picture(), "the target is named");
 }

@@ -40,7 +40,7 @@ fn the_errors_of_both_bakes_have_the_colours_of_one_scale() {
     let x = 26 + 96 + TILE / 2;
     let mut found = Vec::new();
     for y in 0..picture.height() {
-        let colour = picture.get_pixel(x, y).0;
+        let colour = picture.pixel(x, y);
         let near = |(a, b): (&u8, &u8)| a.abs_diff(*b) <= 1;
         let kind = shown.iter().position(|shown| shown.iter().zip(&colour).all(near));
         if let Some(kind) = kind

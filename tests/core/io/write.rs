@@ -21,6 +21,7 @@ use octagloss_core::light::environment::{Environment, Layout, Rgb};
 use octagloss_core::light::oem::OemSize;
 use octagloss_core::light::sh::window::ShWindow;
 use octagloss_core::sphere::cube::Face;
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_fixtures::files::written::{
     chain, first_difference, metadata, names_in, noise, read_exr, read_exr_rgb, texels, to_half,
 };
@@ -319,7 +320,7 @@ fn a_bright_environment_is_written_as_float() {
 fn a_png_comes_back_as_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("picture.png");
-    let picture = image::RgbImage::from_fn(7, 5, |x, y| image::Rgb([x as u8 * 30, y as u8 * 50, 255]));
+    let picture = Bitmap::from_fn(7, 5, |x, y| [x as u8 * 30, y as u8 * 50, 255]);
     write_png(&path, Existing::Keep, &picture).unwrap();
-    assert_eq!(image::open(&path).unwrap().to_rgb8(), picture);
+    assert_eq!(image::open(&path).unwrap().to_rgb8().as_raw()[..], *picture.bytes());
 }

@@ -209,7 +209,7 @@ impl Viewer {
             let shown = legend::shown(look, &values?, look.exposure.ev(self.light.exposure()));
             note.legend = legend::legend(look, &self.light, [*width, *height], shown).map(|legend| {
                 let size = [legend.width() as usize, legend.height() as usize];
-                let image = egui::ColorImage::from_rgb(size, legend.as_raw());
+                let image = egui::ColorImage::from_rgb(size, legend.bytes());
                 context.load_texture("legend", image, egui::TextureOptions::LINEAR)
             });
         }

@@ -4,10 +4,10 @@ use crate::look::{Look, Show};
 use crate::picture::light::Light;
 use glam::DVec2;
 use half::f16;
-use image::RgbImage;
 use octagloss_core::common::percent::percent;
 use octagloss_core::light::environment::exact_luminance;
 use octagloss_core::light::oem::OemSize;
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_drawing::font::{fitted, text_width};
 use octagloss_drawing::page::{BAR_WIDTH, colour_bar};
 use octagloss_drawing::scale::RELATIVE_ERROR;
@@ -56,7 +56,7 @@ pub fn shown(look: &Look, values: &[[f16; 4]], exposure: f64) -> Shown {
 
 /// The legend of a picture of `look`, `size` pixels wide and high; `None` for the scene and for small
 /// pictures.
-pub fn legend(look: &Look, light: &Light, size: [u32; 2], shown: Shown) -> Option<RgbImage> {
+pub fn legend(look: &Look, light: &Light, size: [u32; 2], shown: Shown) -> Option<Bitmap> {
     if size[0] < MIN[0] || size[1] < MIN[1] {
         return None;
     }
@@ -136,9 +136,9 @@ fn plate(title: &str, lines: &[String], range: Option<[f64; 2]>) -> Scene {
 }
 
 /// Puts `legend` into the lower left corner of `picture`, if it fits.
-pub fn put(picture: &mut RgbImage, legend: &RgbImage) {
+pub fn put(picture: &mut Bitmap, legend: &Bitmap) {
     let top = i64::from(picture.height()) - i64::from(legend.height() + INSET);
     if top >= 0 && legend.width() + INSET <= picture.width() {
-        image::imageops::replace(picture, legend, i64::from(INSET), top);
+        picture.put(legend, i64::from(INSET), top);
     }
 }

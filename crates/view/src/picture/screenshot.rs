@@ -3,8 +3,8 @@
 use super::resources::target;
 use crate::look::legend::{legend, put, shown};
 use crate::{Display, Light, Look, Renderer, Show, Truth, Viewport};
-use image::RgbImage;
 use octagloss_core::common::error::Result;
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_gpu::Context;
 use octagloss_gpu::device::readback;
 
@@ -34,7 +34,7 @@ pub async fn screenshot(
     light: &Light,
     truth: Option<&Truth>,
     Screenshot { width, height, samples }: Screenshot,
-) -> Result<RgbImage> {
+) -> Result<Bitmap> {
     let (columns, rows) = (width.saturating_mul(samples), height.saturating_mul(samples));
     if look.needs_truth() {
         let asked = renderer.samples(look, light, columns, rows)?.await?;
@@ -64,16 +64,12 @@ pub async fn presented(
     context: &Context,
     [width, height]: [u32; 2],
     present: impl FnOnce(Display<'_>),
-) -> Result<RgbImage> {
+) -> Result<Bitmap> {
     let format = wgpu::TextureFormat::Rgba8Unorm;
     let texture = target(context, "screenshot", format, [width, height]);
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
     let viewport = Viewport { x: 0, y: 0, width, height };
     context.submit(|encoder| present(Display { encoder, view: &view, format, viewport }));
     let pixels: Vec<[u8; 4]> = readback::read_texture(context, &texture).await?;
-    let mut picture = RgbImage::new(width, height);
-    for (pixel, [r, g, b, _]) in picture.pixels_mut().zip(pixels) {
-        pixel.0 = [r, g, b];
-    }
-    Ok(picture)
+    Ok(Bitmap::new(width, height, pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()))
 }

@@ -12,8 +12,8 @@ use crate::picture::resources::{Targets, Times};
 use crate::picture::screenshot::{Screenshot, presented};
 use glam::DVec3;
 use half::f16;
-use image::RgbImage;
 use octagloss_core::common::error::{Result, wrong};
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_gpu::Context;
 use octagloss_gpu::device::readback;
 use octagloss_gpu::device::timer::Timer;
@@ -345,7 +345,7 @@ pub async fn screenshot_of_scene(
     time: f64,
     Screenshot { width, height, samples }: Screenshot,
     progress: impl Fn(usize, usize),
-) -> Result<RgbImage> {
+) -> Result<Bitmap> {
     renderer.set_time(time, look.roughness);
     let context = renderer.context().clone();
     let probes = renderer.probes();

@@ -3,13 +3,13 @@
 use super::axes::AXES;
 use super::sheet::boundary;
 use glam::{DVec2, DVec3};
-use image::RgbImage;
+use octagloss_core::common::parallel;
 use octagloss_core::sphere::map::SphereMap;
 use octagloss_core::sphere::oem_lookup::Cell;
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_drawing::scene::{Frame, Scene};
 use octagloss_drawing::style::{Colour, INK, PAPER};
 use octagloss_plot::look::THIN;
-use rayon::prelude::*;
 
 /// Supersampling factor along each axis.
 const FINENESS: u32 = 2;
@@ -72,7 +72,7 @@ impl Globe {
     pub(super) fn fill(&self, scene: &mut Scene, colour: impl Fn(DVec3) -> Colour + Sync) {
         let side = (2.0 * self.radius * f64::from(FINENESS)).ceil() as u32;
         let half = f64::from(side) / f64::from(2 * FINENESS);
-        let row = |j: u32| -> Vec<u8> {
+        let row = |j: u32| -> Vec<Colour> {
             let pixel = |i: u32| {
                 let at = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(FINENESS) - half;
                 let (x, y) = (at.x / self.radius, -at.y / self.radius);
@@ -82,10 +82,9 @@ impl Globe {
                 }
                 colour(self.right * x + self.up * y + self.eye * squared.sqrt())
             };
-            (0..side).flat_map(pixel).collect()
+            (0..side).map(pixel).collect()
         };
-        let rows: Vec<u8> = (0..side).into_par_iter().flat_map_iter(row).collect();
-        let pixels = RgbImage::from_raw(side, side, rows).expect("three bytes a pixel");
+        let pixels = Bitmap::new(side, side, parallel::map(0..side, row).concat());
         scene.picture_at(self.centre - half, self.centre + half, pixels);
         scene.circle(self.centre, self.radius, 1.2, INK);
     }

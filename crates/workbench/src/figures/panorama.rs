@@ -30,7 +30,7 @@ pub(super) fn panorama(map: &'static NamedMap, content: &FigureContent) -> Figur
         let rectangle = map.map().component(component);
         let at = (uv - rectangle.low) / sheet.grid.step(&rectangle);
         let texel = Texel { component, x: at.x as u32, y: at.y as u32 };
-        display(texels[sheet.grid.index(texel)], exposure).0
+        display(texels[sheet.grid.index(texel)], exposure)
     });
     sheet.frames(&mut scene);
     sheet.axes(&mut scene);

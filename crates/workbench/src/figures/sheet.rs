@@ -2,16 +2,16 @@
 
 use super::axes::AXES;
 use glam::{DVec2, DVec3};
-use image::RgbImage;
+use octagloss_core::common::parallel;
 use octagloss_core::sphere::grid::Grid;
 use octagloss_core::sphere::map::{Component, Place, SphereMap};
 use octagloss_core::sphere::registry::NamedMap;
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_drawing::font::text_width;
 use octagloss_drawing::scene::{Anchor, Frame, Scene};
 use octagloss_drawing::style::{Colour, FAINT, INK, SMALL, TINY, rgb};
 use octagloss_plot::look::{LATITUDE, LONGITUDE, OCTANTS, OUTSIDE};
 use octagloss_plot::ticks::rectangle_ticks;
-use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Margin in pixels around every component, for its label and ticks.
@@ -99,16 +99,15 @@ impl Sheet {
         let map = self.map();
         for component in 0..map.components() {
             let [width, height] = self.grid.sides(component).map(|side| side * fineness);
-            let row = |y: u32| -> Vec<u8> {
+            let row = |y: u32| -> Vec<Colour> {
                 let pixel = |x: u32| {
                     let at = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / f64::from(fineness);
                     let uv = self.grid.uv(component, at.x, at.y);
                     if map.contains(component, uv) { colour(component, uv) } else { OUTSIDE }
                 };
-                (0..width).flat_map(pixel).collect()
+                (0..width).map(pixel).collect()
             };
-            let bytes: Vec<u8> = (0..height).into_par_iter().flat_map_iter(row).collect();
-            let pixels = RgbImage::from_raw(width, height, bytes).expect("three bytes a pixel");
+            let pixels = Bitmap::new(width, height, parallel::map(0..height, row).concat());
             let frame = self.frame(component);
             scene.picture_at(frame.low, frame.high, pixels);
         }

@@ -8,7 +8,6 @@ use crate::common::percent::percent;
 use crate::light::chain::Level;
 use crate::light::environment::Layout;
 use glam::DVec2;
-use image::Rgb as Pixel;
 use octagloss_drawing::page::{BAR_WIDTH, colour_bar, page};
 use octagloss_drawing::scale::RELATIVE_ERROR;
 use octagloss_drawing::scene::{Anchor, Scene};
@@ -69,7 +68,7 @@ pub fn error_sheet(title: &str, against: &str, levels: &[(&LevelErrors, Level)])
         let text = format!("6 \u{d7} {sides} texels");
         let right = low.x + 4.0 * FACE;
         scene.text(DVec2::new(right, second), &text, SMALL, Anchor::End, SOFT);
-        let colour = |texel: [f32; 3]| Pixel(RELATIVE_ERROR.colour(f64::from(texel[0])));
+        let colour = |texel: [f32; 3]| RELATIVE_ERROR.colour(f64::from(texel[0]));
         draw_cross(&mut scene, low + DVec2::new(0.0, LABELS), FACE as u32, errors, colour);
     }
     Ok(scene)

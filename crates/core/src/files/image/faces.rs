@@ -5,7 +5,7 @@ use crate::light::chain::Level;
 use crate::light::environment::Rgb;
 use crate::sphere::cube::Face;
 use glam::DVec2;
-use image::{Rgb as Pixel, RgbImage};
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_drawing::scene::{Frame, Scene};
 use octagloss_drawing::style::Colour;
 
@@ -35,7 +35,7 @@ pub(super) fn draw_cross(
     low: DVec2,
     face: u32,
     level: &Level,
-    colour: impl Fn(Rgb) -> Pixel<u8>,
+    colour: impl Fn(Rgb) -> Colour,
 ) {
     let edge = f64::from(face);
     for of in Face::ALL {
@@ -49,7 +49,7 @@ pub(super) fn draw_cross(
 }
 
 /// Draws `pixels` at `low`, with an outline.
-pub(super) fn draw_outlined(scene: &mut Scene, low: DVec2, pixels: RgbImage) {
+pub(super) fn draw_outlined(scene: &mut Scene, low: DVec2, pixels: Bitmap) {
     let high = low + DVec2::new(f64::from(pixels.width()), f64::from(pixels.height()));
     scene.picture_at(low, high, pixels);
     scene.outline(Frame::new(low.round(), high.round()).corners(), 1.0, OUTLINE);
@@ -61,13 +61,13 @@ pub(super) fn shrunk(
     texels: &[Rgb],
     from: (u32, u32),
     to: (u32, u32),
-    colour: impl Fn(Rgb) -> Pixel<u8>,
-) -> RgbImage {
+    colour: impl Fn(Rgb) -> Colour,
+) -> Bitmap {
     let span = |k: u32, from: u32, to: u32| {
         let edge = |k: u32| (u64::from(k) * u64::from(from) / u64::from(to)) as usize;
         edge(k)..edge(k + 1).max(edge(k) + 1)
     };
-    RgbImage::from_fn(to.0, to.1, |i, j| {
+    Bitmap::from_fn(to.0, to.1, |i, j| {
         let across = span(i, from.0, to.0);
         let covered =
             span(j, from.1, to.1).flat_map(|y| across.clone().map(move |x| texels[y * from.0 as usize + x]));

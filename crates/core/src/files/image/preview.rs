@@ -12,7 +12,7 @@ use crate::light::chain_lookup::ChainLookup;
 use crate::light::environment::{Environment, Layout, Rgb, exact_luminance};
 use crate::sphere::equirect::equirect_from_direction;
 use glam::{DVec2, DVec3};
-use image::{Rgb as Pixel, RgbImage};
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_drawing::page::page;
 use octagloss_drawing::scene::{Anchor, Frame, Scene};
 use octagloss_drawing::style::{GAP, INK, LABEL, MARGIN, PAPER, SMALL, SOFT, TINY};
@@ -147,13 +147,13 @@ fn sides(layout: Layout) -> String {
 }
 
 /// Stacks sheets.
-pub fn stacked(sheets: &[Scene]) -> RgbImage {
+pub fn stacked(sheets: &[Scene]) -> Bitmap {
     let width = sheets.iter().map(|sheet| sheet.width).max().unwrap_or(1);
     let height: u32 = sheets.iter().map(|sheet| sheet.height).sum();
-    let mut all = RgbImage::from_pixel(width, height.max(1), Pixel(PAPER));
+    let mut all = Bitmap::filled(width, height.max(1), PAPER);
     let mut top = 0;
     for sheet in sheets {
-        image::imageops::replace(&mut all, &sheet.picture(), 0, top);
+        all.put(&sheet.picture(), 0, top);
         top += i64::from(sheet.height);
     }
     all
@@ -244,7 +244,7 @@ impl Seen<'_> {
     }
 
     /// Renders the tile of the sphere at level of detail `lod`.
-    fn sphere(&self, lod: f64, rolloff: &Rolloff) -> RgbImage {
+    fn sphere(&self, lod: f64, rolloff: &Rolloff) -> Bitmap {
         let side = f64::from(TILE * SAMPLES);
         let place = |k: u32| (f64::from(k) + 0.5) / side * 2.0 - 1.0;
         let radiance = |x: f64, y: f64| {
@@ -264,9 +264,8 @@ impl Seen<'_> {
             }
             srgb(sum.map(|c| c / (SAMPLES * SAMPLES) as f32))
         };
-        let row = |j| (0..TILE).map(|i| pixel(i, j)).collect::<Vec<Pixel<u8>>>();
-        let rows = parallel::map(0..TILE, row);
-        RgbImage::from_fn(TILE, TILE, |i, j| rows[j as usize][i as usize])
+        let rows = parallel::map(0..TILE, |j| (0..TILE).map(|i| pixel(i, j)).collect::<Vec<_>>());
+        Bitmap::new(TILE, TILE, rows.concat())
     }
 }
 
@@ -302,7 +301,7 @@ fn draw_panorama(
     let (columns, rows) = (width as u32, width as u32 / 2);
     let texels = footprints_over(source, Layout::Panorama { width: columns, height: rows })?;
     let pixels =
-        RgbImage::from_fn(columns, rows, |i, j| srgb(rolloff.shown(texels[(j * columns + i) as usize])));
+        Bitmap::from_fn(columns, rows, |i, j| srgb(rolloff.shown(texels[(j * columns + i) as usize])));
     let low = frame.low + DVec2::new(0.0, LABELS);
     draw_outlined(scene, low, pixels);
     let bounds = Frame::new(low, low + DVec2::new(width, f64::from(rows)));

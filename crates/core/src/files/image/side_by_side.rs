@@ -5,11 +5,11 @@ use crate::analysis::channels::{Relative, shown_errors};
 use crate::common::percent::percent;
 use crate::light::environment::Rgb;
 use glam::{DVec2, DVec3};
-use image::{Rgb as Pixel, RgbImage};
+use octagloss_drawing::bitmap::Bitmap;
 use octagloss_drawing::page::{BAR_WIDTH, colour_bar, page};
 use octagloss_drawing::scale::RELATIVE_ERROR;
 use octagloss_drawing::scene::{Anchor, Frame, Scene};
-use octagloss_drawing::style::{GAP, INK, LABEL, LINE, MARGIN, PAPER, SMALL, SOFT, mix};
+use octagloss_drawing::style::{Colour, GAP, INK, LABEL, LINE, MARGIN, PAPER, SMALL, SOFT, mix};
 use octagloss_drawing::tone::display;
 
 /// Pixels along an edge of a sphere's tile.
@@ -92,7 +92,7 @@ pub fn side_by_side(names: [&str; 2], against: &str, columns: &[Column]) -> Scen
     }
     let factor = ev.exp2();
     let mut top = body.low.y + HEAD;
-    let mut row_of = |scene: &mut Scene, name: &str, shade: &dyn Fn(&Column, usize) -> Pixel<u8>| {
+    let mut row_of = |scene: &mut Scene, name: &str, shade: &dyn Fn(&Column, usize) -> Colour| {
         scene.text(DVec2::new(left, top + LABEL), name, LABEL, Anchor::Start, SOFT);
         for (k, column) in columns.iter().enumerate() {
             let low = DVec2::new(column_at(k), top + HEAD);
@@ -119,7 +119,7 @@ pub fn side_by_side(names: [&str; 2], against: &str, columns: &[Column]) -> Scen
         scene.text(DVec2::new(left, low + LABEL), &name, LABEL, Anchor::Start, SOFT);
         for (k, (column, errors)) in columns.iter().zip(&errors).enumerate() {
             let at = DVec2::new(column_at(k), low + HEAD);
-            scene.picture_at(at, at + tile, disc(|pixel| Pixel(RELATIVE_ERROR.colour(errors[pixel]))));
+            scene.picture_at(at, at + tile, disc(|pixel| RELATIVE_ERROR.colour(errors[pixel])));
             let worst = column.errors[bake].worst_channel();
             let luminance = percent(column.errors[bake].luminance);
             let text = format!("lum. {luminance}, {} {}", worst.of, percent(worst.error));
@@ -134,8 +134,8 @@ pub fn side_by_side(names: [&str; 2], against: &str, columns: &[Column]) -> Scen
 }
 
 /// A disc on paper; `shade` gives the colour of a pixel.
-fn disc(shade: impl Fn(usize) -> Pixel<u8>) -> RgbImage {
-    RgbImage::from_fn(TILE, TILE, |i, j| {
+fn disc(shade: impl Fn(usize) -> Colour) -> Bitmap {
+    Bitmap::from_fn(TILE, TILE, |i, j| {
         let place = |k: u32, part: u32| {
             let offset = (f64::from(part) + 0.5) / f64::from(SAMPLES);
             (f64::from(k) + offset) / f64::from(TILE) - 0.5
@@ -143,8 +143,7 @@ fn disc(shade: impl Fn(usize) -> Pixel<u8>) -> RgbImage {
         let samples = (0..SAMPLES).flat_map(|y| (0..SAMPLES).map(move |x| (x, y)));
         let inside = samples.filter(|(x, y)| place(i, *x).hypot(place(j, *y)) < RADIUS).count();
         let share = inside as f64 / f64::from(SAMPLES * SAMPLES);
-        let Pixel(colour) = shade((j * TILE + i) as usize);
-        Pixel(mix(PAPER, colour, share))
+        mix(PAPER, shade((j * TILE + i) as usize), share)
     })
 }
 

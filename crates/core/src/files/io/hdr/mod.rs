@@ -1,4 +1,5 @@
 //! Radiance files.
 
 pub(super) mod read;
+mod scanlines;
 pub mod write;

@@ -1,6 +1,6 @@
-//! Radiance pictures (.hdr, .pic). The `image` crate decodes scanlines. The header is parsed here, because
-//! that crate supports neither XYZE nor orientations other than `-Y +X`.
+//! Radiance pictures (.hdr, .pic), in any orientation, of RGBE or XYZE.
 
+use super::scanlines;
 use crate::common::error::Result;
 use crate::files::io::color::{self, Primaries};
 use crate::files::io::key_values::value_of;
@@ -10,9 +10,6 @@ use crate::files::io::picture::{LevelHeader, Picture};
 use crate::files::io::provenance::{KEY_PREFIX, Provenance};
 use crate::files::io::source::{Source, TEXEL_BYTES};
 use crate::light::environment::Rgb;
-use image::ImageDecoder as _;
-use image::codecs::hdr::HdrDecoder;
-use std::io::Read as _;
 
 /// Content of a header.
 struct Header<'a> {
@@ -72,12 +69,8 @@ pub(in crate::files::io) fn decode(source: &Source<'_>) -> Result<Picture> {
         )));
     }
 
-    let plain_header =
-        format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", scan.lines, scan.length);
     let mut scanned = vec![Rgb::default(); width as usize * height as usize];
-    HdrDecoder::new(plain_header.as_bytes().chain(header.data))
-        .and_then(|decoder| decoder.read_image(bytemuck::cast_slice_mut(&mut scanned)))
-        .map_err(|error| source.decoder_error("Radiance HDR", &error))?;
+    scanlines::decode(source, header.data, scan.length as usize, &mut scanned)?;
     let mut texels = if scan.is_plain() { scanned } else { scan.upright(&scanned) };
 
     let mut warnings = Vec::new();

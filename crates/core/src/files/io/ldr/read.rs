@@ -4,9 +4,12 @@ use crate::common::error::Result;
 use crate::files::io::picture::Picture;
 use crate::files::io::source::{Source, TEXEL_BYTES};
 use crate::light::environment::Rgb;
-use image::codecs::jpeg::JpegDecoder;
-use image::{DynamicImage, ImageDecoder as _};
 use std::io::Cursor;
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::errors::DecodeErrors;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
 
 /// Decodes a PNG of any bit depth.
 pub(in crate::files::io) fn decode_png(source: &Source<'_>) -> Result<Picture> {
@@ -59,19 +62,19 @@ pub(in crate::files::io) fn decode_jpeg(source: &Source<'_>) -> Result<Picture> 
             source.bytes.len()
         )));
     }
-    // The constructor only reads the header; it allocates no pixels.
-    let decoder =
-        JpegDecoder::new(Cursor::new(source.bytes)).map_err(|error| source.decoder_error("JPEG", &error))?;
-    let (width, height) = decoder.dimensions();
-    // Decoded samples in addition to the texels, and a second copy for decoders that work on whole images
-    // (coefficients of a progressive JPEG).
-    let samples = u64::from(decoder.color_type().bytes_per_pixel());
-    source.check_memory(width, height, TEXEL_BYTES + 4 * samples)?;
-    let image = DynamicImage::from_decoder(decoder)
-        .map_err(|error| source.decoder_error("JPEG", &error))?
-        .into_rgb8();
+    let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
+    let options = options.set_strict_mode(false).set_max_width(usize::MAX).set_max_height(usize::MAX);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(source.bytes), options);
+    let refused = |error: DecodeErrors| source.decoder_error("JPEG", &error);
+    decoder.decode_headers().map_err(refused)?;
+    let info = decoder.info().expect("the headers were read");
+    let (width, height) = (u32::from(info.width), u32::from(info.height));
+    // Decoded samples in addition to the texels, and a second copy for the coefficients of a progressive JPEG.
+    source.check_memory(width, height, TEXEL_BYTES + 4 * u64::from(info.components))?;
+    let samples = decoder.decode().map_err(refused)?;
     let table = linear_from_srgb(u8::MAX.into());
-    let texels = image.pixels().map(|pixel| pixel.0.map(|value| table[usize::from(value)])).collect();
+    let linear = |pixel: &[u8; 3]| pixel.map(|value| table[usize::from(value)]);
+    let texels = samples.as_chunks().0.iter().map(linear).collect();
     Ok(picture("JPEG", 8, (width, height), texels))
 }
 

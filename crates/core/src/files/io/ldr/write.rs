@@ -2,7 +2,7 @@
 
 use crate::common::error::{Error, Result};
 use crate::files::io::output::{self, Existing};
-use image::RgbImage;
+use octagloss_drawing::bitmap::Bitmap;
 use png::ColorType;
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// As [`output::write_file`].
-pub fn write_png(path: &Path, existing: Existing, picture: &RgbImage) -> Result<()> {
+pub fn write_png(path: &Path, existing: Existing, picture: &Bitmap) -> Result<()> {
     let bytes = png_bytes(picture)?;
     output::write_file(path, existing, |file| file.write_all(&bytes))
 }
@@ -19,11 +19,11 @@ pub fn write_png(path: &Path, existing: Existing, picture: &RgbImage) -> Result<
 ///
 /// # Errors
 /// [`Error::Parameter`] for a picture larger than PNG supports.
-pub fn png_bytes(picture: &RgbImage) -> Result<Vec<u8>> {
-    png_of(picture.width(), picture.height(), ColorType::Rgb, picture.as_raw())
+pub fn png_bytes(picture: &Bitmap) -> Result<Vec<u8>> {
+    png_of(picture.width(), picture.height(), ColorType::Rgb, picture.bytes())
 }
 
-/// Encodes channels of eight bits, as the encoder of the `image` crate does, which has code for all others.
+/// Encodes channels of eight bits.
 pub(crate) fn png_of(width: u32, height: u32, colour: ColorType, channels: &[u8]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
