@@ -45,7 +45,7 @@ fn frames_of_pictures_of_several_sizes_can_share_a_submission() {
             let picture = wait(context, screenshot(&mut renderer, &look, &light, None, shot));
             let pixels: Vec<[u8; 4]> = wait(context, readback::read_texture(context, texture));
             let found: Vec<u8> = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
-            assert!(found == picture.as_raw()[..], "{samples} samples, {tone:?} on {}", context.describe());
+            assert!(found == picture.bytes()[..], "{samples} samples, {tone:?} on {}", context.describe());
             alone.push(found);
         }
         assert!(alone[0] != alone[1] && alone[0] != alone[2], "the frames differ");

@@ -260,7 +260,7 @@ fn shot_by(context: &Context, renderer: &mut Renderer, look: &Look, light: &Ligh
     let truth = look.needs_truth().then(|| Truth::new(light.environment()).expect("an OEM"));
     let size = Screenshot { width: WIDTH, height: HEIGHT, samples: 1 };
     let picture = wait(context, screenshot(renderer, look, light, truth.as_ref(), size));
-    picture.pixels().map(|pixel| pixel.0).collect()
+    picture.bytes().as_chunks().0.to_vec()
 }
 
 fn looks() -> Vec<(&'static str, Look)> {

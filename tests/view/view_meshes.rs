@@ -33,7 +33,7 @@ fn picture(renderer: &mut Renderer, look: &Look, light: &Light) -> Vec<[u8; 3]> 
     let context = renderer.context().clone();
     let size = Screenshot { width: SIDE, height: SIDE, samples: 1 };
     let picture = wait(&context, screenshot(renderer, look, light, None, size));
-    picture.pixels().map(|pixel| pixel.0).collect()
+    picture.bytes().as_chunks().0.to_vec()
 }
 
 fn middle(pixels: &[[u8; 3]]) -> [u8; 3] {

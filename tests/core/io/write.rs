@@ -324,3 +324,32 @@ fn a_png_comes_back_as_written() {
     write_png(&path, Existing::Keep, &picture).unwrap();
     assert_eq!(image::open(&path).unwrap().to_rgb8().as_raw()[..], *picture.bytes());
 }
+
+#[test]
+fn another_decoder_reads_hdr_scanlines_of_every_length_and_run_as_ours() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.hdr");
+    for (columns, seed) in [2, 6, 8, 10, 126, 128, 130, 256, 402].into_iter().zip(1_u64..) {
+        let mut state = seed;
+        let mut below = |most: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) % most
+        };
+        let count = columns * columns / 2;
+        let mut texels: Vec<Rgb> = Vec::new();
+        while texels.len() < count {
+            let texel = [0; 3].map(|_: u8| below(256) as f32 * 2.0_f32.powi(below(9) as i32 - 4));
+            let run = if below(2) == 0 { 1 } else { below(400) as usize };
+            texels.extend(std::iter::repeat_n(texel, run.min(count - texels.len())));
+        }
+        let bytes = hdr_bytes(columns as u32, columns as u32 / 2, &texels, &[]).unwrap();
+        fs::write(&path, &bytes).unwrap();
+        let ours = Environment::read(&path).unwrap();
+        let theirs = image::load_from_memory(&bytes).unwrap().into_rgb32f();
+        assert_eq!(ours.texels().as_flattened(), &theirs.as_raw()[..], "{columns} columns");
+        for (texel, read) in texels.iter().zip(ours.texels()) {
+            let most = texel.iter().copied().fold(0.0, f32::max);
+            assert!((0..3).all(|c| (texel[c] - read[c]).abs() <= most / 255.0), "{texel:?} is {read:?}");
+        }
+    }
+}

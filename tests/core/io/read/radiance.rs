@@ -124,3 +124,48 @@ fn bad_headers_are_named() {
         assert_eq!(error_of(read("a.hdr", &bytes)), wanted);
     }
 }
+
+/// A picture of twice as many columns as rows, each of which is `data`.
+fn scanlines(columns: usize, data: &[u8]) -> Vec<u8> {
+    let rows = columns / 2;
+    let header = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {rows} +X {columns}\n");
+    [header.as_bytes(), &data.repeat(rows)].concat()
+}
+
+#[test]
+fn pixels_that_repeat_are_counted_in_powers_of_256() {
+    let data = [128, 64, 32, 129, 1, 1, 1, 2, 1, 1, 1, 1, 1, 1, 1, 0, 2, 2, 2, 129];
+    let columns = 1 + 2 + 256 + 1;
+    let texels = read("a.hdr", &scanlines(columns, &data)).unwrap().environment.texels().to_vec();
+    for row in texels.chunks(columns) {
+        assert_eq!(row[..columns - 1], vec![[1.0, 0.5, 0.25]; columns - 1]);
+        assert_eq!(row[columns - 1], [2.0 / 128.0; 3]);
+    }
+}
+
+#[test]
+fn corrupt_scanlines_are_errors() {
+    let planes = |length: u8, code: &[u8]| [&[2, 2, 0, length], code].concat();
+    for (data, wanted) in [
+        (planes(8, &[128 + 9, 1]), "a.hdr: corrupt: scanline 0 has a run beyond its end; re-export the file"),
+        (planes(8, &[9, 1, 1, 1, 1, 1, 1, 1, 1, 1]), "scanline 0 has a run beyond its end"),
+        (planes(9, &[128 + 8, 1]), "scanline 0 has another length than the picture"),
+        (planes(8, &[128 + 8, 1, 128 + 8]), "scanline 0 has a run beyond its end"),
+        (vec![1, 1, 1, 4], "scanline 0 repeats a pixel beyond its ends"),
+        (vec![9, 9, 9, 128, 1, 1, 1, 8], "scanline 0 repeats a pixel beyond its ends"),
+        // The unit overflows.
+        ([&[9, 9, 9, 128][..], &[1, 1, 1, 0].repeat(9), &[1, 1, 1, 9]].concat(), "repeats a pixel beyond"),
+    ] {
+        let text = error_of(read("a.hdr", &scanlines(8, &data)));
+        assert!(text.contains(wanted), "{text} for {data:?}");
+    }
+    let whole = scanlines(8, &planes(8, &[128 + 8, 1].repeat(4)));
+    assert!(read("a.hdr", &whole).is_ok());
+    for length in whole.len() - 30..whole.len() {
+        let text = error_of(read("a.hdr", &whole[..length]));
+        assert_eq!(
+            text,
+            format!("a.hdr: truncated: the Radiance HDR data ends after {length} bytes; copy it again")
+        );
+    }
+}
