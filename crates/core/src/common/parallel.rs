@@ -5,8 +5,8 @@
 
 use crate::common::error::Result;
 use rayon::prelude::*;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Values that one task of [`values`] makes.
 const BLOCK: usize = 1024;
@@ -31,15 +31,17 @@ pub fn map_with<W: Send, T: Send, R: Send>(
         tasks.into_iter().map(|task| Mutex::new((Some(task), None))).collect();
     let idle = Mutex::new(Vec::new());
     run(slots.len(), &|index| {
-        let Some(task) = lock(&slots[index]).0.take() else { return };
+        let task = lock(&slots[index]).0.take().expect("each task is run once");
         let popped = lock(&idle).pop();
         let mut workspace = popped.unwrap_or_else(&start);
         let made = work(&mut workspace, task);
         lock(&slots[index]).1 = Some(made);
         lock(&idle).push(workspace);
     });
-    let made = |slot: Mutex<(Option<T>, Option<R>)>| slot.into_inner().ok()?.1;
-    slots.into_iter().filter_map(made).collect()
+    let made = |slot: Mutex<(Option<T>, Option<R>)>| {
+        slot.into_inner().unwrap_or_else(PoisonError::into_inner).1.expect("each task is run")
+    };
+    slots.into_iter().map(made).collect()
 }
 
 /// [`map_with`] for work that may fail: after an error no task begins.
@@ -77,7 +79,7 @@ fn run(count: usize, work: &(dyn Fn(usize) + Sync)) {
     (0..count).into_par_iter().for_each(work);
 }
 
-/// The value, which no panic leaves half changed.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+/// What `mutex` guards: nothing panics while it is locked.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

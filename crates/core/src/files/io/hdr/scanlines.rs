@@ -123,7 +123,8 @@ fn radiance([red, green, blue, exponent]: [u8; 4]) -> Rgb {
     if exponent == 0 {
         return [0.0; 3];
     }
-    let quantum = f64::from(i32::from(exponent) - 136).exp2();
+    // 2 to the power of the exponent less 136: a bias of 128, and eight bits of mantissa.
+    let quantum = f64::from_bits((1023 - 136 + u64::from(exponent)) << 52);
     [red, green, blue].map(|value| (f64::from(value) * quantum) as f32)
 }
 
