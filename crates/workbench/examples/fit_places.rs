@@ -8,6 +8,10 @@
 //! 1500 steps by default: 80 s on two cores. It lowers the sum over views of the logarithm of what a node's
 //! fit leaves (`Fit` of `crates/core/src/pyramid/reads.rs`), by Adam (Kingma and Ba 2015).
 
+#[path = "common/descent.rs"]
+mod descent;
+
+use descent::Descent;
 use octagloss_core::pyramid::Octaves;
 use octagloss_core::pyramid::places::{CONTROLS, NUMBERS, READS, UNITS, from_controls, places, shares};
 use octagloss_core::pyramid::reads::Fit;
@@ -53,7 +57,7 @@ fn row(control: usize) -> [f64; NUMBERS] {
 type Controls = Vec<[f64; NUMBERS]>;
 
 fn main() {
-    let steps: i32 = std::env::args().nth(1).and_then(|steps| steps.parse().ok()).unwrap_or(1500);
+    let steps = descent::steps(1500);
     let octaves = Octaves::over(512).expect("a size");
     let fits: Vec<(Fit, f64, f64)> = (0..VIEWS[0] * VIEWS[1])
         .into_par_iter()
@@ -70,7 +74,7 @@ fn main() {
         fits.par_iter().map(|(fit, roughness, cosine)| fit.slopes(&places(*roughness, *cosine)).0.ln());
     println!("the table so far: {:.4}", errors.sum::<f64>() / fits.len() as f64);
     let mut controls: Controls = (0..CONTROLS[0] * CONTROLS[1]).map(row).collect();
-    let mut moments: Vec<[[f64; 2]; NUMBERS]> = vec![[[0.0; 2]; NUMBERS]; controls.len()];
+    let mut descent = Descent::new(controls.as_flattened().len(), steps, 0.02);
     for step in 1..=steps {
         let slopes: Vec<(f64, [f64; NUMBERS])> = fits
             .par_iter()
@@ -86,16 +90,7 @@ fn main() {
                 down[control].iter_mut().zip(slopes).for_each(|(down, slope)| *down += share * slope / error);
             }
         }
-        let rate = 0.02 * (0.02_f64).powf(f64::from(step) / f64::from(steps));
-        for (control, (moments, down)) in controls.iter_mut().zip(moments.iter_mut().zip(&down)) {
-            for (number, ([mean, square], down)) in control.iter_mut().zip(moments.iter_mut().zip(down)) {
-                *mean = 0.9 * *mean + 0.1 * down;
-                *square = 0.999 * *square + 0.001 * down * down;
-                let [mean, square] =
-                    [*mean / (1.0 - 0.9_f64.powi(step)), *square / (1.0 - 0.999_f64.powi(step))];
-                *number -= rate * mean / (square.sqrt() + 1e-12);
-            }
-        }
+        descent.step(controls.as_flattened_mut(), down.as_flattened());
         if step % 50 == 0 {
             println!("{step}: {:.4}", sum / fits.len() as f64);
         }

@@ -6,6 +6,8 @@
 //! width. Reads stand in a row along the length, by a law. Without anisotropy length is alpha, width alpha
 //! n.v, and the row lies in the plane of incidence.
 
+mod law;
+
 use super::Octaves;
 use super::brdf::Brdf;
 use super::fit::smooth;
@@ -18,6 +20,7 @@ use crate::lobe::{legendre, reflectance};
 use crate::sphere::quadrature::gauss_legendre;
 use glam::{DVec2, DVec3};
 use half::f16;
+pub use law::LAW;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{LazyLock, OnceLock};
 
@@ -93,19 +96,17 @@ const STEP: f64 = 8.0 / 14.0;
 /// Width of a lobe over its length, from which on it grows no narrower for the law.
 pub(super) const NARROWEST: f64 = 0.05;
 
-/// The law of the reads: shift of the row, logarithms of its step over its least width, of its bend, of the
-/// least width over the length, of how widths grow with the slope, and of how they alternate; as sums of
-/// these numbers times 1, x, x^2, y, x y, y^2, e, e x, x^3, y^3, x^2 y and x y^2, x = ln (width over length),
+/// What the law says of a row: its shift, logarithms of its step over its least width, of its bend, of the
+/// least width over the length, of how widths grow with the slope, and of how they alternate.
+pub const NUMBERS: usize = 6;
+
+/// Terms of the law: 1, x, x^2, y, x y, y^2, e, e x, x^3, y^3, x^2 y and x y^2, x = ln (width over length),
 /// y = ln(1 + 6 length), e the square of the cosine of the row's angle to the plane of incidence. Shift
 /// counts that cosine times. Both fade out where the view is along the normal, and that plane means nothing.
-const LAW: [[f64; 12]; 6] = [
-    [-0.822, -0.434, 0.191, 0.225, -0.113, -0.022, -0.153, -0.163, -0.008, 0.111, -0.063, -0.064],
-    [-0.509, -0.287, 0.427, -0.088, 0.234, -0.052, -0.085, 0.361, 0.054, 0.157, 0.012, 0.191],
-    [-0.565, -0.221, -0.153, -0.803, -0.329, 0.168, -0.066, -0.018, -0.016, 0.148, -0.022, 0.161],
-    [0.284, 1.090, -0.036, -0.148, -0.071, -0.010, -0.058, -0.113, -0.009, -0.116, -0.045, -0.229],
-    [-0.150, 0.374, 0.152, 0.064, -0.469, -0.105, 0.057, -0.678, 0.099, -0.303, 0.036, -0.038],
-    [0.399, 0.142, -0.070, -0.052, -0.032, -0.014, -0.090, -0.173, 0.032, -0.020, 0.144, 0.075],
-];
+pub const TERMS: usize = 12;
+
+/// A law of reads: each number of a row is the sum of these times the terms.
+pub type Law = [[f64; TERMS]; NUMBERS];
 
 /// A row of reads.
 #[derive(Clone, Copy, Debug)]
@@ -125,6 +126,27 @@ impl Row {
     /// The row of a lobe with `alpha` along `tangent` and across it. The tangent is a unit vector along the
     /// plane of incidence and across it, `cosine` is n.v.
     pub fn new(alpha: DVec2, tangent: DVec2, cosine: f64) -> Self {
+        Shape::new(alpha, tangent, cosine).row(&LAW)
+    }
+}
+
+/// What the law goes by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    /// Slopes of the half vector along the plane of incidence and across it, of a read of slope 1.
+    axis: DVec2,
+    /// Width of the lobe over its length, and its length.
+    ratio: f64,
+    pub(super) length: f64,
+    /// The cosine of the row's angle to the plane of incidence, and as the law counts it.
+    along: f64,
+    pub(super) tilt: f64,
+    pub(super) terms: [f64; TERMS],
+}
+
+impl Shape {
+    /// The shape of the lobe of [`Row::new`].
+    fn new(alpha: DVec2, tangent: DVec2, cosine: f64) -> Self {
         let squares = alpha * alpha;
         let more = squares.x - squares.y;
         let (along, across) = (squares.y + more * tangent.x.powi(2), squares.y + more * tangent.y.powi(2));
@@ -144,21 +166,36 @@ impl Row {
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         let tilt = axis.x * smooth(sine / TILTED);
         let e = axis.x * tilt;
-        let terms = [1.0, x, x * x, y, x * y, y * y, e, e * x, x.powi(3), y.powi(3), x * x * y, x * y * y];
-        let mut numbers = LAW.map(|own| own.iter().zip(terms).map(|(number, term)| number * term).sum());
-        numbers[0] *= tilt;
-        let reads = row(numbers).map(|[slope, width]| [slope, width * length]);
         Self {
             axis: DVec2::new(axis.x, axis.y / cosine) * (2.0 * root).sqrt(),
-            reads,
-            shape: [ratio, length],
-            skew: smooth(axis.x / SKEWED),
+            ratio,
+            length,
+            along: axis.x,
+            tilt,
+            terms: [1.0, x, x * x, y, x * y, y * y, e, e * x, x.powi(3), y.powi(3), x * x * y, x * y * y],
+        }
+    }
+
+    /// The numbers of the row by `law`.
+    pub(super) fn numbers(&self, law: &Law) -> [f64; NUMBERS] {
+        let mut numbers = law.map(|own| own.iter().zip(self.terms).map(|(own, term)| own * term).sum());
+        numbers[0] *= self.tilt;
+        numbers
+    }
+
+    /// The row by `law`.
+    fn row(&self, law: &Law) -> Row {
+        Row {
+            axis: self.axis,
+            reads: row(self.numbers(law)).map(|[slope, width]| [slope, width * self.length]),
+            shape: [self.ratio, self.length],
+            skew: smooth(self.along / SKEWED),
         }
     }
 }
 
 /// Slope and width of each read by the numbers of the law.
-fn row([shift, spacing, bend, width, growth, alternation]: [f64; 6]) -> [[f64; 2]; READS] {
+pub(super) fn row([shift, spacing, bend, width, growth, alternation]: [f64; NUMBERS]) -> [[f64; 2]; READS] {
     let [spacing, bend, width, growth] = [spacing, bend, width, growth].map(f64::exp);
     std::array::from_fn(|read| {
         let place = (read as f64 - MIDDLE as f64) * STEP + shift;
@@ -191,6 +228,12 @@ fn lobe_of([across, up, around, deep]: [usize; 4], index: usize) -> (DVec2, f64,
     let (z, w) = (index / across / up % around, index / across / up / around);
     let alpha = alphas_of(share(x, across), share(w, deep));
     (alpha, cosine_of(share(y, up)), azimuth_of(share(z, around)))
+}
+
+/// The fit of node `index`, first axes first.
+pub fn fit_of_node(octaves: Octaves, index: usize) -> Fit {
+    let (alpha, cosine, azimuth) = lobe_of(NODES, index);
+    Fit::new(octaves, alpha, cosine, azimuth)
 }
 
 /// All nodes over the levels of `octaves`, first axes first.
@@ -396,68 +439,115 @@ pub fn albedo(view: DVec3, alpha: DVec2) -> [f64; 2] {
     sums
 }
 
+/// A reflection that is fitted.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    octaves: Octaves,
+    view: DVec3,
+    pub(super) shape: Shape,
+    pub(super) points: Vec<Point>,
+    /// Scale and bias of f0.
+    albedo: [f64; 2],
+    /// Functions in use, and the ridge of each.
+    used: usize,
+    pub(super) ridge: [f64; FUNCTIONS],
+}
+
+impl Fit {
+    /// The reflection with `alpha` along the tangent and across it, at n.v of `cosine`, its tangent at
+    /// `azimuth` from the plane of incidence.
+    pub fn new(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Self {
+        let (y, x) = azimuth.sin_cos();
+        let tangent = DVec2::new(x, y);
+        let view = DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
+        // The view in axes of the tangent, and the way back from there to those of the plane of incidence.
+        let seen = DVec3::new(view.x * x, -view.x * y, view.z);
+        let back = |d: DVec3| (tangent * d.x + tangent.perp() * d.y).extend(d.z);
+        // Sharper lobes than the mirror's are served by the mirror.
+        let least = (0.5 * octaves.mirror_width()).powi(4);
+        let served = DVec2::from_array(alpha.to_array().map(|alpha| (alpha.powi(4) + least).powf(0.25)));
+        let brdf = Brdf::of_alphas(seen, served);
+        let [from, to] = HARMONICS_FROM;
+        let use_harmonics = smooth((alpha.x.sqrt() - from) / (to - from));
+        // Half vectors are dense as the lobe is, stretched along the tangent at the same area.
+        let stretch = (served.x / served.y).sqrt();
+        let stretch = DVec3::new(stretch, 1.0 / stretch, 1.0);
+        let points = half_vectors((served.x * served.y).sqrt(), FIT_GRID, TAU)
+            .filter_map(|(half, area)| {
+                let half = half * stretch;
+                let length = half.length();
+                Point::new(half / length, area / length.powi(3), seen, &brdf)
+            })
+            .map(|point| Point { light: back(point.light), ..point })
+            .collect();
+        // Lobes narrower than the mirror's texels are served by equal reads of it.
+        let shape = Shape::new(alpha, tangent, cosine);
+        let narrow = octaves.mirror_width() / (2.0 * shape.ratio.max(NARROWEST) * shape.length.max(1e-6));
+        let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
+        ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
+        Self {
+            octaves,
+            view,
+            shape,
+            points,
+            albedo: albedo(seen, alpha),
+            used: if use_harmonics > 0.0 { FUNCTIONS } else { READS },
+            ridge,
+        }
+    }
+
+    /// What the law goes by.
+    pub fn terms(&self) -> [f64; TERMS] {
+        self.shape.terms
+    }
+
+    /// A read at `slope` along the row's axis, of `width`.
+    pub(super) fn read(&self, [slope, width]: [f64; 2]) -> Read {
+        let half = (DVec3::Z + (slope * self.shape.axis).extend(0.0)).normalize();
+        let direction = half * (2.0 * self.view.dot(half)) - self.view;
+        let level = level_of(self.octaves, width);
+        Read::new(self.octaves, direction, level)
+    }
+
+    /// What the weights multiply, of light from a unit vector: reads, the clamped cosine, harmonics.
+    pub(super) fn functions(reads: &[Read; READS]) -> impl Fn(DVec3) -> [f64; FUNCTIONS] {
+        let around = AROUND.map(|angle| DVec3::new(angle.sin(), 0.0, angle.cos()));
+        let aside = ASIDE.map(aside);
+        move |light| {
+            let mut values = [0.0; FUNCTIONS];
+            for (value, read) in values.iter_mut().zip(reads) {
+                *value = read.at(light);
+            }
+            let (wide, skew) = values[READS..].split_at_mut(1 + HARMONICS);
+            wide_functions(wide, &around, light);
+            let mirrored = light * DVec3::new(1.0, -1.0, 1.0);
+            let zonal = aside.iter().enumerate().flat_map(|(k, direction)| {
+                let [own, other] = [light, mirrored].map(|light| legendre(direction.dot(light)));
+                (1 + k..5).map(move |order| {
+                    f64::from(2 * order as u32 + 1) / (4.0 * PI) * (own[order] - other[order])
+                })
+            });
+            skew.iter_mut().zip(zonal).for_each(|(value, zonal)| *value = zonal);
+            values
+        }
+    }
+
+    /// The weights for f0 and f90 with these `reads`.
+    pub(super) fn weights(&self, reads: &[Read; READS]) -> Vec<[f32; 2]> {
+        weights(&self.points, READS, self.used, &self.ridge, self.albedo, Self::functions(reads))
+    }
+}
+
 /// The node that fits the reflection with `alpha` along the tangent and across it, at n.v of `cosine`, its
 /// tangent at `azimuth` from the plane of incidence.
 pub fn fitted(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
-    let (y, x) = azimuth.sin_cos();
-    let tangent = DVec2::new(x, y);
-    let view = DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
-    // The view in axes of the tangent, and the way back from there to those of the plane of incidence.
-    let seen = DVec3::new(view.x * x, -view.x * y, view.z);
-    let back = |d: DVec3| (tangent * d.x + tangent.perp() * d.y).extend(d.z);
-    // Sharper lobes than the mirror's are served by the mirror.
-    let least = (0.5 * octaves.mirror_width()).powi(4);
-    let served = DVec2::from_array(alpha.to_array().map(|alpha| (alpha.powi(4) + least).powf(0.25)));
-    let brdf = Brdf::of_alphas(seen, served);
-    let row = Row::new(alpha, tangent, cosine);
-    let reads = row.reads.map(|[slope, width]| {
-        let half = (DVec3::Z + (slope * row.axis).extend(0.0)).normalize();
-        Read::new(octaves, half * (2.0 * view.dot(half)) - view, f64::from(level_of(octaves, width) as f32))
-    });
-    let around = AROUND.map(|angle| DVec3::new(angle.sin(), 0.0, angle.cos()));
-    let aside = ASIDE.map(aside);
-    let [from, to] = HARMONICS_FROM;
-    let use_harmonics = smooth((alpha.x.sqrt() - from) / (to - from));
-    let used = if use_harmonics > 0.0 { FUNCTIONS } else { READS };
-    // Half vectors are dense as the lobe is, stretched along the tangent at the same area.
-    let stretch = (served.x / served.y).sqrt();
-    let stretch = DVec3::new(stretch, 1.0 / stretch, 1.0);
-    let points: Vec<Point> = half_vectors((served.x * served.y).sqrt(), FIT_GRID, TAU)
-        .filter_map(|(half, area)| {
-            let half = half * stretch;
-            let length = half.length();
-            Point::new(half / length, area / length.powi(3), seen, &brdf)
-        })
-        .map(|point| Point { light: back(point.light), ..point })
-        .collect();
-    let functions = |light: DVec3| {
-        let mut values = [0.0; FUNCTIONS];
-        for (value, read) in values.iter_mut().zip(&reads) {
-            *value = read.at(light);
-        }
-        let (wide, skew) = values[READS..].split_at_mut(1 + HARMONICS);
-        wide_functions(wide, &around, light);
-        let mirrored = light * DVec3::new(1.0, -1.0, 1.0);
-        let zonal = aside.iter().enumerate().flat_map(|(k, direction)| {
-            let [own, other] = [light, mirrored].map(|light| legendre(direction.dot(light)));
-            (1 + k..5)
-                .map(move |order| f64::from(2 * order as u32 + 1) / (4.0 * PI) * (own[order] - other[order]))
-        });
-        skew.iter_mut().zip(zonal).for_each(|(value, zonal)| *value = zonal);
-        values
-    };
-    // Lobes narrower than the mirror's texels are served by equal reads of it.
-    let [ratio, length] = row.shape;
-    let narrow = octaves.mirror_width() / (2.0 * ratio.max(NARROWEST) * length.max(1e-6));
-    let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
-    ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
-    let albedo = albedo(seen, alpha);
-    let weights = weights(&points, READS, used, &ridge, albedo, functions);
+    let fit = Fit::new(octaves, alpha, cosine, azimuth);
+    let reads = fit.shape.row(&LAW).reads.map(|place| fit.read(place));
     let mut node = [[0.0; 4]; LAYERS];
-    for (k, pair) in weights.into_iter().enumerate() {
+    for (k, pair) in fit.weights(&reads).into_iter().enumerate() {
         let [texel, at] = place_of(k);
         // Where nothing is reflected, shares mean nothing.
-        let share = |side: usize| pair[side] / (albedo[side] as f32).max(1e-6);
+        let share = |side: usize| pair[side] / (fit.albedo[side] as f32).max(1e-6);
         node[texel][at..at + 2].copy_from_slice(&[share(0), share(1)]);
     }
     node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))
