@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a aa799bad59c6e5be.
+// Translated from pyramid_cube.wgsl, FNV-1a 643dc7aafa1e0396.
 #else
-// Translated from pyramid.wgsl, FNV-1a 1f070e1bccb3db4c.
+// Translated from pyramid.wgsl, FNV-1a 21f875d2524788b4.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -1035,12 +1035,12 @@ octagloss_Row octagloss_row_of(vec2 alpha_8, vec2 tangent_4, float cosine_6) {
     float _e85 = axis.x;
     float e_1 = (_e85 * tilt);
     vec4 terms_1[3] = vec4[3](vec4(1.0, x_3, (x_3 * x_3), y_2), vec4((x_3 * y_2), (y_2 * y_2), e_1, (e_1 * x_3)), vec4(((x_3 * x_3) * x_3), ((y_2 * y_2) * y_2), ((x_3 * x_3) * y_2), ((x_3 * y_2) * y_2)));
-    float _e119 = octagloss_row_number(terms_1, vec4(-0.822, -0.434, 0.191, 0.225), vec4(-0.113, -0.022, -0.153, -0.163), vec4(-0.008, 0.111, -0.063, -0.064));
-    float _e135 = octagloss_row_number(terms_1, vec4(-0.509, -0.287, 0.427, -0.088), vec4(0.234, -0.052, -0.085, 0.361), vec4(0.054, 0.157, 0.012, 0.191));
-    float _e151 = octagloss_row_number(terms_1, vec4(-0.565, -0.221, -0.153, -0.803), vec4(-0.329, 0.168, -0.066, -0.018), vec4(-0.016, 0.148, -0.022, 0.161));
-    float _e167 = octagloss_row_number(terms_1, vec4(0.284, 1.09, -0.036, -0.148), vec4(-0.071, -0.01, -0.058, -0.113), vec4(-0.009, -0.116, -0.045, -0.229));
-    float _e183 = octagloss_row_number(terms_1, vec4(-0.15, 0.374, 0.152, 0.064), vec4(-0.469, -0.105, 0.057, -0.678), vec4(0.099, -0.303, 0.036, -0.038));
-    float _e199 = octagloss_row_number(terms_1, vec4(0.399, 0.142, -0.07, -0.052), vec4(-0.032, -0.014, -0.09, -0.173), vec4(0.032, -0.02, 0.144, 0.075));
+    float _e119 = octagloss_row_number(terms_1, vec4(-0.252, -0.165, 0.077, -0.167), vec4(-0.046, -0.028, -0.39, -0.463), vec4(0.007, 0.174, 0.056, -0.059));
+    float _e135 = octagloss_row_number(terms_1, vec4(-0.565, -0.078, 0.414, 0.009), vec4(0.349, -0.022, -0.094, 0.147), vec4(0.096, 0.148, 0.236, 0.258));
+    float _e151 = octagloss_row_number(terms_1, vec4(-0.393, -0.205, 0.001, -0.283), vec4(0.234, -0.027, -0.572, -0.277), vec4(0.051, 0.164, 0.17, 0.2));
+    float _e167 = octagloss_row_number(terms_1, vec4(0.413, 1.07, -0.1, -0.226), vec4(-0.344, -0.215, -0.033, -0.01), vec4(-0.044, 0.004, -0.121, -0.125));
+    float _e183 = octagloss_row_number(terms_1, vec4(-0.373, 0.485, 0.057, 0.062), vec4(-0.546, 0.172, 0.007, -0.936), vec4(0.024, -0.418, -0.221, -0.237));
+    float _e199 = octagloss_row_number(terms_1, vec4(0.477, 0.313, -0.017, -0.151), vec4(-0.234, -0.072, -0.068, -0.167), vec4(0.007, -0.011, -0.017, -0.022));
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a aa799bad59c6e5be.
+// Translated from pyramid_cube.wgsl, FNV-1a 643dc7aafa1e0396.
 #else
-// Translated from pyramid.wgsl, FNV-1a 1f070e1bccb3db4c.
+// Translated from pyramid.wgsl, FNV-1a 21f875d2524788b4.
 #endif
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
@@ -1262,12 +1262,12 @@ octagloss_Row octagloss_row_of(float2 alpha_8, float2 tangent_4, float cosine_6)
     float _e85 = axis.x;
     float e_1 = (_e85 * tilt);
     float4 terms_1[3] = Constructarray3_float4_(float4(1.0, x_3, (x_3 * x_3), y_2), float4((x_3 * y_2), (y_2 * y_2), e_1, (e_1 * x_3)), float4(((x_3 * x_3) * x_3), ((y_2 * y_2) * y_2), ((x_3 * x_3) * y_2), ((x_3 * y_2) * y_2)));
-    const float _e119 = octagloss_row_number(terms_1, float4(-0.822, -0.434, 0.191, 0.225), float4(-0.113, -0.022, -0.153, -0.163), float4(-0.008, 0.111, -0.063, -0.064));
-    const float _e135 = octagloss_row_number(terms_1, float4(-0.509, -0.287, 0.427, -0.088), float4(0.234, -0.052, -0.085, 0.361), float4(0.054, 0.157, 0.012, 0.191));
-    const float _e151 = octagloss_row_number(terms_1, float4(-0.565, -0.221, -0.153, -0.803), float4(-0.329, 0.168, -0.066, -0.018), float4(-0.016, 0.148, -0.022, 0.161));
-    const float _e167 = octagloss_row_number(terms_1, float4(0.284, 1.09, -0.036, -0.148), float4(-0.071, -0.01, -0.058, -0.113), float4(-0.009, -0.116, -0.045, -0.229));
-    const float _e183 = octagloss_row_number(terms_1, float4(-0.15, 0.374, 0.152, 0.064), float4(-0.469, -0.105, 0.057, -0.678), float4(0.099, -0.303, 0.036, -0.038));
-    const float _e199 = octagloss_row_number(terms_1, float4(0.399, 0.142, -0.07, -0.052), float4(-0.032, -0.014, -0.09, -0.173), float4(0.032, -0.02, 0.144, 0.075));
+    const float _e119 = octagloss_row_number(terms_1, float4(-0.252, -0.165, 0.077, -0.167), float4(-0.046, -0.028, -0.39, -0.463), float4(0.007, 0.174, 0.056, -0.059));
+    const float _e135 = octagloss_row_number(terms_1, float4(-0.565, -0.078, 0.414, 0.009), float4(0.349, -0.022, -0.094, 0.147), float4(0.096, 0.148, 0.236, 0.258));
+    const float _e151 = octagloss_row_number(terms_1, float4(-0.393, -0.205, 0.001, -0.283), float4(0.234, -0.027, -0.572, -0.277), float4(0.051, 0.164, 0.17, 0.2));
+    const float _e167 = octagloss_row_number(terms_1, float4(0.413, 1.07, -0.1, -0.226), float4(-0.344, -0.215, -0.033, -0.01), float4(-0.044, 0.004, -0.121, -0.125));
+    const float _e183 = octagloss_row_number(terms_1, float4(-0.373, 0.485, 0.057, 0.062), float4(-0.546, 0.172, 0.007, -0.936), float4(0.024, -0.418, -0.221, -0.237));
+    const float _e199 = octagloss_row_number(terms_1, float4(0.477, 0.313, -0.017, -0.151), float4(-0.234, -0.072, -0.068, -0.167), float4(0.007, -0.011, -0.017, -0.022));
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;

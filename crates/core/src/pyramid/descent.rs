@@ -35,7 +35,7 @@ impl anisotropic::Fit {
         let reads = places.map(read);
         let moved = beside(&places, read);
         let weights = self.weights(&reads);
-        let functions = anisotropic::Fit::functions(&reads);
+        let functions = Self::functions(&reads);
         let (error, [slopes, widths]) = left(&self.points, &self.ridge, &weights, functions, &moved);
         let mut changes = [[0.0; anisotropic::TERMS]; anisotropic::NUMBERS];
         for (k, changes) in changes.iter_mut().enumerate() {
