@@ -1,5 +1,5 @@
-//! Pictures in memory. Those of the crate `image` bring resizing, filters and conversions of all pixels, which
-//! took a fifteenth of the program's build.
+//! Pictures in memory. Those of the crate `image` bring resizing, filters and conversions of all pixels,
+//! which took a fifteenth of the program's build.
 
 use super::style::Colour;
 

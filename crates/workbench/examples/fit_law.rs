@@ -17,7 +17,6 @@ use glam::DVec2;
 use octagloss_core::common::parallel;
 use octagloss_core::pyramid::Octaves;
 use octagloss_core::pyramid::anisotropic::{Fit, LAW, Law, NODES, NUMBERS, TERMS, fit_of_node};
-use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;
 
@@ -67,7 +66,7 @@ fn fit(octaves: Octaves, lobe: u32) -> Fit {
 fn main() {
     let steps = descent::steps(110);
     let octaves = Octaves::over(512).expect("a size");
-    let lobes: Vec<Fit> = (0..LOBES).into_par_iter().map(|lobe| fit(octaves, lobe)).collect();
+    let lobes = parallel::map(0..LOBES, |lobe| fit(octaves, lobe));
     println!("the law so far: {}", errors(octaves, &lobes, &LAW));
     let basis = basis(&lobes);
     // The numbers of the basis.
@@ -75,7 +74,7 @@ fn main() {
     let mut descent = Descent::new(NUMBERS * TERMS, steps, RATE);
     for step in 1..=steps {
         let law = numbers.map(|own| in_terms(&basis, own));
-        let slopes: Vec<(f64, Law)> = lobes.par_iter().map(|fit| fit.slopes(&law)).collect();
+        let slopes = parallel::map(&lobes, |fit| fit.slopes(&law));
         let mut down = law.map(|own| own.map(|number| 2.0 * STIFFNESS * f64::from(LOBES) * number));
         down.iter_mut().for_each(|down| down[0] = 0.0);
         let mut sum = 0.0;
@@ -142,7 +141,7 @@ fn in_basis(basis: &[[f64; TERMS]; TERMS], mut left: [f64; TERMS]) -> [f64; TERM
 
 /// What fits by `law` leave: the mean logarithm at `lobes`; and the root at all nodes of the table.
 fn errors(octaves: Octaves, lobes: &[Fit], law: &Law) -> String {
-    let own: Vec<f64> = lobes.par_iter().map(|fit| fit.slopes(law).0.ln()).collect();
+    let own = parallel::map(lobes, |fit| fit.slopes(law).0.ln());
     let mut nodes =
         parallel::values(NODES.iter().product(), |index| fit_of_node(octaves, index).slopes(law).0.sqrt());
     nodes.sort_by(f64::total_cmp);

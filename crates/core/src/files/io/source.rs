@@ -34,13 +34,16 @@ impl Source<'_> {
         let ends_early =
             ["missing bytes", "fill whole buffer", "EOF", "end of file", "nexpected end", "truncated"];
         if ends_early.iter().any(|phrase| words.contains(phrase)) {
-            self.error(format!(
-                "truncated: the {format} data ends after {} bytes; copy it again",
-                self.bytes.len()
-            ))
+            self.truncated(format)
         } else {
             self.error(format!("not a readable {format} file: {words}"))
         }
+    }
+
+    /// The error of data in `format` that ends too early.
+    pub(super) fn truncated(&self, format: &str) -> Error {
+        let length = self.bytes.len();
+        self.error(format!("truncated: the {format} data ends after {length} bytes; copy it again"))
     }
 
     /// Rejects an image without pixels, and one that exceeds the memory limit at `bytes_per_pixel` (the

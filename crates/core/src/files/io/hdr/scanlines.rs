@@ -42,10 +42,7 @@ struct Bytes<'a> {
 impl<'a> Bytes<'a> {
     fn take(&mut self, count: usize) -> Result<&'a [u8]> {
         let Some((taken, rest)) = self.data.split_at_checked(count) else {
-            return Err(self.source.error(format!(
-                "truncated: the Radiance HDR data ends after {} bytes; copy it again",
-                self.source.bytes.len()
-            )));
+            return Err(self.source.truncated("Radiance HDR"));
         };
         self.data = rest;
         Ok(taken)

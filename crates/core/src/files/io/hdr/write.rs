@@ -8,8 +8,8 @@ use crate::light::environment::Rgb;
 /// of `metadata`.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] if the texels do not fill the image, and for keys and values that a header line
-/// cannot hold.
+/// [`crate::common::error::Error::Parameter`] if the texels do not fill the image, and for keys and values
+/// that a header line cannot hold.
 pub fn hdr_bytes(width: u32, height: u32, texels: &[Rgb], metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let breaks = |text: &str| text.contains(char::is_control);
     if let Some((key, _)) =

@@ -57,10 +57,7 @@ fn png_size(bytes: &[u8]) -> Option<(u32, u32)> {
 /// Decodes a JPEG.
 pub(in crate::files::io) fn decode_jpeg(source: &Source<'_>) -> Result<Picture> {
     if !ends_with_its_end(source.bytes) {
-        return Err(source.error(format!(
-            "truncated: the JPEG data ends after {} bytes; copy it again",
-            source.bytes.len()
-        )));
+        return Err(source.truncated("JPEG"));
     }
     let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
     let options = options.set_strict_mode(false).set_max_width(usize::MAX).set_max_height(usize::MAX);
@@ -69,7 +66,7 @@ pub(in crate::files::io) fn decode_jpeg(source: &Source<'_>) -> Result<Picture> 
     decoder.decode_headers().map_err(refused)?;
     let info = decoder.info().expect("the headers were read");
     let (width, height) = (u32::from(info.width), u32::from(info.height));
-    // Decoded samples in addition to the texels, and a second copy for the coefficients of a progressive JPEG.
+    // Decoded samples in addition to the texels, and a second copy for a progressive JPEG's coefficients.
     source.check_memory(width, height, TEXEL_BYTES + 4 * u64::from(info.components))?;
     let samples = decoder.decode().map_err(refused)?;
     let table = linear_from_srgb(u8::MAX.into());
