@@ -196,6 +196,44 @@ fn row_read(row: Row, read: u32) -> vec2<f32> {
     return vec2<f32>(slope, select(below, min(sharp, last), sharp >= 1.0));
 }
 
+// The harmonics around a direction less those around its mirror image behind the plane of incidence, by
+// order.
+fn orders_aside(probe: u32, surface: SurfaceFrame, across: vec3<f32>, d: vec3<f32>) -> array<vec3<f32>, 5> {
+    let level = surface.towards * d.x + surface.normal * d.z;
+    let own = harmonic_basis(level + across * d.y);
+    let other = harmonic_basis(level - across * d.y);
+    let difference = array<f32, 25>(
+        own[0] - other[0], own[1] - other[1], own[2] - other[2], own[3] - other[3], own[4] - other[4],
+        own[5] - other[5], own[6] - other[6], own[7] - other[7], own[8] - other[8], own[9] - other[9],
+        own[10] - other[10], own[11] - other[11], own[12] - other[12], own[13] - other[13],
+        own[14] - other[14], own[15] - other[15], own[16] - other[16], own[17] - other[17],
+        own[18] - other[18], own[19] - other[19], own[20] - other[20], own[21] - other[21],
+        own[22] - other[22], own[23] - other[23], own[24] - other[24]);
+    return orders_of(probe, difference);
+}
+
+// Harmonics that change sign in the plane of incidence, around four directions, of orders from 1 more than
+// their place up. `first` is their first pair of weights.
+fn harmonics_aside(
+    probe: u32,
+    surface: SurfaceFrame,
+    across: vec3<f32>,
+    place: RowPlace,
+    first: vec2<f32>,
+) -> mat2x3<f32> {
+    let a = orders_aside(probe, surface, across, vec3<f32>(0.462034181, 0.546550727, -0.698431613));
+    let b = orders_aside(probe, surface, across, vec3<f32>(0.896618294, 0.386504464, 0.216078536));
+    let c = orders_aside(probe, surface, across, vec3<f32>(0.118148049, 0.383575285, 0.915920870));
+    let d = orders_aside(probe, surface, across, vec3<f32>(0.140111780, 0.817230125, -0.559020226));
+    let p = row_node(ROW_PAIRS + 8u, place);
+    let q = row_node(ROW_PAIRS + 9u, place);
+    let r = row_node(ROW_PAIRS + 10u, place);
+    let s = row_node(ROW_PAIRS + 11u, place);
+    return weighed(a[1], first) + weighed(a[2], p.xy) + weighed(a[3], p.zw) + weighed(a[4], q.xy)
+        + weighed(b[2], q.zw) + weighed(b[3], r.xy) + weighed(b[4], r.zw) + weighed(c[3], s.xy)
+        + weighed(c[4], s.zw) + weighed(d[4], row_node(ROW_PAIRS + 12u, place).xy);
+}
+
 // Radiance reflected with `alpha` along `tangent` and across it: the tangent along the plane of incidence and
 // across it.
 fn reflect_in_row(
@@ -212,18 +250,17 @@ fn reflect_in_row(
     let place = row_place(alpha, surface.cosine, tangent);
     let row = row_of(alpha, tangent, surface.cosine);
     let axis = surface.towards * row.axis.x + across * row.axis.y;
-    let more = row_more(alpha, surface.cosine, tangent).xy;
-    let albedo = row_albedo(alpha, surface.cosine, tangent.x * tangent.x, more);
-    let scaled = f0 * albedo.x;
-    let grazing = f90 * albedo.y;
-    var sum = vec3<f32>();
-    var in_mirror = 0.0;
+    var sum = mat2x3<f32>();
+    var in_mirror = vec2<f32>();
+    // What the weights give of a white world: of the harmonics, the first.
+    var white = vec2<f32>();
     for (var distance = 0u; distance <= ROW_MIDDLE; distance++) {
         let texel = row_node(distance, place);
         var mean = texel.xy;
         var skew = vec2<f32>();
         if distance == 0u {
-            sum += (scaled * texel.z + grazing * texel.w) * cosine_light(probe, n);
+            sum += weighed(cosine_light(probe, n), texel.zw);
+            white += texel.zw;
         } else {
             mean = 0.5 * (texel.xy + texel.zw);
             skew = 0.5 * row.skew * (texel.xy - texel.zw);
@@ -233,40 +270,26 @@ fn reflect_in_row(
             let read = row_read(row, select(ROW_MIDDLE - distance, ROW_MIDDLE + distance, side == 0u));
             let half_vector = normalize(n + read.x * axis);
             let direction = half_vector * (2.0 * dot(v, half_vector)) - v;
-            sum += (scaled * weights.x + grazing * weights.y) * between_levels(probe, direction, read.y);
-            in_mirror += dot(albedo, weights) * max(1.0 - read.y, 0.0);
+            sum += weighed(between_levels(probe, direction, read.y), weights);
+            white += weights;
+            in_mirror += weights * max(1.0 - read.y, 0.0);
         }
     }
-    var pairs = array<vec4<f32>, 8>();
-    for (var k = 0u; k < 8u; k++) {
-        pairs[k] = row_node(ROW_PAIRS + k, place);
-    }
-    sum += harmonics_reflected(probe, surface, pairs, scaled, grazing);
-    // Harmonics that change sign in the plane of incidence. The table is for tangents on one side of it.
-    var aside = array<vec3<f32>, 4>(
-        vec3<f32>(0.462034181, 0.546550727, -0.698431613),
-        vec3<f32>(0.896618294, 0.386504464, 0.216078536),
-        vec3<f32>(0.118148049, 0.383575285, 0.915920870),
-        vec3<f32>(0.140111780, 0.817230125, -0.559020226));
+    let pairs = array<vec4<f32>, 8>(
+        row_node(ROW_PAIRS, place), row_node(ROW_PAIRS + 1u, place), row_node(ROW_PAIRS + 2u, place),
+        row_node(ROW_PAIRS + 3u, place), row_node(ROW_PAIRS + 4u, place), row_node(ROW_PAIRS + 5u, place),
+        row_node(ROW_PAIRS + 6u, place), row_node(ROW_PAIRS + 7u, place));
+    sum += harmonics_reflected(probe, surface, pairs);
+    white += pairs[0].xy;
+    // The table is for tangents on one side of the plane of incidence.
     let mirrored = across * select(1.0, -1.0, tangent.x * tangent.y < 0.0);
-    var texel = pairs[7];
-    var pair = 15u;
-    for (var k = 0u; k < 4u; k++) {
-        let level = surface.towards * aside[k].x + n * aside[k].z;
-        var own = harmonic_orders(probe, level + mirrored * aside[k].y);
-        var other = harmonic_orders(probe, level - mirrored * aside[k].y);
-        for (var order = k + 1u; order < 5u; order++) {
-            if pair % 2u == 0u {
-                texel = row_node(ROW_PAIRS + pair / 2u, place);
-            }
-            let weights = select(texel.zw, texel.xy, pair % 2u == 0u);
-            sum += (scaled * weights.x + grazing * weights.y) * (own[order] - other[order]);
-            pair++;
-        }
-    }
-    sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
-    let share = max(1.0 - in_mirror / (albedo.x + albedo.y), 0.0);
-    return sum + share * suns_reflected(probe, surface, tangent, alpha, f0, f90);
+    sum += harmonics_aside(probe, surface, mirrored, place, pairs[7].zw);
+    let beyond = row_more(alpha, surface.cosine, tangent).xy;
+    let shares = row_albedo(alpha, surface.cosine, tangent.x * tangent.x, beyond) / white;
+    let lit = max(f0 * shares.x * sum[0] + f90 * shares.y * sum[1], vec3<f32>())
+        * octagloss_lights[probe].unscale;
+    let share = max(1.0 - dot(shares, in_mirror) / dot(shares, white), 0.0);
+    return lit + share * suns_reflected(probe, surface, tangent, alpha, f0, f90);
 }
 
 // Radiance that a surface reflects to a viewer: GGX with Smith's height-correlated masking and Schlick's

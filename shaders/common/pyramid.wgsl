@@ -8,24 +8,36 @@ const INTERVALS = 640u;
 
 // `direction` in the environment `probe`, as a unit vector. As dot products, which begin with `direction`:
 // where a condition depends on an expression that begins with a constant place in a stage's fourth uniform
-// buffer, Mesa 22.3's llvmpipe crashes, and the second environment of a shader has its light there.
+// buffer, Mesa 22.3's llvmpipe crashes, and the fourth environment of a shader has its light there.
 fn source_from_world(probe: u32, direction: vec3<f32>) -> vec3<f32> {
     let axes = octagloss_lights[probe].world_from_source;
     return normalize(vec3<f32>(dot(direction, axes[0]), dot(direction, axes[1]), dot(direction, axes[2])));
 }
 
+fn harmonic(probe: u32, k: u32) -> vec3<f32> {
+    return octagloss_lights[probe].harmonics[k].xyz;
+}
+
+// The sum of the harmonics times `b`, by order. Written out: drivers keep loops, and their arrays in memory.
+fn orders_of(probe: u32, b: array<f32, 25>) -> array<vec3<f32>, 5> {
+    return array<vec3<f32>, 5>(
+        b[0] * harmonic(probe, 0u),
+        b[1] * harmonic(probe, 1u) + b[2] * harmonic(probe, 2u) + b[3] * harmonic(probe, 3u),
+        b[4] * harmonic(probe, 4u) + b[5] * harmonic(probe, 5u) + b[6] * harmonic(probe, 6u)
+            + b[7] * harmonic(probe, 7u) + b[8] * harmonic(probe, 8u),
+        b[9] * harmonic(probe, 9u) + b[10] * harmonic(probe, 10u) + b[11] * harmonic(probe, 11u)
+            + b[12] * harmonic(probe, 12u) + b[13] * harmonic(probe, 13u) + b[14] * harmonic(probe, 14u)
+            + b[15] * harmonic(probe, 15u),
+        b[16] * harmonic(probe, 16u) + b[17] * harmonic(probe, 17u) + b[18] * harmonic(probe, 18u)
+            + b[19] * harmonic(probe, 19u) + b[20] * harmonic(probe, 20u) + b[21] * harmonic(probe, 21u)
+            + b[22] * harmonic(probe, 22u) + b[23] * harmonic(probe, 23u) + b[24] * harmonic(probe, 24u));
+}
+
 // Harmonics of radiance around the unit vector `d`, the sum of each order times its weight.
 fn harmonics_around(probe: u32, d: vec3<f32>, weights: array<f32, 5>) -> vec3<f32> {
-    var basis = harmonic_basis(d);
-    var sum = vec3<f32>();
-    for (var order = 0u; order < 5u; order++) {
-        var own = vec3<f32>();
-        for (var k = order * order; k < (order + 1u) * (order + 1u); k++) {
-            own += basis[k] * octagloss_lights[probe].harmonics[k].xyz;
-        }
-        sum += weights[order] * own;
-    }
-    return sum;
+    let orders = orders_of(probe, harmonic_basis(d));
+    return weights[0] * orders[0] + weights[1] * orders[1] + weights[2] * orders[2] + weights[3] * orders[3]
+        + weights[4] * orders[4];
 }
 
 // Radiance of a GGX reflection around `direction` (world space, any length but zero) at `roughness` in
@@ -42,8 +54,8 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     let node = log2(1.0 + 50.0 * roughness) * 112.826518;
     let k = min(u32(node), INTERVALS - 1u);
     let share = node - f32(k);
-    var low = node_weights(k);
-    var high = node_weights(k + 1u);
+    let low = node_weights(k);
+    let high = node_weights(k + 1u);
     let a = mix(low[0], high[0], share);
     let b = mix(low[1], high[1], share);
     let c = mix(low[2], high[2], share);
@@ -81,12 +93,18 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
         let s = min(0.25 * apart, vec3<f32>(0.5));
         let radius2 = 0.5 * vec3<f32>(sun.red.w, sun.green.w, sun.blue.w);
         let nearness = s + a2 * (1.0 - s) - radius2;
-        let root = max(sqrt(nearness * nearness + 4.0 * a2 * radius2), vec3<f32>(1e-30));
-        let outside = 2.0 * a2 / (root * max(root + nearness, vec3<f32>(1e-30)));
-        let inside = (root - nearness) / (2.0 * max(radius2, vec3<f32>(1e-30)) * root);
+        var lobe = vec3<f32>();
+        if all(radius2 < 0.03 * nearness) {
+            // Far away the root's series is within .1 %, and most pixels are far from most suns.
+            lobe = a2 / (nearness * nearness + 3.0 * a2 * radius2);
+        } else {
+            let root = max(sqrt(nearness * nearness + 4.0 * a2 * radius2), vec3<f32>(1e-30));
+            let outside = 2.0 * a2 / (root * max(root + nearness, vec3<f32>(1e-30)));
+            let inside = (root - nearness) / (2.0 * max(radius2, vec3<f32>(1e-30)) * root);
+            lobe = select(inside, outside, nearness > vec3<f32>());
+        }
         // 1 / (2 pi): a disc has half of the light.
-        let lobe = 0.15915494 * select(inside, outside, nearness > vec3<f32>()) * (1.0 - 2.0 * s);
-        sum += sun.energy * lobe * (e.w * (1.0 - a.x));
+        sum += sun.energy * lobe * (1.0 - 2.0 * s) * (0.15915494 * e.w * (1.0 - a.x));
     }
     return sum;
 }

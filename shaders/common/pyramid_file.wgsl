@@ -8,12 +8,9 @@ const LEVELS = 0i;
 const MIRROR = 1i;
 const SHARP = 2i;
 
+// Texels along an edge of the finest squares, without their borders.
 fn map_inner() -> f32 {
     return f32(textureDimensions(octagloss_maps).x) * (16.0 / 17.0);
-}
-
-fn map_border() -> f32 {
-    return f32(textureDimensions(octagloss_maps).x) / 34.0;
 }
 
 fn read_mirror(probe: u32, at: vec2<f32>) -> vec3<f32> {
@@ -31,5 +28,5 @@ fn read_levels(probe: u32, at: vec2<f32>, level: f32) -> vec3<f32> {
 
 fn read_cosine(probe: u32, at: vec2<f32>) -> vec3<f32> {
     let last = round(log2(map_inner() / 32.0));
-    return textureSampleLevel(octagloss_maps, octagloss_linear, place_in_cosine(at), MIRROR, last).xyz;
+    return textureSampleLevel(octagloss_maps, octagloss_linear, at, MIRROR, last).xyz;
 }

@@ -2,28 +2,24 @@
 #include "common/pyramid.wgsl"
 #include "common/pyramid_squares.wgsl"
 
-// The table of crates/core/src/pyramid/fit.rs, and the maps' size.
-struct OctaglossPyramid {
-    // Texels along an edge of the finest maps, and of their border.
-    inner: f32,
-    border: f32,
-    pad_a: u32,
-    pad_b: u32,
-    // Weights at a node: mirror, sharp level, seven levels from fine to coarse, cosine, harmonics of order 0
-    // to 4, 1 over the integral of GGX.
-    weights: array<array<vec4<f32>, 4>, INTERVALS + 1u>,
-}
+const NODES_A_ROW = 64u;
 
+// Texels along an edge of the finest maps, without their borders: beside the table's nodes.
 fn map_inner() -> f32 {
-    return octagloss_pyramid.inner;
+    return weights_texel(INTERVALS + 1u, 0u).x;
 }
 
-fn map_border() -> f32 {
-    return octagloss_pyramid.border;
-}
-
+// A node of the table of crates/core/src/pyramid/fit.rs: weights of the mirror, the sharp level, seven levels
+// from fine to coarse, the cosine, harmonics of order 0 to 4; 1 over the integral of GGX. In a texture: the
+// pixels of a group read several nodes, which uniform buffers serve one after another.
 fn node_weights(node: u32) -> array<vec4<f32>, 4> {
-    return octagloss_pyramid.weights[node];
+    return array<vec4<f32>, 4>(
+        weights_texel(node, 0u), weights_texel(node, 1u), weights_texel(node, 2u), weights_texel(node, 3u));
+}
+
+// Four weights of a node.
+fn weights_texel(node: u32, part: u32) -> vec4<f32> {
+    return textureLoad(octagloss_weights, vec2<u32>(node % NODES_A_ROW * 4u + part, node / NODES_A_ROW), 0);
 }
 
 fn read_mirror(probe: u32, at: vec2<f32>) -> vec3<f32> {
@@ -40,5 +36,5 @@ fn read_levels(probe: u32, at: vec2<f32>, level: f32) -> vec3<f32> {
 }
 
 fn read_cosine(probe: u32, at: vec2<f32>) -> vec3<f32> {
-    return textureSampleLevel(octagloss_cosine, octagloss_linear, place_in_cosine(at), probe, 0.0).xyz;
+    return textureSampleLevel(octagloss_cosine, octagloss_linear, at, probe, 0.0).xyz;
 }

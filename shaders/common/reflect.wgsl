@@ -86,6 +86,15 @@ fn brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32)
     // The cone of half vectors, and the root of its cubic.
     let size = above * (2.0 - above) / (length2 * bend);
     let trace = size * dot(shape, 1.0 - l * l);
+    let share = pow(left, 1.25) * (1.0 - 0.5 * above);
+    if trace < 1e-3 {
+        // Such a disc reflects as its centre does, within .2 % but where the view grazes the surface. Most
+        // pixels are far from most suns.
+        let toward = dot(view, h);
+        let lobe = shape.z / (3.14159265 * bend * bend);
+        let visible = l.z / (l.z * masking_of(view, alpha) + view.z * masking_of(l, alpha));
+        return vec2<f32>(share * 2.0 * along * toward / length2 * lobe * visible, fresnel_of(toward));
+    }
     let aside = trace - size * squared(cross(l, bent)) / bend;
     let masking = masking_of(l, alpha);
     let determinant = size * size * masking * masking;
@@ -108,22 +117,14 @@ fn brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32)
     let lit = 2.0 * cosine * axis - view;
     let facing = max(lit.z, 0.0);
     let lobe = sqrt(side / (x * slope * bend * dot(axis, shape * axis))) * shape.z / (3.14159265 * bend);
-    let share = pow(left, 1.25) * (1.0 - 0.5 * above);
     let visible = facing / (facing * masking_of(view, alpha) + view.z * masking_of(lit, alpha));
-    let value = share * 2.0 * along * cosine / length2 * lobe * visible;
-    return vec2<f32>(value, pow(max(1.0 - cosine, 0.0), 5.0));
+    return vec2<f32>(share * 2.0 * along * cosine / length2 * lobe * visible, fresnel_of(cosine));
 }
 
-// Harmonics of radiance around the unit vector `d`, by order.
-fn harmonic_orders(probe: u32, d: vec3<f32>) -> array<vec3<f32>, 5> {
-    var basis = harmonic_basis(d);
-    var sums = array<vec3<f32>, 5>();
-    for (var order = 0u; order < 5u; order++) {
-        for (var k = order * order; k < (order + 1u) * (order + 1u); k++) {
-            sums[order] += basis[k] * octagloss_lights[probe].harmonics[k].xyz;
-        }
-    }
-    return sums;
+// (1 - v.h)^5.
+fn fresnel_of(cosine: f32) -> f32 {
+    let rest = max(1.0 - cosine, 0.0);
+    return rest * rest * rest * rest * rest;
 }
 
 // The cosine level around the unit vector `n`.
@@ -131,34 +132,26 @@ fn cosine_light(probe: u32, n: vec3<f32>) -> vec3<f32> {
     return read_cosine(probe, place_of(n));
 }
 
+// What f0 and f90 multiply, of `light` with these weights.
+fn weighed(light: vec3<f32>, weights: vec2<f32>) -> mat2x3<f32> {
+    return mat2x3<f32>(light * weights.x, light * weights.y);
+}
+
 // Harmonics around five directions in the plane of incidence, of orders from their place up: `pairs` are
 // weights for f0 and f90, two in a texel.
-fn harmonics_reflected(
-    probe: u32,
-    surface: SurfaceFrame,
-    pairs: array<vec4<f32>, 8>,
-    f0: vec3<f32>,
-    f90: f32,
-) -> vec3<f32> {
-    var angles = array<vec2<f32>, 5>(
-        vec2<f32>(1.0, 0.0),
-        vec2<f32>(0.309016994, 0.951056516),
-        vec2<f32>(-0.809016994, 0.587785252),
-        vec2<f32>(0.809016994, 0.587785252),
-        vec2<f32>(-0.309016994, 0.951056516));
-    var texels = pairs;
-    var sum = vec3<f32>();
-    var pair = 0u;
-    for (var k = 0u; k < 5u; k++) {
-        var orders = harmonic_orders(probe, surface.normal * angles[k].x + surface.towards * angles[k].y);
-        for (var order = k; order < 5u; order++) {
-            let texel = texels[pair / 2u];
-            let weights = select(texel.zw, texel.xy, pair % 2u == 0u);
-            sum += (f0 * weights.x + f90 * weights.y) * orders[order];
-            pair++;
-        }
-    }
-    return sum;
+fn harmonics_reflected(probe: u32, surface: SurfaceFrame, pairs: array<vec4<f32>, 8>) -> mat2x3<f32> {
+    let n = surface.normal;
+    let t = surface.towards;
+    let a = orders_of(probe, harmonic_basis(n));
+    let b = orders_of(probe, harmonic_basis(n * 0.309016994 + t * 0.951056516));
+    let c = orders_of(probe, harmonic_basis(n * -0.809016994 + t * 0.587785252));
+    let d = orders_of(probe, harmonic_basis(n * 0.809016994 + t * 0.587785252));
+    let e = orders_of(probe, harmonic_basis(n * -0.309016994 + t * 0.951056516));
+    return weighed(a[0], pairs[0].xy) + weighed(a[1], pairs[0].zw) + weighed(a[2], pairs[1].xy)
+        + weighed(a[3], pairs[1].zw) + weighed(a[4], pairs[2].xy) + weighed(b[1], pairs[2].zw)
+        + weighed(b[2], pairs[3].xy) + weighed(b[3], pairs[3].zw) + weighed(b[4], pairs[4].xy)
+        + weighed(c[2], pairs[4].zw) + weighed(c[3], pairs[5].xy) + weighed(c[4], pairs[5].zw)
+        + weighed(d[3], pairs[6].xy) + weighed(d[4], pairs[6].zw) + weighed(e[4], pairs[7].xy);
 }
 
 // The suns, with `alpha` along `tangent` and across it: the tangent along the plane of incidence and across
@@ -181,17 +174,16 @@ fn suns_reflected(
         let sun = octagloss_lights[probe].suns[disc / 2u];
         let half_axis = half_axis_of(probe, disc);
         let nearer = 1.0 - 0.5 * squared(half_axis);
-        var channels = array<vec4<f32>, 3>(sun.red, sun.green, sun.blue);
-        var values = array<vec2<f32>, 3>();
         for (var c = 0u; c < 3u; c++) {
-            let to = nearer * channels[c].xyz + half_axis;
+            let own = vec3<u32>(c) == vec3<u32>(0u, 1u, 2u);
+            let channel = select(select(sun.blue, sun.green, own.y), sun.red, own.x);
+            let to = nearer * channel.xyz + half_axis;
             let light = vec3<f32>(dot(to, x), dot(to, y), dot(to, surface.normal));
-            values[c] = brdf_around(view, light, wide, channels[c].w);
+            let value = brdf_around(view, light, wide, channel.w);
+            // A disc has half of the light.
+            let reflected = 0.5 * sun.energy * value.x * (f0 + (f90 - f0) * value.y);
+            sum += select(vec3<f32>(), reflected, own);
         }
-        let value = vec3<f32>(values[0].x, values[1].x, values[2].x);
-        let fresnel = vec3<f32>(values[0].y, values[1].y, values[2].y);
-        // A disc has half of the light.
-        sum += 0.5 * sun.energy * value * (f0 + (f90 - f0) * fresnel);
     }
     return sum;
 }
@@ -215,30 +207,33 @@ fn reflected_isotropic(
     // Offsets of reads have the length of its sine, so that nothing turns there.
     let along = surface.towards * surface.sine;
     let v = along + n * cosine;
-    let rest = reflection_node(READS, roughness, cosine);
-    let shares = albedo_share(round_albedo(cosine, roughness), rest.zw);
-    let scaled = f0 * shares.x;
-    let grazing = f90 * shares.y;
-    var sum = vec3<f32>();
+    let rest = reflection_node(READS, roughness, cosine).xy;
+    var sum = weighed(cosine_light(probe, n), rest);
     var in_mirror = 0.0;
+    // What the weights give of a white world: of the harmonics, the first.
+    var white = rest;
     for (var k = 0u; k < READS; k++) {
         // Slope, level, weights of f0 and f90.
         let read = reflection_node(k, roughness, cosine);
         let half_vector = normalize(n + read.x * along);
         let direction = half_vector * (2.0 * dot(v, half_vector)) - v;
-        sum += (scaled * read.z + grazing * read.w) * between_levels(probe, direction, read.y);
+        sum += weighed(between_levels(probe, direction, read.y), read.zw);
+        white += read.zw;
         in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
     }
-    sum += (scaled * rest.x + grazing * rest.y) * cosine_light(probe, n);
-    var pairs = array<vec4<f32>, 8>();
-    for (var k = 0u; k < 8u; k++) {
-        pairs[k] = reflection_node(READS + 1u + k, roughness, cosine);
-    }
-    sum += harmonics_reflected(probe, surface, pairs, scaled, grazing);
-    sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
-    let share = max(1.0 - in_mirror / (rest.z + rest.w), 0.0);
+    let pairs = array<vec4<f32>, 8>(
+        reflection_node(READS + 1u, roughness, cosine), reflection_node(READS + 2u, roughness, cosine),
+        reflection_node(READS + 3u, roughness, cosine), reflection_node(READS + 4u, roughness, cosine),
+        reflection_node(READS + 5u, roughness, cosine), reflection_node(READS + 6u, roughness, cosine),
+        reflection_node(READS + 7u, roughness, cosine), reflection_node(READS + 8u, roughness, cosine));
+    sum += harmonics_reflected(probe, surface, pairs);
+    white += pairs[0].xy;
+    let shares = albedo_share(round_albedo(cosine, roughness), white);
+    let lit = max(f0 * shares.x * sum[0] + f90 * shares.y * sum[1], vec3<f32>())
+        * octagloss_lights[probe].unscale;
+    let share = max(1.0 - in_mirror / (white.x + white.y), 0.0);
     let alpha = vec2<f32>(roughness * roughness);
-    return sum + share * suns_reflected(probe, surface, vec2<f32>(1.0, 0.0), alpha, f0, f90);
+    return lit + share * suns_reflected(probe, surface, vec2<f32>(1.0, 0.0), alpha, f0, f90);
 }
 
 // The surface with `normal` under a viewer in the direction `view`, both in world space.

@@ -246,7 +246,7 @@ fn files_are_read_as_the_cpu_reads_its_pyramid() {
                     ("octagloss_SHARP = 2i", "octagloss_SHARP = 1i"),
                     ("octagloss_MIRROR = 1i", "octagloss_MIRROR = 2i"),
                     ("octagloss_LEVELS = 0i", "octagloss_LEVELS = 1i"),
-                    ("(16.0 / 17.0)", "(15.0 / 17.0)"),
+                    ("(8.0 / 17.0)", "(7.5 / 17.0)"),
                 ],
                 Cube => [
                     ("at, 0.0)", "at, 1.0)"),
@@ -260,6 +260,8 @@ fn files_are_read_as_the_cpu_reads_its_pyramid() {
                 ("27u + row", "26u + row"),
                 ("1.0 + f32(layer)", "3.0 + f32(layer)"),
             ];
+            // Both maps read the tables by the same code.
+            let tables = tables.into_iter().filter(|_| map == Octahedral);
             for (right, wrong) in own.into_iter().chain(tables).filter(|_| look == Look::Noise) {
                 assert!(code.contains(right), "{right}");
                 let found = files.looked_up(context, &code.replace(right, wrong), &queries);

@@ -59,6 +59,7 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("view/scene.wgsl", "MAX_PROBES", "uniforms::MAX_PROBES"),
     ("pyramid/cells.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
     ("pyramid/levels.wgsl", "EDGE", "build_pyramid::EDGE"),
+    ("common/pyramid_maps.wgsl", "NODES_A_ROW", "pyramid::NODES_A_ROW"),
     ("pyramid/query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
     ("pyramid/suns.wgsl", "GROUP_SIZE", "build_pyramid::SUNS_GROUP_SIZE"),
 ];

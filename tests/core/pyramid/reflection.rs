@@ -222,10 +222,12 @@ fn white_worlds_give_the_albedo() {
             let found = albedo_at(roughness as f32, nv as f32).map(f64::from);
             let off = [0, 1].map(|k| (found[k] - expected[k]).abs());
             assert!(off.iter().all(|off| *off < 9e-4), "r {roughness} n.v {nv}: off by {off:?}");
-            // The weights of reads sum to it nearly.
-            let [.., a, b] = node_at(octaves, roughness as f32, nv as f32)[9];
-            let off = [f64::from(a), f64::from(b)];
-            let off = [0, 1].map(|k| (off[k] - expected[k]).abs());
+            // The weights of reads, of the cosine and of the first harmonic sum to it nearly.
+            let node = node_at(octaves, roughness as f32, nv as f32);
+            let reads = node[..9].iter().map(|[.., a, b]| [*a, *b]);
+            let all = reads.chain([9, 10].map(|layer| [node[layer][0], node[layer][1]]));
+            let sums = all.fold([0.0; 2], |sums, own| [0, 1].map(|k| sums[k] + f64::from(own[k])));
+            let off = [0, 1].map(|k| (sums[k] - expected[k]).abs());
             assert!(off.iter().all(|off| *off < 3e-3), "r {roughness} n.v {nv}: weights off by {off:?}");
         }
     }

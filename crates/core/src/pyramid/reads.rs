@@ -358,8 +358,6 @@ pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
         };
         node[layer][at..at + 2].copy_from_slice(&pair);
     }
-    let [scale, bias] = fit.albedo;
-    node[READS][2..].copy_from_slice(&[scale as f32, bias as f32]);
     node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))
 }
 

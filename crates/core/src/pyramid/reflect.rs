@@ -27,6 +27,11 @@ fn harmonic_weights(pairs: &[[f32; 4]]) -> [[[f32; 2]; 5]; 5] {
     weights
 }
 
+/// The sum of weights for (f0, f90).
+fn sum_of(weights: impl IntoIterator<Item = [f32; 2]>) -> [f32; 2] {
+    weights.into_iter().fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d])
+}
+
 /// Alpha along the tangent over that across it, less 1, up to which isotropic reflections fade out.
 const BLEND: f64 = 0.1;
 
@@ -72,9 +77,11 @@ impl Pyramid {
     fn isotropic(&self, frame: &Frame, roughness: f32, f0: Vec3A, f90: f32) -> Vec3A {
         let node = node_at(self.octaves, roughness, frame.view.z as f32);
         let albedo = albedo_at(roughness, frame.view.z as f32);
-        // Weights sum to the albedo at nodes and near it between them. Where nothing is reflected, shares
-        // mean nothing.
-        let [scale, bias] = [0, 1].map(|k| (albedo[k] + 1e-4) / (node[READS][2 + k].max(0.0) + 1e-4));
+        // Of a white world the weights give their sum; of the harmonics, the first. Where nothing is
+        // reflected, shares mean nothing.
+        let reads = node[..READS].iter().map(|[.., a, b]| [*a, *b]);
+        let white = sum_of(reads.chain([0, 1].map(|layer| [node[READS + layer][0], node[READS + layer][1]])));
+        let [scale, bias] = [0, 1].map(|k| (albedo[k] + 1e-4) / (white[k].max(0.0) + 1e-4));
         let sunlit = (f0, f90);
         let (f0, f90) = (f0 * scale, f90 * bias);
         let coloured = |[a, b]: [f32; 2]| f0 * a + f90 * b;
@@ -92,9 +99,8 @@ impl Pyramid {
         sum += coloured([a, b]) * self.cosine_around(normal);
         sum += self.harmonics_reflected(frame, &node[READS + 1..], f0, f90);
         let sum = self.unscaled(sum.max(Vec3A::ZERO));
-        let [.., a, b] = node[READS];
         let alpha = DVec2::splat(f64::from(roughness).powi(2));
-        let share = (1.0 - in_mirror / (a + b)).max(0.0);
+        let share = (1.0 - in_mirror / (white[0] + white[1])).max(0.0);
         sum + share * self.suns_reflected(frame, alpha, sunlit.0, sunlit.1)
     }
 
@@ -108,7 +114,12 @@ impl Pyramid {
         // From axes of the plane of incidence to those of the tangent.
         let axis = level_view * row.axis.x + level_view.perp() * row.axis.y;
         let [more, _] = anisotropic::more_at(alpha, frame.view.z, azimuth);
-        let [scale, bias] = beside_round(alpha, frame.view.z, tangent.x * tangent.x, more);
+        let albedo = beside_round(alpha, frame.view.z, tangent.x * tangent.x, more);
+        let white = sum_of(node[..=PAIRS].iter().zip(0..).flat_map(|([a, b, c, d], texel)| {
+            // The harmonics' texels begin with the one that has a mean.
+            [[*a, *b], if texel == PAIRS { [0.0; 2] } else { [*c, *d] }]
+        }));
+        let [scale, bias] = [0, 1].map(|k| albedo[k] / white[k]);
         let sunlit = (f0, f90);
         let (f0, f90) = (f0 * scale, f90 * bias);
         let coloured = |[a, b]: [f32; 2]| f0 * a + f90 * b;
@@ -147,7 +158,7 @@ impl Pyramid {
             }
         }
         let sum = self.unscaled(sum.max(Vec3A::ZERO));
-        let share = (1.0 - in_mirror / (scale + bias)).max(0.0);
+        let share = (1.0 - in_mirror / (albedo[0] + albedo[1])).max(0.0);
         sum + share * self.suns_reflected(frame, alpha, sunlit.0, sunlit.1)
     }
 

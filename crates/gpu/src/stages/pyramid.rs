@@ -1,5 +1,6 @@
 //! Pyramids on the GPU: their maps, their look-up for lists of directions, and as WGSL for callers' shaders.
 
+use super::build_pyramid::SUNS_GROUP_SIZE;
 use crate::device::readback;
 use crate::device::resources::{SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding, trilinear};
 use crate::device::stage::{Dispatch, in_rows};
@@ -7,12 +8,19 @@ use crate::{Context, Stage};
 use glam::DVec3;
 use octagloss_core::common::error::{Error, Result};
 use octagloss_core::light::oem::OemSize;
-use octagloss_core::pyramid::fit::{self, INTERVALS, WEIGHTS};
+use octagloss_core::pyramid::fit::{self, WEIGHTS};
 use octagloss_core::pyramid::light::OctaglossLight;
 use octagloss_core::pyramid::{COARSEST, Octaves, cells, suns};
 
 /// Invocations of a workgroup over queries.
 pub const GROUP_SIZE: u32 = 64;
+
+/// Nodes of the table of weights in a row of texels.
+pub const NODES_A_ROW: u32 = 64;
+
+/// The table of weights, which shaders load texels of.
+pub(super) const WEIGHTS_TEXTURE: wgpu::BindingType =
+    texture_binding(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
 
 /// Format of the maps.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -23,18 +31,11 @@ pub const MAX_PROBES: u32 = 64;
 /// Size of the cosine level.
 pub(super) const COSINE: OemSize = OemSize { inner: COARSEST, border: 1 };
 
-/// Table and sizes of a look-up: `OctaglossPyramid` of the shaders.
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-struct OctaglossPyramid {
-    inner: f32,
-    border: f32,
-    pad: [u32; 2],
-    weights: [[f32; WEIGHTS]; INTERVALS as usize + 1],
-}
-
 /// Bytes of a light: a multiple of 256, at which bindings may begin.
 const LIGHT: u64 = size_of::<OctaglossLight>() as u64;
+
+/// Seeds, and what workgroups found in two rounds.
+const FOUND: u64 = suns::COUNT as u64 + 2 * (suns::FINEST.pow(2) / SUNS_GROUP_SIZE) as u64;
 
 /// The maps of one environment's pyramid, in textures that several share.
 #[derive(Clone, Debug)]
@@ -42,7 +43,7 @@ pub struct PyramidMaps {
     octaves: Octaves,
     /// Place among the pyramids that share the textures.
     probe: u32,
-    table: wgpu::Buffer,
+    weights: wgpu::Texture,
     lights: wgpu::Buffer,
     /// The chain: one layer an environment.
     levels: wgpu::Texture,
@@ -78,25 +79,20 @@ impl PyramidMaps {
             let side = size.bordered();
             context.texture(label, FORMAT, [side, side, layers], mips, usage | wgpu::TextureUsages::COPY_SRC)
         };
-        let mut weights = [[0.0; WEIGHTS]; INTERVALS as usize + 1];
-        weights.copy_from_slice(&fit::table(octaves));
-        let table =
-            OctaglossPyramid { inner: inner as f32, border: size.border as f32, pad: [0; 2], weights };
         let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let used = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | copied;
         let squares = |finest: u32| u64::from(inner.min(finest)).pow(2);
         let first = Self {
             octaves,
             probe: 0,
-            table: context.uniform("pyramid", &table),
+            weights: weights(context, octaves),
             // Shaders of several declare the most.
             lights: context.buffer("light of pyramids", LIGHT * u64::from(MAX_PROBES), used),
             levels: texture("levels", size, probes, octaves.count()),
             sharp: texture("sharp levels", size, 2 * probes, 1),
             cosine: texture("cosine levels", COSINE, probes, 1),
             linear: trilinear(context),
-            blocks: context
-                .storage("brightness of blocks", 16 * (squares(suns::FINEST) + suns::COUNT as u64)),
+            blocks: context.storage("brightness of blocks", 16 * (squares(suns::FINEST) + FOUND)),
             cells: context.storage("light of cells", 48 * squares(cells::FINEST)),
         };
         let all: Vec<_> = (0..probes).map(|probe| Self { probe, ..first.clone() }).collect();
@@ -184,7 +180,7 @@ impl PyramidMaps {
     pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
         let filterable = wgpu::TextureSampleType::Float { filterable: true };
         let layers = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
-        let bindings = [UNIFORM, UNIFORM, layers, layers, layers, SAMPLER];
+        let bindings = [WEIGHTS_TEXTURE, UNIFORM, layers, layers, layers, SAMPLER];
         group_layout(context, "octagloss pyramid", visibility, &bindings)
     }
 
@@ -216,10 +212,35 @@ impl PyramidMaps {
         let views = [(&self.levels, 1), (&self.sharp, 2), (&self.cosine, 1)]
             .map(|(texture, count)| layers(texture, count));
         let [levels, sharp, cosine] = views.each_ref().map(wgpu::BindingResource::TextureView);
+        let weights = self.weights.create_view(&wgpu::TextureViewDescriptor::default());
+        let weights = wgpu::BindingResource::TextureView(&weights);
         let lights = if all { self.lights.as_entire_binding() } else { self.light() };
         let linear = wgpu::BindingResource::Sampler(&self.linear);
-        make([self.table.as_entire_binding(), lights, levels, sharp, cosine, linear])
+        make([weights, lights, levels, sharp, cosine, linear])
     }
+}
+
+/// The table of weights: four texels for each node, [`NODES_A_ROW`] side by side; and one for the size of the
+/// maps.
+fn weights(context: &Context, octaves: Octaves) -> wgpu::Texture {
+    let mut nodes = fit::table(octaves);
+    nodes.push([octaves.inner() as f32; WEIGHTS]);
+    nodes.resize(nodes.len().next_multiple_of(NODES_A_ROW as usize), [0.0; WEIGHTS]);
+    let [width, height] = [NODES_A_ROW * WEIGHTS as u32 / 4, nodes.len() as u32 / NODES_A_ROW];
+    let format = wgpu::TextureFormat::Rgba32Float;
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = context.texture("weights", format, [width, height, 1], 1, usage);
+    context.queue().write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(&nodes),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(16 * width),
+            rows_per_image: Some(height),
+        },
+        texture.size(),
+    );
+    texture
 }
 
 /// One level of one layer.
@@ -236,7 +257,7 @@ fn single(texture: &wgpu::Texture, layer: u32, level: u32) -> wgpu::TextureView 
 
 /// Resources of the look-ups without the lights, which are second.
 pub(super) const RESOURCES: [&str; 5] = [
-    "var<uniform> octagloss_pyramid: OctaglossPyramid",
+    "var octagloss_weights: texture_2d<f32>",
     "var octagloss_levels: texture_2d_array<f32>",
     "var octagloss_sharp: texture_2d_array<f32>",
     "var octagloss_cosine: texture_2d_array<f32>",

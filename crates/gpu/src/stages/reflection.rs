@@ -1,6 +1,6 @@
 //! True reflections out of pyramids on the GPU: their tables, and their look-up as WGSL for callers' shaders.
 
-use super::pyramid::{PyramidMaps, RESOURCES};
+use super::pyramid::{PyramidMaps, RESOURCES, WEIGHTS_TEXTURE};
 use crate::Context;
 use crate::device::resources::{SAMPLER, UNIFORM, group, group_layout, layers, texture_binding};
 use half::f16;
@@ -73,7 +73,7 @@ pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> w
     let filterable = wgpu::TextureSampleType::Float { filterable: true };
     let layers = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
     let rows = texture_binding(filterable, wgpu::TextureViewDimension::D3);
-    let bindings = [UNIFORM, UNIFORM, layers, layers, layers, SAMPLER, layers, rows];
+    let bindings = [WEIGHTS_TEXTURE, UNIFORM, layers, layers, layers, SAMPLER, layers, rows];
     group_layout(context, "octagloss reflections", visibility, &bindings)
 }
 
