@@ -53,18 +53,20 @@ fn cells_of_texels(@builtin(global_invocation_id) id: vec3<u32>) {
     cells[id.x] = cell;
 }
 
-// Irradiance over pi.
+// Irradiance over pi, one texel a workgroup.
 @compute @workgroup_size(GROUP_SIZE)
-fn cosine(@builtin(global_invocation_id) id: vec3<u32>) {
-    let texel = vec2<u32>(id.x % level.inner, id.x / level.inner);
-    let normal = direction_from_oct((vec2<f32>(texel) + 0.5) * (2.0 / f32(level.inner)) - 1.0);
+fn cosine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let normal = direction_from_oct((vec2<f32>(group.xy) + 0.5) * (2.0 / f32(level.inner)) - 1.0);
     var sum = vec3<f32>();
-    for (var k = 0u; k < side() * side(); k++) {
+    for (var k = lane; k < side() * side(); k += GROUP_SIZE) {
         let cell = cells[k];
         let facing = vec3<f32>(dot(cell[0].xyz, normal), dot(cell[1].xyz, normal), dot(cell[2].xyz, normal));
         sum += max(facing, vec3<f32>());
     }
-    store(vec2<i32>(texel), sum * 0.31830987);
+    sum = reduce(sum, lane);
+    if lane == 0u {
+        store(vec2<i32>(group.xy), sum * 0.31830987);
+    }
 }
 
 // One function a workgroup.

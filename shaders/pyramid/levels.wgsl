@@ -95,24 +95,28 @@ fn sharp(@builtin(global_invocation_id) id: vec3<u32>) {
     var total = 0.0;
     for (var j = -reach.y; j <= reach.y; j++) {
         for (var i = -reach.x; i <= reach.x; i++) {
-            let at = centre + vec2<i32>(i, j);
-            let own = folded(n, at);
-            // Around +-X and +-Z the unfolded plane shows every texel twice.
-            if any(own != at) && all(abs(own - centre) <= reach) {
-                continue;
+            var own = centre + vec2<i32>(i, j);
+            if any((own < vec2<i32>()) | (own >= vec2<i32>(n))) {
+                own = folded(n, own);
+                // Around +-X and +-Z the unfolded plane shows every texel twice.
+                if all(abs(own - centre) <= reach) {
+                    continue;
+                }
             }
             let point = octahedron_from_oct((vec2<f32>(own) + 0.5) * (2.0 / f32(n)) - 1.0);
             let nearness = inverseSqrt(dot(point, point));
-            let offset = point * nearness - place.direction;
-            let p = dot(offset, place.along);
-            let q = dot(offset, place.across);
+            // The axes are at right angles to the Gaussian's direction.
+            let p = nearness * dot(point, place.along);
+            let q = nearness * dot(point, place.across);
             let exponent = inverse.x * p * p + 2.0 * inverse.y * p * q + inverse.z * q * q;
             if exponent < 0.5 * CUT * CUT {
                 let weight = nearness * nearness * nearness * exp(-exponent);
-                let texel = textureLoad(finer, own + i32(level.finer_border), 0).xyz;
+                var texel = textureLoad(finer, own + i32(level.finer_border), 0).xyz;
                 let brightness = max(max(texel.x, texel.y), texel.z);
-                let kept = select(1.0, light.clamp / brightness, brightness > light.clamp);
-                sum += weight * kept * texel;
+                if brightness > light.clamp {
+                    texel *= light.clamp / brightness;
+                }
+                sum += weight * texel;
                 total += weight;
             }
         }

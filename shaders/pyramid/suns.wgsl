@@ -15,15 +15,20 @@ const FINEST = 128u;
 const NEAR = 0.02f;
 // The same in texels of the map, over its edge.
 const NEAR_TEXELS = 7.0f;
+// Bits of a brightness that do not count.
+const BELOW = 255u;
 
 @group(0) @binding(1) var<storage, read> red: array<f32>;
 @group(0) @binding(2) var<storage, read> green: array<f32>;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
 // For each block the bits of its greatest brightness, which sort like it, those of the greatest that counts
-// beside the seeds, and the texel that has that; then the seeds.
+// beside the seeds, and the texel that has that; then the seeds, with the bits of their brightness; then for
+// even rounds and for odd ones what each workgroup found, brightness and texel. Brightness without BELOW.
 @group(0) @binding(5) var<storage, read_write> blocks: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read_write> light: OctaglossLight;
+// Its first component counts the rounds, each of which finds a seed.
+@group(0) @binding(7) var<uniform> round: vec4<u32>;
 
 // Moments of a channel's energy: of offsets from the seed, and all; of products xx, yy, zz; of xy, yz, zx.
 alias Reduced = array<vec4<f32>, 3>;
@@ -100,7 +105,7 @@ fn brightest(own: u32, count: u32) -> vec2<u32> {
     var found = vec2<u32>(0u, own * size);
     for (var k = own * size; k < (own + 1u) * size; k++) {
         let texel = texel_of(k);
-        let value = bitcast<u32>(brightness(place_in_plane(texel)) * apart(texel, 0u, count));
+        let value = bitcast<u32>(brightness(place_in_plane(texel)) * apart(texel, 0u, count)) & ~BELOW;
         if value > found.x {
             found = vec2<u32>(value, k);
         }
@@ -108,41 +113,58 @@ fn brightest(own: u32, count: u32) -> vec2<u32> {
     return found;
 }
 
-@compute @workgroup_size(64)
-fn brightest_of_blocks(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= side() * side() {
-        return;
-    }
-    let found = brightest(id.x, 0u);
-    blocks[id.x] = vec4<u32>(found.x, found, 0u);
+fn count() -> u32 {
+    return side() * side();
 }
 
+// Where workgroup `group` leaves what it found.
+fn place_of_found(round: u32, group: u32) -> u32 {
+    return count() + SUNS + round % 2u * (FINEST * FINEST / GROUP_SIZE) + group;
+}
+
+// What the whole of a round found.
+fn found_in(round: u32, lane: u32) -> vec2<u32> {
+    var own = vec2<u32>(0u, 0xffffffffu);
+    if lane < count() / GROUP_SIZE {
+        own = blocks[place_of_found(round, lane)].xy;
+    }
+    return first_of(own, lane);
+}
+
+// One round over all blocks, each of which its own invocation keeps. The texel that the last round found is
+// the next seed.
 @compute @workgroup_size(GROUP_SIZE)
-fn choose(@builtin(local_invocation_index) lane: u32) {
-    let count = side() * side();
-    var greatest = 0u;
-    var clamped = 0u;
-    for (var k = 0u; k <= SUNS; k++) {
-        var own = vec2<u32>(0u, 0xffffffffu);
-        for (var b = lane; b < count; b += GROUP_SIZE) {
-            own = select(own, blocks[b].yz, blocks[b].y > own.x);
+fn seek(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let own = group.x * GROUP_SIZE + lane;
+    let chosen = round.x;
+    if chosen == 0u {
+        let found = brightest(own, 0u);
+        blocks[own] = vec4<u32>(found.x, found, 0u);
+    } else {
+        for (var k = 0u; k + 1u < chosen; k++) {
+            seeds[k] = bitcast<vec3<f32>>(blocks[count() + k].xyz);
         }
-        let last = first_of(own, lane);
-        greatest = max(greatest, last.x);
-        clamped = last.x;
-        if k == SUNS {
-            break;
+        let last = found_in(chosen - 1u, lane);
+        seeds[chosen - 1u] = direction_of(texel_of(last.y));
+        if group.x == 0u && lane == 0u {
+            blocks[count() + chosen - 1u] = vec4<u32>(bitcast<vec3<u32>>(seeds[chosen - 1u]), last.x);
         }
-        seeds[k] = direction_of(texel_of(min(last.y, table.inner * table.inner - 1u)));
-        if lane == 0u {
-            blocks[count + k] = vec4<u32>(bitcast<vec3<u32>>(seeds[k]), 0u);
-        }
-        for (var b = lane; b < count; b += GROUP_SIZE) {
-            if apart(texel_of(blocks[b].z), k, k + 1u) < 1.0 {
-                blocks[b] = vec4<u32>(blocks[b].x, brightest(b, k + 1u), 0u);
-            }
+        if apart(texel_of(blocks[own].z), chosen - 1u, chosen) < 1.0 {
+            blocks[own] = vec4<u32>(blocks[own].x, brightest(own, chosen), 0u);
         }
     }
+    let found = first_of(blocks[own].yz, lane);
+    if lane == 0u {
+        blocks[place_of_found(chosen, group.x)] = vec4<u32>(found, 0u, 0u);
+    }
+}
+
+// The scale, and what the rest is clamped to: the last round found that.
+@compute @workgroup_size(GROUP_SIZE)
+fn choose(@builtin(local_invocation_index) lane: u32) {
+    let last = found_in(SUNS, lane).x;
+    let clamped = select(0u, last | BELOW, last > 0u);
+    let greatest = blocks[count()].w;
     if lane == 0u {
         // `exponent` of crates/core/src/pyramid/levels.rs.
         var exponent = select(0, exponent_of(greatest), greatest > 0u);
@@ -162,14 +184,13 @@ fn exponent_of(brightness: u32) -> i32 {
 // One sun a workgroup.
 @compute @workgroup_size(GROUP_SIZE)
 fn suns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let count = side() * side();
     for (var k = 0u; k < SUNS; k++) {
-        seeds[k] = bitcast<vec3<f32>>(blocks[count + k].xyz);
+        seeds[k] = bitcast<vec3<f32>>(blocks[count() + k].xyz);
     }
-    var channels: array<Channel, 3>;
-    for (var c = 0u; c < 3u; c++) {
-        channels[c] = channel_of(seeds[group.x], reduce(moments(group.x, c, lane), lane));
-    }
+    let own = moments(group.x, lane);
+    let channels = array<Channel, 3>(
+        channel_of(seeds[group.x], reduce(own[0], lane)), channel_of(seeds[group.x], reduce(own[1], lane)),
+        channel_of(seeds[group.x], reduce(own[2], lane)));
     if lane != 0u {
         return;
     }
@@ -216,13 +237,12 @@ fn set_sun(k: u32, sun: OctaglossSun, half_axis: vec3<f32>) {
     light.harmonics[3u * k + 2u].w = half_axis.z;
 }
 
-// Moments of channel `c` over the light of sun `own` that an invocation visits.
-fn moments(own: u32, c: u32, lane: u32) -> Reduced {
-    let count = side() * side();
+// Moments of each channel over the light of sun `own` that an invocation visits.
+fn moments(own: u32, lane: u32) -> array<Reduced, 3> {
     let size = block() * block();
-    var sum: Reduced;
-    for (var b = lane; b < count; b += GROUP_SIZE) {
-        if bitcast<f32>(blocks[b].x) * light.scale <= light.clamp {
+    var sums: array<Reduced, 3>;
+    for (var b = lane; b < count(); b += GROUP_SIZE) {
+        if bitcast<f32>(blocks[b].x | BELOW) * light.scale <= light.clamp {
             continue;
         }
         for (var k = b * size; k < (b + 1u) * size; k++) {
@@ -232,21 +252,28 @@ fn moments(own: u32, c: u32, lane: u32) -> Reduced {
             let direction = direction_of(texel);
             if bright > light.clamp && nearest_seed(direction) == own {
                 // Scaled: squares of energies overflow.
-                let given = energy_at(at)[c] * light.scale * (1.0 - light.clamp / bright);
+                let given = energy_at(at) * light.scale * (1.0 - light.clamp / bright);
                 let offset = direction - seeds[own];
                 // The light of the texel's area is at its centre.
                 let width = 2.0 / f32(table.inner);
-                var steps = steps_from_oct(uv_of(texel));
+                let steps = steps_from_oct(uv_of(texel));
                 let u = steps[0] * width;
                 let v = steps[1] * width;
-                sum[0] += given * vec4<f32>(offset, 1.0);
-                sum[1] += vec4<f32>(given * (offset * offset - (u * u + v * v) / 12.0), 0.0);
-                let beside = offset * offset.yzx - (u * u.yzx + v * v.yzx) / 12.0;
-                sum[2] += vec4<f32>(given * beside, 0.0);
+                let of_one = Reduced(
+                    vec4<f32>(offset, 1.0),
+                    vec4<f32>(offset * offset - (u * u + v * v) / 12.0, 0.0),
+                    vec4<f32>(offset * offset.yzx - (u * u.yzx + v * v.yzx) / 12.0, 0.0));
+                sums[0] = combine(sums[0], times(given.x, of_one));
+                sums[1] = combine(sums[1], times(given.y, of_one));
+                sums[2] = combine(sums[2], times(given.z, of_one));
             }
         }
     }
-    return sum;
+    return sums;
+}
+
+fn times(energy: f32, moments: Reduced) -> Reduced {
+    return Reduced(energy * moments[0], energy * moments[1], energy * moments[2]);
 }
 
 // The light of one channel.

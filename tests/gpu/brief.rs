@@ -64,7 +64,7 @@ const RUN: [(&str, &[&str]); 7] = [
             "pyramid/levels.wgsl mirror",
             "pyramid/levels.wgsl sharp",
             "pyramid/query.wgsl query",
-            "pyramid/suns.wgsl brightest_of_blocks",
+            "pyramid/suns.wgsl seek",
             "pyramid/suns.wgsl choose",
             "pyramid/suns.wgsl suns",
         ],

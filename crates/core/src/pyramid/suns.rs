@@ -30,6 +30,10 @@ pub const NEAR: f32 = 0.02;
 /// The same in texels of the map, over its edge.
 pub const NEAR_TEXELS: f32 = 7.0;
 
+/// Bits of a brightness that do not count. Engines round otherwise, and would choose other seeds among texels
+/// of one brightness.
+pub const BELOW: u32 = 255;
+
 /// A sun: the light above the clamp that is nearest to one seed. Lamps of several colours may share a sun, so
 /// each channel has a place of its own. Half of its light is a disc [`Self::half_axis`] away from there, half
 /// one on the other side: few suns are round.
@@ -59,13 +63,23 @@ pub struct Suns {
     pub suns: [Sun; COUNT],
     /// What the greatest channel of the rest is clamped to.
     pub clamp: f32,
-    /// The greatest radiance of any channel.
+    /// The greatest radiance of any channel, without [`BELOW`].
     pub greatest: f32,
 }
 
 /// What a block is judged by.
 fn brightness([r, g, b, w]: [f32; 4]) -> f32 {
     r.max(g).max(b) / w
+}
+
+/// The bits of it that count.
+fn counted(brightness: f32) -> f32 {
+    f32::from_bits(brightness.to_bits() & !BELOW)
+}
+
+/// The greatest brightness of those that [`counted`] takes for this one.
+fn most(counted: f32) -> f32 {
+    if counted > 0.0 { f32::from_bits(counted.to_bits() | BELOW) } else { 0.0 }
 }
 
 impl Suns {
@@ -91,7 +105,7 @@ impl Suns {
         let first = |a: (f32, [u32; 2]), b: (f32, [u32; 2])| if b.0 > a.0 { b } else { a };
         let none = (-1.0, [0; 2]);
         let brightest = parallel::values((side * side) as usize, |k| {
-            texels(k as u32).map(|texel| (own(texel), texel)).fold(none, first)
+            texels(k as u32).map(|texel| (counted(own(texel)), texel)).fold(none, first)
         });
         let greatest = brightest.iter().copied().fold(none, first).0;
         let mut left = brightest.clone();
@@ -101,14 +115,14 @@ impl Suns {
             seeds.push(direction(texel));
             for (left, k) in left.iter_mut().zip(0..) {
                 if apart(left.1, &seeds[seeds.len() - 1..]) < 1.0 {
-                    let counted = texels(k).map(|texel| (own(texel) * apart(texel, &seeds), texel));
-                    *left = counted.fold(none, first);
+                    let beside = |texel| (counted(own(texel) * apart(texel, &seeds)), texel);
+                    *left = texels(k).map(beside).fold(none, first);
                 }
             }
         }
-        let clamp = left.iter().copied().fold(none, first).0;
+        let clamp = most(left.iter().copied().fold(none, first).0);
         let mut lights = [(); COUNT].map(|()| Vec::new());
-        let bright = (0..).zip(&brightest).filter(|(_, (brightest, _))| *brightest > clamp);
+        let bright = (0..).zip(&brightest).filter(|(_, (brightest, _))| most(*brightest) > clamp);
         for [x, y] in bright.flat_map(|(k, _)| texels(k)) {
             let given = 1.0 - kept(own([x, y]), clamp);
             if given > 0.0 {

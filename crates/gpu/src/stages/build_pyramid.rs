@@ -66,15 +66,21 @@ pub fn stages(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Vec<Sta
 }
 
 fn suns_of(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
-    let blocks = oem.size().inner.min(suns::FINEST).pow(2).div_ceil(GROUP_SIZE);
+    let groups = oem.size().inner.min(suns::FINEST).pow(2) / SUNS_GROUP_SIZE;
+    let file = "pyramid/suns.wgsl";
     let mut resources = oem.bindings();
     resources.push((5, maps.blocks.as_entire_binding()));
-    let file = "pyramid/suns.wgsl";
-    let brightest = Dispatch::new(context, (file, "brightest_of_blocks"), &resources, [blocks, 1, 1]);
+    let rounds = (0..=suns::COUNT as u32).map(|round| {
+        let round = context.uniform("round", &[round, 0, 0, 0]);
+        let resources = [&resources[..], &[(7, round.as_entire_binding())]].concat();
+        Dispatch::new(context, (file, "seek"), &resources, [groups, 1, 1])
+    });
+    let mut dispatches: Vec<_> = rounds.collect();
     resources.push((6, maps.light()));
-    let choose = Dispatch::new(context, (file, "choose"), &resources, [1, 1, 1]);
-    let suns = Dispatch::new(context, (file, "suns"), &resources, [suns::COUNT as u32, 1, 1]);
-    Stage::new("suns", vec![brightest, choose, suns])
+    dispatches.push(Dispatch::new(context, (file, "suns"), &resources, [suns::COUNT as u32, 1, 1]));
+    let chosen = [resources[0].clone(), (5, maps.blocks.as_entire_binding()), (6, maps.light())];
+    dispatches.insert(dispatches.len() - 1, Dispatch::new(context, (file, "choose"), &chosen, [1, 1, 1]));
+    Stage::new("suns", dispatches)
 }
 
 fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
@@ -122,12 +128,11 @@ fn moments(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
     let of_cells =
         [planes[0].clone(), stored.clone(), (7, to_cosine.as_entire_binding()), (8, TextureView(&cosine))];
     let summed = [planes[0].clone(), (5, maps.light()), stored];
-    let normals = COARSEST * COARSEST / GROUP_SIZE;
     Stage::new(
         "cells",
         vec![
             Dispatch::new(context, (file, "cells_of_texels"), &of_texels, [cells, 1, 1]),
-            Dispatch::new(context, (file, "cosine"), &of_cells, [normals, 1, 1]),
+            Dispatch::new(context, (file, "cosine"), &of_cells, [COARSEST, COARSEST, 1]),
             Dispatch::new(context, (file, "harmonics"), &summed, [25, 1, 1]),
         ],
     )
