@@ -249,10 +249,11 @@ fn cuts_of_the_cpu_replayed_agree() {
     });
 }
 
-/// Shifts E by more than the engines' decisions can differ. A cell's expected error is a third-order term,
-/// whose factors differ between the engines by up to 4 times the kernel's rounding.
+/// Shifts E by more than the engines' decisions can differ. A cell's expected error is a third-order term, or
+/// a quarter of an interval of the kernel, whose ends differ between the engines by the kernel's rounding: of
+/// an interval of a 64th of the kernel that is 64 times as much. Few cells near the tolerance have less.
 fn margin(width: f64) -> f64 {
-    4.0 * rounding(width, 0)
+    64.0 * rounding(width, 0)
 }
 
 #[test]
@@ -287,7 +288,9 @@ fn own_cuts_agree_but_for_decisions_within_rounding() {
                         let same = finer.radiance == coarser.radiance;
                         let flips =
                             if same { 0.0 } else { finer.leaves.abs_diff(coarser.leaves).max(1) as f64 };
-                        let absolute = [flips * leaf_share(error) * mean; 3];
+                        // And one: a cell's error is estimated by one of two rules, and E does not shift
+                        // which.
+                        let absolute = [(flips + 1.0) * leaf_share(error) * mean; 3];
                         let far = beyond(&own.radiance, &found, 1e-5, absolute);
                         assert_eq!(
                             far,
@@ -295,7 +298,8 @@ fn own_cuts_agree_but_for_decisions_within_rounding() {
                             "{name} {lobe:?} {roughness}, {flips} decisions open, on {}",
                             context.describe()
                         );
-                        strict += u32::from(same);
+                        let close = beyond(&own.radiance, &found, 1e-5, [0.0; 3]).is_none();
+                        strict += u32::from(same && close);
                         all += 1;
                     }
                 }

@@ -65,8 +65,9 @@ struct Judge {
 }
 
 /// Exceeds the relative difference of the engines' expected errors: OEMs differ by some dozens times 2^-24
-/// (see the OEM's test), kernels by 4 (10/alpha + 160) 2^-24 with alpha at least 1/9; together below 1e-4.
-const MARGIN: f64 = 1e-4;
+/// (see the OEM's test), kernels by (10/alpha + 160) 2^-24 with alpha at least 1/9, and intervals of a 64th of
+/// a kernel by 64 times that; together about 1e-3.
+const MARGIN: f64 = 1e-3;
 
 /// Degrees that turn directions by some units of 2^-24.
 const TURN: f64 = 3e-5;
@@ -104,18 +105,20 @@ impl Judge {
                 });
                 let (relative, absolute) = match (level, open) {
                     (0, _) => (self.mirror, 0.0),
-                    (_, false) => (1e-5, 0.0),
+                    // A decision that neither E nor a turn shifts: which of two rules estimates an error.
+                    (_, false) => (1e-5, self.leaf),
                     // One decision per packet, plus one.
                     (_, true) => (1e-5, 2.0 * self.leaf),
                 };
+                let beyond = |relative: f64, absolute: f64| {
+                    let far = |e: f64, f: f64| exceeds((e - f).abs(), relative * e + absolute);
+                    (0..3).any(|c| far(f64::from(e[c]), f64::from(f[c])))
+                };
                 if level > 0 {
-                    counts[0] += usize::from(!open);
+                    counts[0] += usize::from(!open && !beyond(1e-5, 0.0));
                     counts[1] += 1;
                 }
-                let far = (0..3).any(|c| {
-                    let (e, f) = (f64::from(e[c]), f64::from(f[c]));
-                    exceeds((e - f).abs(), relative * e + absolute)
-                });
+                let far = beyond(relative, absolute);
                 if far && wrong.is_none() {
                     wrong = Some(format!("texel {k} of level {level}, open {open}: {f:?}, not {e:?}"));
                 }

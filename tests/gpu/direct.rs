@@ -33,7 +33,7 @@ const SNAP: f64 = SQRT_2 / 16.0;
 
 /// Rounding of interpolated numbers, relative to the greatest of the triangle: float32 planes of 1/w, whose
 /// greatest value at the near surface a far pixel cancels.
-const ROUNDING: f64 = 2e-6;
+const ROUNDING: f64 = 5e-6;
 
 /// Scenes of random triangles.
 const CASES: u32 = 64;

@@ -1,5 +1,6 @@
 //! Light over the whole range of float32 on every adapter, compared with the CPU.
 
+use crate::pyramid;
 use crate::transfer::bake_one;
 use octagloss_core::bake::BakeSettings;
 use octagloss_core::cpu::reflector::Reflector as CpuReflector;
@@ -12,8 +13,11 @@ use octagloss_fixtures::common::{Random, environment};
 use octagloss_fixtures::scenes::lights::Light;
 use octagloss_gpu::engine::GpuReflector;
 
-/// Error of the GPU's gathering and its single-precision filters, relative to the greatest radiance nearby.
+/// Error of the GPU's gathering and of boxes in single precision, relative to the greatest radiance nearby.
 const RELATIVE: f64 = 1e-3;
+
+/// Levels of a pyramid over 32 texels.
+const LEVELS: f64 = 1.0;
 
 /// Returns whether answers `a` and `b` agree within `allowed` of luminance.
 fn agree(a: &Answer, b: &Answer, allowed: f64) -> bool {
@@ -49,10 +53,14 @@ fn answers_over_all_light_match_the_cpu() {
                     let value = luminance(expected.radiance.map(f64::from));
                     let allowed = match filter {
                         Filter::Adaptive(_) => bounds + 1e-4 * value,
+                        Filter::Pyramid => pyramid::allowed(LEVELS, greatest),
                         _ => RELATIVE * greatest,
                     };
                     let case = format!("{light} {filter:?} {lobe:?} {roughness} on {}", context.describe());
-                    assert!(agree(answer, &expected, allowed), "{answer:?} for {expected:?}: {case}");
+                    assert!(
+                        agree(answer, &expected, allowed),
+                        "{answer:?} for {expected:?} +- {allowed:e}: {case}"
+                    );
                     let wrong = Answer { radiance: answer.radiance.map(|c| 0.5 * c), ..*answer };
                     differing += u32::from(!agree(&wrong, &expected, allowed));
                     compared += 1;
