@@ -19,6 +19,10 @@ use octagloss_gpu::stages::{
 use octagloss_gpu::{Context, OemPlanes, SatPlanes, Stage, block_on};
 use serde_json::json;
 use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+/// Idle GPUs run at a fifth of their clock, and take so long to raise it.
+const WARM_UP: Duration = Duration::from_millis(500);
 
 /// Times stages repeatedly.
 struct Repeated<'a> {
@@ -37,17 +41,20 @@ struct Timings {
 }
 
 impl Repeated<'_> {
-    /// Times each of `stages` and the whole, after one warm-up run.
+    /// Times each of `stages` and the whole, after runs that warm up.
     fn time(&self, stages: &[&Stage]) -> Outcome<Timings> {
         let mut each = vec![Vec::new(); stages.len()];
         let (mut whole, mut wall) = (Vec::new(), Vec::new());
-        for run in 0..=self.runs {
-            let times = block_on(Some(self.context), self.clock.time(self.context, stages))??;
-            if run > 0 {
-                each.iter_mut().zip(times.each).for_each(|(each, seconds)| each.push(seconds));
-                whole.push(times.whole);
-                wall.push(times.wall);
-            }
+        let run = || block_on(Some(self.context), self.clock.time(self.context, stages));
+        let start = Instant::now();
+        while start.elapsed() < WARM_UP {
+            run()??;
+        }
+        for _ in 0..self.runs {
+            let times = run()??;
+            each.iter_mut().zip(times.each).for_each(|(each, seconds)| each.push(seconds));
+            whole.push(times.whole);
+            wall.push(times.wall);
         }
         Ok(Timings { each: each.into_iter().map(timing).collect(), whole: timing(whole), wall: timing(wall) })
     }

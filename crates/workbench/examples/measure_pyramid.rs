@@ -2,24 +2,18 @@
 //! --example measure_pyramid -- PANORAMA...`. Prints, for each roughness, the relRMSE of the worst channel at
 //! random directions; epsilon and the greatest error over the peak within 6 alpha of the brightest texel;
 //! with `--cones` the error around +-X and +-Z over that elsewhere, over 20 rotations; with `--cube` all of
-//! that on cubes; with `--gpu` the times of passes and frames, and how far the GPU is from the CPU.
+//! that on cubes.
 
 #[path = "common/measure.rs"]
 mod measure;
 
 use glam::{DMat3, DQuat, DVec3};
 use measure::{Random, brightest, measures, median};
-use octagloss::wgpu;
 use octagloss_core::cpu::reparameterise::oem_from_environment;
 use octagloss_core::light::environment::{Environment, Layout};
-use octagloss_core::light::oem::{Oem, OemSize};
+use octagloss_core::light::oem::OemSize;
 use octagloss_core::pyramid::Pyramid;
-use octagloss_core::sphere::equirect::direction_from_equirect;
 use octagloss_core::sphere::octahedral::{direction_from_oct, texel_centre};
-use octagloss_gpu::device::readback;
-use octagloss_gpu::stages::pyramid::{PyramidMaps, radiance, stage};
-use octagloss_gpu::stages::{build_pyramid, reparameterise};
-use octagloss_gpu::{Context, OemPlanes, Stage, adapters, block_on};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::time::Instant;
@@ -139,81 +133,13 @@ fn cpu_seconds() -> f64 {
     ticks.sum::<f64>() / 100.0
 }
 
-/// Builds the pyramid on every adapter, compares look-ups, and times passes and frames.
-fn on_gpu(environment: &Environment, oem: &Oem, pyramid: &Pyramid) {
-    for adapter in block_on(None, adapters()).expect("adapters") {
-        let context = block_on(None, Context::new(&adapter)).expect("a device").expect("a device");
-        println!("  {}", context.describe());
-        let wait = || block_on(Some(&context), readback_all(&context)).expect("a device");
-        let timed = |stages: &[Stage]| {
-            let seconds: Vec<f64> = (0..3)
-                .map(|_| {
-                    let start = Instant::now();
-                    context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
-                    wait();
-                    start.elapsed().as_secs_f64()
-                })
-                .collect();
-            seconds.into_iter().fold(f64::INFINITY, f64::min)
-        };
-        let planes = OemPlanes::new(&context, oem.size()).expect("planes");
-        let texture = reparameterise::upload(&context, environment).expect("a texture");
-        let filled =
-            reparameterise::stage(&context, environment.layout(), &texture, &planes).expect("a stage");
-        println!("    reparameterise: {:.4} s", timed(std::slice::from_ref(&filled)));
-        let maps = PyramidMaps::new(&context, oem.size().inner).expect("maps");
-        let build = build_pyramid::stages(&context, &planes, &maps);
-        for stage in &build {
-            println!("    {}: {:.4} s", stage.label(), timed(std::slice::from_ref(stage)));
-        }
-        println!("    update by pyramid: {:.4} s, {:.2} MB", timed(&build), maps.bytes() as f64 / 1e6);
-        let mut random = Random(9);
-        for roughness in ROUGHNESS.into_iter().chain([0.0, 0.03]) {
-            let queries: Vec<_> = (0..2000).map(|_| (random.direction(), roughness)).collect();
-            let found = block_on(Some(&context), radiance(&context, &maps, &queries));
-            let found: Vec<DVec3> = found
-                .expect("a device")
-                .expect("answers")
-                .iter()
-                .map(|rgb| DVec3::from_array(rgb.map(f64::from)))
-                .collect();
-            let expected: Vec<DVec3> = queries
-                .iter()
-                .map(|(d, r)| DVec3::from_array(pyramid.lobes(*r as f32).radiance(*d).map(f64::from)))
-                .collect();
-            let [relative, _, peak] = measures(&found, &expected);
-            println!("    r {roughness:4.2}: GPU from CPU relRMSE {relative:.6}, of peak {peak:.6}");
-        }
-        let frame: Vec<_> = (0..1080)
-            .flat_map(|y| (0..1920).map(move |x| [x, y]))
-            .map(|[x, y]| {
-                let (u, v) = ((f64::from(x) + 0.5) / 1920.0, (f64::from(y) + 0.5) / 1080.0);
-                (direction_from_equirect(u, v), u)
-            })
-            .collect();
-        println!("    frame by pyramid: {:.4} s", timed(&[stage(&context, &maps, &frame).0]));
-    }
-}
-
-/// Waits for all work.
-async fn readback_all(context: &Context) {
-    let buffer = context.device().create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: 16,
-        usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::STORAGE,
-        mapped_at_creation: false,
-    });
-    let _: Vec<u32> = readback::read(context, &buffer).await.expect("a device");
-}
-
 fn main() {
-    let (mut cones, mut cube, mut gpu) = (false, false, false);
+    let (mut cones, mut cube) = (false, false);
     let mut paths = Vec::new();
     for argument in std::env::args().skip(1) {
         match argument.as_str() {
             "--cones" => cones = true,
             "--cube" => cube = true,
-            "--gpu" => gpu = true,
             _ => paths.push(argument),
         }
     }
@@ -235,10 +161,6 @@ fn main() {
             (between - start).as_secs_f64(),
             between.elapsed().as_secs_f64()
         );
-        if gpu {
-            on_gpu(&environment, &oem, &pyramid);
-            continue;
-        }
         let sun = brightest(&environment);
         let mut random = Random(7);
         let anywhere: Vec<DVec3> = (0..300).map(|_| random.direction()).collect();
@@ -293,9 +215,6 @@ fn main() {
                 cone_rows[k].push(ratio);
             }
         }
-    }
-    if gpu {
-        return;
     }
     for (k, roughness) in ROUGHNESS.into_iter().enumerate() {
         let most = random_rows[k].iter().copied().fold(0.0, f64::max);
