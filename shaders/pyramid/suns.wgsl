@@ -113,19 +113,19 @@ fn brightest(own: u32, count: u32) -> vec2<u32> {
     return found;
 }
 
-fn count() -> u32 {
+fn block_count() -> u32 {
     return side() * side();
 }
 
 // Where workgroup `group` leaves what it found.
 fn place_of_found(round: u32, group: u32) -> u32 {
-    return count() + SUNS + round % 2u * (FINEST * FINEST / GROUP_SIZE) + group;
+    return block_count() + SUNS + round % 2u * (FINEST * FINEST / GROUP_SIZE) + group;
 }
 
 // What the whole of a round found.
 fn found_in(round: u32, lane: u32) -> vec2<u32> {
     var own = vec2<u32>(0u, 0xffffffffu);
-    if lane < count() / GROUP_SIZE {
+    if lane < block_count() / GROUP_SIZE {
         own = blocks[place_of_found(round, lane)].xy;
     }
     return first_of(own, lane);
@@ -142,12 +142,12 @@ fn seek(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         blocks[own] = vec4<u32>(found.x, found, 0u);
     } else {
         for (var k = 0u; k + 1u < chosen; k++) {
-            seeds[k] = bitcast<vec3<f32>>(blocks[count() + k].xyz);
+            seeds[k] = bitcast<vec3<f32>>(blocks[block_count() + k].xyz);
         }
         let last = found_in(chosen - 1u, lane);
         seeds[chosen - 1u] = direction_of(texel_of(last.y));
         if group.x == 0u && lane == 0u {
-            blocks[count() + chosen - 1u] = vec4<u32>(bitcast<vec3<u32>>(seeds[chosen - 1u]), last.x);
+            blocks[block_count() + chosen - 1u] = vec4<u32>(bitcast<vec3<u32>>(seeds[chosen - 1u]), last.x);
         }
         if apart(texel_of(blocks[own].z), chosen - 1u, chosen) < 1.0 {
             blocks[own] = vec4<u32>(blocks[own].x, brightest(own, chosen), 0u);
@@ -164,7 +164,7 @@ fn seek(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 fn choose(@builtin(local_invocation_index) lane: u32) {
     let last = found_in(SUNS, lane).x;
     let clamped = select(0u, last | BELOW, last > 0u);
-    let greatest = blocks[count()].w;
+    let greatest = blocks[block_count()].w;
     if lane == 0u {
         // `exponent` of crates/core/src/pyramid/levels.rs.
         var exponent = select(0, exponent_of(greatest), greatest > 0u);
@@ -185,7 +185,7 @@ fn exponent_of(brightness: u32) -> i32 {
 @compute @workgroup_size(GROUP_SIZE)
 fn suns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     for (var k = 0u; k < SUNS; k++) {
-        seeds[k] = bitcast<vec3<f32>>(blocks[count() + k].xyz);
+        seeds[k] = bitcast<vec3<f32>>(blocks[block_count() + k].xyz);
     }
     let own = moments(group.x, lane);
     let channels = array<Channel, 3>(
@@ -241,7 +241,7 @@ fn set_sun(k: u32, sun: OctaglossSun, half_axis: vec3<f32>) {
 fn moments(own: u32, lane: u32) -> array<Reduced, 3> {
     let size = block() * block();
     var sums: array<Reduced, 3>;
-    for (var b = lane; b < count(); b += GROUP_SIZE) {
+    for (var b = lane; b < block_count(); b += GROUP_SIZE) {
         if bitcast<f32>(blocks[b].x | BELOW) * light.scale <= light.clamp {
             continue;
         }

@@ -76,10 +76,10 @@ fn suns_of(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
         Dispatch::new(context, (file, "seek"), &resources, [groups, 1, 1])
     });
     let mut dispatches: Vec<_> = rounds.collect();
+    let chosen = [resources[0].clone(), (5, maps.blocks.as_entire_binding()), (6, maps.light())];
+    dispatches.push(Dispatch::new(context, (file, "choose"), &chosen, [1, 1, 1]));
     resources.push((6, maps.light()));
     dispatches.push(Dispatch::new(context, (file, "suns"), &resources, [suns::COUNT as u32, 1, 1]));
-    let chosen = [resources[0].clone(), (5, maps.blocks.as_entire_binding()), (6, maps.light())];
-    dispatches.insert(dispatches.len() - 1, Dispatch::new(context, (file, "choose"), &chosen, [1, 1, 1]));
     Stage::new("suns", dispatches)
 }
 
