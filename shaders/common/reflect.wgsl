@@ -87,8 +87,8 @@ fn brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32)
     let size = above * (2.0 - above) / (length2 * bend);
     let trace = size * dot(shape, 1.0 - l * l);
     let share = pow(left, 1.25) * (1.0 - 0.5 * above);
-    if trace < 1e-3 {
-        // Such a disc reflects as its centre does, within .2 % but where the view grazes the surface. Most
+    if trace < 1e-4 {
+        // Such a disc reflects as its centre does, within .02 %, .3 % where the view grazes the surface. Most
         // pixels are far from most suns.
         let toward = dot(view, h);
         let lobe = shape.z / (3.14159265 * bend * bend);

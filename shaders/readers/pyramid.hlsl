@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a b7ce9e3522ddb5bc.
+// Translated from pyramid_cube.wgsl, FNV-1a 2e2ceec627a282f4.
 #else
-// Translated from pyramid.wgsl, FNV-1a f9d6bd556a38985c.
+// Translated from pyramid.wgsl, FNV-1a fcb41863df0b4514.
 #endif
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
@@ -625,7 +625,7 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha_1, float sp
     float size = ((above * (2.0 - above)) / (length2_ * bend));
     float trace = (size * dot(shape, ((1.0).xxx - (l * l))));
     float share_2 = (pow(left_1, 1.25) * (1.0 - (0.5 * above)));
-    if ((trace < 0.001)) {
+    if ((trace < 0.0001)) {
         float toward = dot(view, h);
         float lobe_1 = (shape.z / ((3.1415927 * bend) * bend));
         const float _e76 = octagloss_masking_of(view, alpha_1);

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a b7ce9e3522ddb5bc.
+// Translated from pyramid_cube.wgsl, FNV-1a 2e2ceec627a282f4.
 #else
-// Translated from pyramid.wgsl, FNV-1a f9d6bd556a38985c.
+// Translated from pyramid.wgsl, FNV-1a fcb41863df0b4514.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
@@ -722,7 +722,7 @@ metal::float2 octagloss_brdf_around(
     float size = (above * (2.0 - above)) / (length2_ * bend);
     float trace = size * metal::dot(shape, metal::float3(1.0) - (l * l));
     float share_2 = metal::pow(left_1, 1.25) * (1.0 - (0.5 * above));
-    if (trace < 0.001) {
+    if (trace < 0.0001) {
         float toward = metal::dot(view, h);
         float lobe_1 = shape.z / ((3.1415927 * bend) * bend);
         float _e76 = octagloss_masking_of(view, alpha_1);
