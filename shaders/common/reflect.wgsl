@@ -86,15 +86,6 @@ fn brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32)
     // The cone of half vectors, and the root of its cubic.
     let size = above * (2.0 - above) / (length2 * bend);
     let trace = size * dot(shape, 1.0 - l * l);
-    let share = pow(left, 1.25) * (1.0 - 0.5 * above);
-    if trace < 1e-4 {
-        // Such a disc reflects as its centre does, within .02 %, .3 % where the view grazes the surface. Most
-        // pixels are far from most suns.
-        let toward = dot(view, h);
-        let lobe = shape.z / (3.14159265 * bend * bend);
-        let visible = l.z / (l.z * masking_of(view, alpha) + view.z * masking_of(l, alpha));
-        return vec2<f32>(share * 2.0 * along * toward / length2 * lobe * visible, fresnel_of(toward));
-    }
     let aside = trace - size * squared(cross(l, bent)) / bend;
     let masking = masking_of(l, alpha);
     let determinant = size * size * masking * masking;
@@ -117,6 +108,7 @@ fn brdf_around(view: vec3<f32>, light: vec3<f32>, alpha: vec2<f32>, spread: f32)
     let lit = 2.0 * cosine * axis - view;
     let facing = max(lit.z, 0.0);
     let lobe = sqrt(side / (x * slope * bend * dot(axis, shape * axis))) * shape.z / (3.14159265 * bend);
+    let share = pow(left, 1.25) * (1.0 - 0.5 * above);
     let visible = facing / (facing * masking_of(view, alpha) + view.z * masking_of(lit, alpha));
     return vec2<f32>(share * 2.0 * along * cosine / length2 * lobe * visible, fresnel_of(cosine));
 }

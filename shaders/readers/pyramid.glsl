@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 2e2ceec627a282f4.
+// Translated from pyramid_cube.wgsl, FNV-1a 06e156ac0f2772c7.
 #else
-// Translated from pyramid.wgsl, FNV-1a fcb41863df0b4514.
+// Translated from pyramid.wgsl, FNV-1a 442fe5a9c9dfdf91.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -488,21 +488,11 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
     float along_2 = dot(h, l);
     float size = ((above * (2.0 - above)) / (length2_ * bend));
     float trace = (size * dot(shape, (vec3(1.0) - (l * l))));
-    float share_2 = (pow(left_1, 1.25) * (1.0 - (0.5 * above)));
-    if ((trace < 0.0001)) {
-        float toward = dot(view, h);
-        float lobe_1 = (shape.z / ((3.1415927 * bend) * bend));
-        float _e76 = octagloss_masking_of(view, alpha_1);
-        float _e79 = octagloss_masking_of(l, alpha_1);
-        float visible = (l.z / ((l.z * _e76) + (view.z * _e79)));
-        float _e90 = octagloss_fresnel_of(toward);
-        return vec2(((((((share_2 * 2.0) * along_2) * toward) / length2_) * lobe_1) * visible), _e90);
-    }
-    float _e93 = octagloss_squared(cross(l, bent));
-    float aside = (trace - ((size * _e93) / bend));
-    float _e97 = octagloss_masking_of(l, alpha_1);
-    float determinant_ = (((size * size) * _e97) * _e97);
-    float near = (((shape.z * along_2) * along_2) / ((bend * _e97) * _e97));
+    float _e60 = octagloss_squared(cross(l, bent));
+    float aside = (trace - ((size * _e60) / bend));
+    float _e64 = octagloss_masking_of(l, alpha_1);
+    float determinant_ = (((size * size) * _e64) * _e64);
+    float near = (((shape.z * along_2) * along_2) / ((bend * _e64) * _e64));
 #ifdef OCTAGLOSS_CUBE
     float last = (determinant_ * near);
 #else
@@ -513,59 +503,60 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
     bool loop_init_4 = true;
     while(true) {
         if (!loop_init_4) {
-            uint _e173 = step_;
-            step_ = (_e173 + 1u);
+            uint _e140 = step_;
+            step_ = (_e140 + 1u);
         }
         loop_init_4 = false;
-        uint _e127 = step_;
-        if ((_e127 < 3u)) {
+        uint _e94 = step_;
+        if ((_e94 < 3u)) {
         } else {
             break;
         }
         {
-            float _e130 = x;
-            float _e131 = side;
-            float _e132 = side;
-            float _e133 = x;
-            float _e135 = x;
-            float _e138 = x;
-            float _e142 = slope;
-            x = (_e130 + ((_e131 * (_e132 - ((((_e133 + trace) * _e135) + determinant_) * _e138))) / _e142));
-            float _e145 = x;
-            float _e147 = x;
+            float _e97 = x;
+            float _e98 = side;
+            float _e99 = side;
+            float _e100 = x;
+            float _e102 = x;
+            float _e105 = x;
+            float _e109 = slope;
+            x = (_e97 + ((_e98 * (_e99 - ((((_e100 + trace) * _e102) + determinant_) * _e105))) / _e109));
+            float _e112 = x;
+            float _e114 = x;
 #ifdef OCTAGLOSS_CUBE
-            side = (((_e145 + aside) * _e147) + last);
+            side = (((_e112 + aside) * _e114) + last);
 #else
-            side = (((_e145 + aside) * _e147) + last_1);
+            side = (((_e112 + aside) * _e114) + last_1);
 #endif
-            float _e150 = x;
-            float _e154 = x;
-            float _e162 = x;
-            float _e168 = x;
+            float _e117 = x;
+            float _e121 = x;
+            float _e129 = x;
+            float _e135 = x;
 #ifdef OCTAGLOSS_CUBE
-            slope = (((((((((_e150 + (2.0 * aside)) * _e154) + (3.0 * last)) + (trace * aside)) - determinant_) * _e162) + ((2.0 * trace) * last)) * _e168) + (determinant_ * last));
+            slope = (((((((((_e117 + (2.0 * aside)) * _e121) + (3.0 * last)) + (trace * aside)) - determinant_) * _e129) + ((2.0 * trace) * last)) * _e135) + (determinant_ * last));
 #else
-            slope = (((((((((_e150 + (2.0 * aside)) * _e154) + (3.0 * last_1)) + (trace * aside)) - determinant_) * _e162) + ((2.0 * trace) * last_1)) * _e168) + (determinant_ * last_1));
+            slope = (((((((((_e117 + (2.0 * aside)) * _e121) + (3.0 * last_1)) + (trace * aside)) - determinant_) * _e129) + ((2.0 * trace) * last_1)) * _e135) + (determinant_ * last_1));
 #endif
         }
     }
-    float _e176 = x;
-    vec3 inverse_ = (vec3(1.0) / ((size * shape) + vec3(_e176)));
-    float _e185 = x;
-    float towards = ((size * dot(l, (inverse_ * bent))) / (_e185 * dot(l, (inverse_ * l))));
+    float _e143 = x;
+    vec3 inverse_ = (vec3(1.0) / ((size * shape) + vec3(_e143)));
+    float _e152 = x;
+    float towards = ((size * dot(l, (inverse_ * bent))) / (_e152 * dot(l, (inverse_ * l))));
     vec3 axis_1 = normalize((inverse_ * (h + (towards * l))));
     float cosine_11 = dot(view, axis_1);
     vec3 lit = (((2.0 * cosine_11) * axis_1) - view);
     float facing_1 = max(lit.z, 0.0);
-    float _e202 = side;
-    float _e203 = x;
-    float _e204 = slope;
-    float lobe_2 = ((sqrt((_e202 / (((_e203 * _e204) * bend) * dot(axis_1, (shape * axis_1))))) * shape.z) / (3.1415927 * bend));
-    float _e217 = octagloss_masking_of(view, alpha_1);
-    float _e220 = octagloss_masking_of(lit, alpha_1);
-    float visible_1 = (facing_1 / ((facing_1 * _e217) + (view.z * _e220)));
-    float _e231 = octagloss_fresnel_of(cosine_11);
-    return vec2(((((((share_2 * 2.0) * along_2) * cosine_11) / length2_) * lobe_2) * visible_1), _e231);
+    float _e169 = side;
+    float _e170 = x;
+    float _e171 = slope;
+    float lobe_1 = ((sqrt((_e169 / (((_e170 * _e171) * bend) * dot(axis_1, (shape * axis_1))))) * shape.z) / (3.1415927 * bend));
+    float share_2 = (pow(left_1, 1.25) * (1.0 - (0.5 * above)));
+    float _e191 = octagloss_masking_of(view, alpha_1);
+    float _e194 = octagloss_masking_of(lit, alpha_1);
+    float visible = (facing_1 / ((facing_1 * _e191) + (view.z * _e194)));
+    float _e205 = octagloss_fresnel_of(cosine_11);
+    return vec2(((((((share_2 * 2.0) * along_2) * cosine_11) / length2_) * lobe_1) * visible), _e205);
 }
 
 vec3 octagloss_cosine_light(uint probe_12, vec3 n) {
