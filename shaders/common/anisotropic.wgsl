@@ -285,10 +285,11 @@ fn reflect_in_row(
     let mirrored = across * select(1.0, -1.0, tangent.x * tangent.y < 0.0);
     sum += harmonics_aside(probe, surface, mirrored, place, pairs[7].zw);
     let beyond = row_more(alpha, surface.cosine, tangent).xy;
-    let shares = row_albedo(alpha, surface.cosine, tangent.x * tangent.x, beyond) / white;
+    let albedo = row_albedo(alpha, surface.cosine, tangent.x * tangent.x, beyond);
+    let shares = albedo / white;
     let lit = max(f0 * shares.x * sum[0] + f90 * shares.y * sum[1], vec3<f32>())
         * octagloss_lights[probe].unscale;
-    let share = max(1.0 - dot(shares, in_mirror) / dot(shares, white), 0.0);
+    let share = max(1.0 - dot(shares, in_mirror) / (albedo.x + albedo.y), 0.0);
     return lit + share * suns_reflected(probe, surface, tangent, alpha, f0, f90);
 }
 

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 06e156ac0f2772c7.
+// Translated from pyramid_cube.wgsl, FNV-1a 5cebc329b6fcd852.
 #else
-// Translated from pyramid.wgsl, FNV-1a 442fe5a9c9dfdf91.
+// Translated from pyramid.wgsl, FNV-1a 6b062a2812ec6446.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -1034,10 +1034,9 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
     float _e191 = octagloss_lights[probe_19].unscale;
     vec3 lit_2 = (max((((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183)), vec3(0.0)) * _e191);
     vec2 _e193 = in_mirror_1;
-    vec2 _e195 = white_1;
-    float share_4 = max((1.0 - (dot(shares, _e193) / dot(shares, _e195))), 0.0);
-    vec3 _e202 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3);
-    return (lit_2 + (share_4 * _e202));
+    float share_4 = max((1.0 - (dot(shares, _e193) / (_e172.x + _e172.y))), 0.0);
+    vec3 _e203 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+    return (lit_2 + (share_4 * _e203));
 }
 
 vec3 octagloss_reflect_of(uint probe_20, vec3 normal_4, vec3 view_3, vec3 tangent_6, float roughness_7, float anisotropy_1, vec3 f0_4, float f90_4) {

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 06e156ac0f2772c7.
+// Translated from pyramid_cube.wgsl, FNV-1a 5cebc329b6fcd852.
 #else
-// Translated from pyramid.wgsl, FNV-1a 442fe5a9c9dfdf91.
+// Translated from pyramid.wgsl, FNV-1a 6b062a2812ec6446.
 #endif
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
@@ -1257,10 +1257,9 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
     float _e191 = octagloss_lights[probe_19].unscale;
     float3 lit_2 = (max((((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183)), ZeroValuefloat3()) * _e191);
     float2 _e193 = in_mirror_1;
-    float2 _e195 = white_1;
-    float share_4 = max((1.0 - (dot(shares, _e193) / dot(shares, _e195))), 0.0);
-    const float3 _e202 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3);
-    return (lit_2 + (share_4 * _e202));
+    float share_4 = max((1.0 - (dot(shares, _e193) / (_e172.x + _e172.y))), 0.0);
+    const float3 _e203 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+    return (lit_2 + (share_4 * _e203));
 }
 
 float3 octagloss_reflect_of(uint probe_20, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_4, float f90_4)

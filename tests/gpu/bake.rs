@@ -65,8 +65,8 @@ struct Judge {
 }
 
 /// Exceeds the relative difference of the engines' expected errors: OEMs differ by some dozens times 2^-24
-/// (see the OEM's test), kernels by (10/alpha + 160) 2^-24 with alpha at least 1/9, and intervals of a 64th of
-/// a kernel by 64 times that; together about 1e-3.
+/// (see the OEM's test), kernels by (10/alpha + 160) 2^-24 with alpha at least 1/9, and intervals of a 64th
+/// of a kernel by 64 times that; together about 1e-3.
 const MARGIN: f64 = 1e-3;
 
 /// Degrees that turn directions by some units of 2^-24.

@@ -25,8 +25,8 @@ pub const AROUND: [f64; 5] = [0.0, 0.4 * PI, 0.8 * PI, 0.2 * PI, 0.6 * PI];
 /// Harmonics: pairs of a direction and an order of at least its place.
 pub const HARMONICS: usize = 15;
 
-/// Texels of a node: the reads' slope, level and two weights; two weights of the cosine; two
-/// weights of every harmonic.
+/// Texels of a node: the reads' slope, level and two weights; two weights of the cosine; two weights of every
+/// harmonic.
 pub const LAYERS: usize = 18;
 
 const _: () = assert!(LAYERS == READS + 1 + HARMONICS.div_ceil(2), "pairs of harmonics");

@@ -76,6 +76,45 @@ pub fn pipeline_layout<'a>(
     })
 }
 
+/// A texture that shaders read, filled by [`write_level`].
+pub fn filled_texture(
+    context: &Context,
+    label: &str,
+    format: wgpu::TextureFormat,
+    sides: [u32; 3],
+    levels: u32,
+) -> wgpu::Texture {
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    context.texture(label, format, sides, levels, usage)
+}
+
+/// Fills all layers of a mip level of `texture` with `bytes`, row-major, layer by layer. Of a
+/// texture of three dimensions, the finest.
+pub fn write_level(context: &Context, texture: &wgpu::Texture, mip_level: u32, bytes: &[u8]) {
+    let size = texture.size().mip_level_size(mip_level, wgpu::TextureDimension::D2);
+    let rows = size.height * size.depth_or_array_layers;
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(bytes.len() as u32 / rows),
+        rows_per_image: Some(size.height),
+    };
+    let place = wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() };
+    context.queue().write_texture(place, bytes, layout, size);
+}
+
+/// A two-dimensional texture of `bytes`, row-major.
+pub fn texture_of(
+    context: &Context,
+    label: &str,
+    format: wgpu::TextureFormat,
+    [width, height]: [u32; 2],
+    bytes: &[u8],
+) -> wgpu::TextureView {
+    let texture = filled_texture(context, label, format, [width, height, 1], 1);
+    write_level(context, &texture, 0, bytes);
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
 /// Format of depths.
 pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 

@@ -2,7 +2,9 @@
 
 use super::build_pyramid::SUNS_GROUP_SIZE;
 use crate::device::readback;
-use crate::device::resources::{SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding, trilinear};
+use crate::device::resources::{
+    SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding, texture_of, trilinear,
+};
 use crate::device::stage::{Dispatch, in_rows};
 use crate::{Context, Stage};
 use glam::DVec3;
@@ -43,7 +45,7 @@ pub struct PyramidMaps {
     octaves: Octaves,
     /// Place among the pyramids that share the textures.
     probe: u32,
-    weights: wgpu::Texture,
+    weights: wgpu::TextureView,
     lights: wgpu::Buffer,
     /// The chain: one layer an environment.
     levels: wgpu::Texture,
@@ -212,8 +214,7 @@ impl PyramidMaps {
         let views = [(&self.levels, 1), (&self.sharp, 2), (&self.cosine, 1)]
             .map(|(texture, count)| layers(texture, count));
         let [levels, sharp, cosine] = views.each_ref().map(wgpu::BindingResource::TextureView);
-        let weights = self.weights.create_view(&wgpu::TextureViewDescriptor::default());
-        let weights = wgpu::BindingResource::TextureView(&weights);
+        let weights = wgpu::BindingResource::TextureView(&self.weights);
         let lights = if all { self.lights.as_entire_binding() } else { self.light() };
         let linear = wgpu::BindingResource::Sampler(&self.linear);
         make([weights, lights, levels, sharp, cosine, linear])
@@ -222,25 +223,13 @@ impl PyramidMaps {
 
 /// The table of weights: four texels for each node, [`NODES_A_ROW`] side by side; and one for the size of the
 /// maps.
-fn weights(context: &Context, octaves: Octaves) -> wgpu::Texture {
+fn weights(context: &Context, octaves: Octaves) -> wgpu::TextureView {
     let mut nodes = fit::table(octaves);
     nodes.push([octaves.inner() as f32; WEIGHTS]);
     nodes.resize(nodes.len().next_multiple_of(NODES_A_ROW as usize), [0.0; WEIGHTS]);
     let [width, height] = [NODES_A_ROW * WEIGHTS as u32 / 4, nodes.len() as u32 / NODES_A_ROW];
     let format = wgpu::TextureFormat::Rgba32Float;
-    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-    let texture = context.texture("weights", format, [width, height, 1], 1, usage);
-    context.queue().write_texture(
-        texture.as_image_copy(),
-        bytemuck::cast_slice(&nodes),
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(16 * width),
-            rows_per_image: Some(height),
-        },
-        texture.size(),
-    );
-    texture
+    texture_of(context, "weights", format, [width, height], bytemuck::cast_slice(&nodes))
 }
 
 /// One level of one layer.

@@ -2,7 +2,7 @@
 
 use super::pyramid::{PyramidMaps, RESOURCES, WEIGHTS_TEXTURE};
 use crate::Context;
-use crate::device::resources::{SAMPLER, UNIFORM, group, group_layout, layers, texture_binding};
+use crate::device::resources::{SAMPLER, UNIFORM, group, group_layout, layers, texture_binding, write_level};
 use half::f16;
 use octagloss_core::pyramid::reads::{LAYERS, NODES, table};
 use octagloss_core::pyramid::{Octaves, albedo, anisotropic};
@@ -55,16 +55,7 @@ fn filled(
     });
     let halves: Vec<u16> =
         texels.as_flattened().iter().map(|value| f16::from_f32(*value).to_bits()).collect();
-    context.queue().write_texture(
-        texture.as_image_copy(),
-        bytemuck::cast_slice(&halves),
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(8 * width),
-            rows_per_image: Some(height),
-        },
-        texture.size(),
-    );
+    write_level(context, &texture, 0, bytemuck::cast_slice(&halves));
     texture
 }
 

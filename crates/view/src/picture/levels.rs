@@ -1,13 +1,13 @@
 //! Prefiltered cubes on the GPU: a bake's own levels, or those of an environment.
 
 use super::frame::{LadderUniform, MAX_LEVELS};
-use super::resources::{filled_texture, write_level};
 use glam::DMat3;
 use half::f16;
 use octagloss_core::common::error::{Error, Result, wrong};
 use octagloss_core::light::chain::Chain;
 use octagloss_core::light::environment::Layout;
 use octagloss_gpu::Context;
+use octagloss_gpu::device::resources::{filled_texture, write_level};
 
 /// The levels of a bake, shown unchanged.
 #[derive(Clone, Debug)]

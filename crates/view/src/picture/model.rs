@@ -2,9 +2,9 @@
 
 use super::frame::brush;
 use super::mip_levels::{Space, halved};
-use super::resources::{filled_texture, texture_of, write_level};
 use octagloss_core::common::error::{Error, Result, wrong};
 use octagloss_gpu::Context;
+use octagloss_gpu::device::resources::{filled_texture, texture_of, write_level};
 use octagloss_mesh::{Image, Material, Mesh, SubMesh, Texture, Wrap};
 use std::collections::HashMap;
 

@@ -5,7 +5,7 @@ use super::frame::{LadderUniform, ViewFrame};
 use super::light::Light;
 use super::model::{Model, Surface};
 use super::present::{Display, Presenter};
-use super::resources::{PICTURE, Targets, Times, draw_pass, target, texture_of};
+use super::resources::{PICTURE, Targets, Times, draw_pass, target};
 use super::roughness_map::{self, roughness_map};
 use super::truth::PixelQuery;
 use crate::look::{Look, Object, Show, Technique};
@@ -18,7 +18,7 @@ use octagloss_core::light::environment::Environment;
 use octagloss_gpu::Context;
 use octagloss_gpu::device::readback;
 use octagloss_gpu::device::resources::{
-    Draw, SAMPLER, UNIFORM, group, group_layout, texture_binding, trilinear,
+    Draw, SAMPLER, UNIFORM, group, group_layout, texture_binding, texture_of, trilinear,
 };
 use octagloss_gpu::device::timer::Timer;
 use octagloss_gpu::stages::box_filter::SatTextures;
