@@ -88,8 +88,10 @@ pub(crate) fn median(mut errors: Vec<f64>) -> Option<f64> {
 
 /// The distribution of a level's light, to draw directions from.
 struct Lights {
-    /// Solid angle of each texel, and its share of the directions, summed up to it.
-    texels: Vec<(f64, f64)>,
+    /// Solid angle of each texel of an image.
+    solid_angles: Vec<f64>,
+    /// Shares of the directions, summed up to each texel.
+    sums: Vec<f64>,
     means: [f64; 3],
 }
 
@@ -119,28 +121,29 @@ impl Lights {
         let all: f64 = weighted().map(|(texel, weight)| weight * light(texel)).sum();
         let (per_whole, per_all) = (1.0 / whole, if all > 0.0 { 1.0 / all } else { 0.0 });
         let mut sum = 0.0;
-        let texels = weighted().map(|(texel, weight)| {
+        let summed = weighted().map(|(texel, weight)| {
             sum += weight * light(texel).mul_add(per_all, per_whole);
-            (*weight, sum)
+            sum
         });
-        Self { texels: texels.collect(), means }
+        let sums = summed.collect();
+        Self { solid_angles, sums, means }
     }
 
     /// Directions at equal steps of the distribution, and their weights.
     fn directions(&self, layout: Layout) -> (Vec<DVec3>, Vec<f64>) {
-        let total = self.texels.last().map_or(0.0, |(_, sum)| *sum);
+        let Self { solid_angles, sums, .. } = self;
+        let total = sums.last().copied().unwrap_or_default();
         let of = |k: usize| {
             let place = (k as f64 + 0.5) / DIRECTIONS as f64 * total;
-            let at = self.texels.partition_point(|(_, sum)| *sum < place).min(self.texels.len() - 1);
-            let (weight, sum) = self.texels[at];
-            let share = sum - at.checked_sub(1).map_or(0.0, |before| self.texels[before].1);
+            let at = sums.partition_point(|sum| *sum < place).min(sums.len() - 1);
+            let share = sums[at] - at.checked_sub(1).map_or(0.0, |before| sums[before]);
             let (image, i, j) = layout.place(at);
             // A plane sequence of low discrepancy (Roberts 2018): any place within the texel.
             let fraction = |step: f64| (0.5 + step * k as f64).fract();
             let x = f64::from(i) + fraction(0.754_877_666_246_693);
             let y = f64::from(j) + fraction(0.569_840_290_998_053);
             let (direction, _) = layout.direction_within(image, x, y);
-            (direction, weight / share)
+            (direction, solid_angles[at % solid_angles.len()] / share)
         };
         (0..DIRECTIONS).map(of).unzip()
     }

@@ -350,11 +350,18 @@ pub(crate) const fn is_wrong(value: f32) -> bool {
 
 /// The index of the first of `values` that [`is_wrong`].
 pub(crate) fn first_wrong(values: &[f32]) -> Option<usize> {
-    // Blocks without a branch are searched many values at a time.
-    let block = values
-        .chunks(1024)
-        .position(|block| block.iter().fold(false, |any, value| any | is_wrong(*value)))?;
-    values[1024 * block..].iter().position(|value| is_wrong(*value)).map(|k| 1024 * block + k)
+    const BLOCK: usize = 1024;
+    // The sign of a negative number, -0 as well, and of the distance to the greatest number: without branches,
+    // for any vector unit.
+    let suspicion = |any: i32, value: &f32| {
+        let bits = value.to_bits().cast_signed();
+        any | bits | (f32::MAX.to_bits().cast_signed() - (bits & i32::MAX))
+    };
+    let suspicious =
+        values.chunks(BLOCK).enumerate().filter(|(_, block)| block.iter().fold(0, suspicion) < 0);
+    suspicious
+        .filter_map(|(k, block)| Some(BLOCK * k + block.iter().position(|value| is_wrong(*value))?))
+        .next()
 }
 
 /// A panorama of coloured noise, with lamps of one colour in texels whose noise exceeds `rare`.

@@ -282,9 +282,10 @@ fn losses(plan: &TargetPlan, bake: &Bake, report: &Report) -> Vec<String> {
         ));
     }
     // All light rounds to 0.
-    let texels = bake.levels().flat_map(|level| level.texels.as_flattened());
-    let (greatest, rounded_to_zero) = (texels.copied().fold(0.0, f32::max), pixel.rounded_to_zero());
-    if greatest > 0.0 && greatest <= rounded_to_zero {
+    let is_above =
+        |most: f32| bake.levels().any(|level| level.texels.as_flattened().iter().any(|value| *value > most));
+    let rounded_to_zero = pixel.rounded_to_zero();
+    if is_above(0.0) && !is_above(rounded_to_zero) {
         losses.push(format!(
             "all light is below {}, which rounds {rounded_to_zero:e} and less to 0: the output is black; \
              `pixel` f32 with ktx2 or exr keeps it",
