@@ -357,11 +357,9 @@ pub(crate) fn first_wrong(values: &[f32]) -> Option<usize> {
         let bits = value.to_bits().cast_signed();
         any | bits | (f32::MAX.to_bits().cast_signed() - (bits & i32::MAX))
     };
-    let suspicious =
+    let mut suspicious =
         values.chunks(BLOCK).enumerate().filter(|(_, block)| block.iter().fold(0, suspicion) < 0);
-    suspicious
-        .filter_map(|(k, block)| Some(BLOCK * k + block.iter().position(|value| is_wrong(*value))?))
-        .next()
+    suspicious.find_map(|(k, block)| Some(BLOCK * k + block.iter().position(|value| is_wrong(*value))?))
 }
 
 /// A panorama of coloured noise, with lamps of one colour in texels whose noise exceeds `rare`.
@@ -374,4 +372,24 @@ pub(crate) fn lamps([rare, light]: [f64; 2]) -> Environment {
     };
     let layout = Layout::Panorama { width: 128, height: 64 };
     Environment::new(layout, (0..128 * 64).map(texel).collect()).expect("a panorama")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_wrong_value_is_found_wherever_it_is() {
+        let mut values = vec![1.0; 5000];
+        values[7] = -0.0;
+        values[1030] = f32::MAX;
+        assert_eq!(first_wrong(&values), None);
+        for wrong in [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, -f32::MIN_POSITIVE] {
+            for at in [4999, 2048, 1023, 0] {
+                let mut values = values.clone();
+                (values[at], values[4999]) = (wrong, -1.0);
+                assert_eq!(first_wrong(&values), Some(at), "{wrong}");
+            }
+        }
+    }
 }
