@@ -351,8 +351,8 @@ pub(crate) const fn is_wrong(value: f32) -> bool {
 /// The index of the first of `values` that [`is_wrong`].
 pub(crate) fn first_wrong(values: &[f32]) -> Option<usize> {
     const BLOCK: usize = 1024;
-    // The sign of a negative number, -0 as well, and of the distance to the greatest number: without branches,
-    // for any vector unit.
+    // The sign of a negative number, -0 as well, and of the distance to the greatest number: without
+    // branches, for any vector unit.
     let suspicion = |any: i32, value: &f32| {
         let bits = value.to_bits().cast_signed();
         any | bits | (f32::MAX.to_bits().cast_signed() - (bits & i32::MAX))
