@@ -244,6 +244,17 @@ mod tests {
     use crate::lobe::Lobe;
     use crate::sphere::cube::{Face, direction_from_cube};
 
+    /// Number `k` of Halton's sequence, in [0, 1).
+    fn halton(k: u32, base: u32) -> f64 {
+        let (mut k, mut share, mut value) = (k + 1, 1.0, 0.0);
+        while k > 0 {
+            share /= f64::from(base);
+            value += share * f64::from(k % base);
+            k /= base;
+        }
+        value
+    }
+
     #[test]
     fn fourth_derivatives_are_within_their_bound() {
         for alpha in [0.01, 0.04, 0.2, 0.6] {
@@ -253,15 +264,7 @@ mod tests {
             let step = 0.05 / steep.sqrt().max(1.0);
             let mut greatest = 0.0_f64;
             for k in 0..20_000 {
-                let halton = |base: u32| {
-                    let (mut k, mut share, mut value) = (k + 1, 1.0, 0.0);
-                    while k > 0 {
-                        share /= f64::from(base);
-                        value += share * f64::from(k % base);
-                        k /= base;
-                    }
-                    value
-                };
+                let halton = |base: u32| halton(k, base);
                 let (s, t) = (2.0 * halton(2) - 1.0, 2.0 * halton(3) - 1.0);
                 let own = direction_from_cube(Face::PosX, s, t);
                 // Mostly within a few lobes.
@@ -288,23 +291,18 @@ mod tests {
 
     #[test]
     fn hinges_are_missed_by_no_more_than_stated() {
-        let nodes = |apart: f64| Nodes::new(1, (2.0 / apart) as u32);
-        let mut random = 1_u64;
-        let mut unit = || {
-            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (random >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        for apart in [1.0 / 64.0, 1.0 / 32.0] {
-            let (nodes, cells) = (nodes(apart), 2.0 / apart);
+        for cells in [128, 64] {
+            let (nodes, apart) = (Nodes::new(1, cells), 2.0 / f64::from(cells));
             let mut greatest = 0.0_f64;
-            for _ in 0..40_000 {
-                let places = [(); 2].map(|()| cells * unit());
+            for k in 0..40_000 {
+                let places = [2, 3].map(|base| f64::from(cells) * halton(k, base));
                 let [(left, across), (above, down)] = places.map(|place| nodes.weights(place));
                 let at = |x: f64, y: f64| direction_from_cube(Face::PosX, x * apart - 1.0, y * apart - 1.0);
                 let own = at(places[0], places[1]);
                 // A light near the horizon of `own`.
                 let (x, y) = own.any_orthonormal_pair();
-                let (turn, beyond) = (std::f64::consts::TAU * unit(), 3.0 * apart * (2.0 * unit() - 1.0));
+                let (turn, beyond) =
+                    (std::f64::consts::TAU * halton(k, 5), 3.0 * apart * (2.0 * halton(k, 7) - 1.0));
                 let light = (x * turn.cos() + y * turn.sin()) * (1.0 - beyond * beyond).sqrt() - beyond * own;
                 let hinge = |direction: DVec3| (-light.dot(direction)).max(0.0);
                 let row = |j: usize| -> f64 {

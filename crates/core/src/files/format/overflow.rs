@@ -79,31 +79,34 @@ impl Overflow {
 
     /// `place` describes the texel at an index.
     fn apply_to(self, texels: &mut [Rgb], pixel: Pixel, place: impl Fn(usize) -> String) -> Result<u64> {
-        if self == Self::Clamp || pixel.clamped(texels) == 0 {
-            return Ok(0);
-        }
         let most = pixel.max();
         let greatest = |texel: &Rgb| texel.iter().copied().fold(0.0, f32::max);
-        if self == Self::Error {
-            let first = texels.iter().position(|texel| greatest(texel) > most).unwrap_or_default();
-            return wrong(format!(
-                "{} is {:?} and {} holds up to {most}; `pixel` f32 keeps it, `overflow` compress scales it \
-                 down",
-                place(first),
-                texels[first],
-                pixel.name()
-            ));
-        }
-        let mut count = 0;
-        for texel in texels.iter_mut() {
-            let value = greatest(texel);
-            let share = compressed(f64::from(value), f64::from(most)) / f64::from(value);
-            if share < 1.0 {
-                *texel = texel.map(|channel| (f64::from(channel) * share) as f32);
-                count += 1;
+        match self {
+            Self::Clamp => Ok(0),
+            _ if pixel.clamped(texels) == 0 => Ok(0),
+            Self::Compress => {
+                let mut count = 0;
+                for texel in texels.iter_mut() {
+                    let value = greatest(texel);
+                    let share = compressed(f64::from(value), f64::from(most)) / f64::from(value);
+                    if share < 1.0 {
+                        *texel = texel.map(|channel| (f64::from(channel) * share) as f32);
+                        count += 1;
+                    }
+                }
+                Ok(count)
+            }
+            Self::Error => {
+                let first = texels.iter().position(|texel| greatest(texel) > most).unwrap_or_default();
+                wrong(format!(
+                    "{} is {:?} and {} holds up to {most}; `pixel` f32 keeps it, `overflow` compress scales \
+                     it down",
+                    place(first),
+                    texels[first],
+                    pixel.name()
+                ))
             }
         }
-        Ok(count)
     }
 }
 
