@@ -1,4 +1,4 @@
-// The levels of a pyramid: crates/core/src/pyramid/levels.rs.
+// The levels of a pyramid: crates/core/src/pyramid/levels.rs and sharp.rs.
 #include "common/octahedral.wgsl"
 #include "common/table.wgsl"
 #include "common/bordered.wgsl"

@@ -338,7 +338,7 @@ impl<'a> Reflector<'a> {
         let method = match filter {
             Filter::Reference => Evaluation::Reference(Oracle::new(&self.environment), lobe, roughness),
             Filter::Box => Evaluation::Box(BoxFilter::new(self.sat(), lobe, alpha)),
-            Filter::Pyramid => Evaluation::Pyramid(self.pyramid().lobes(roughness as f32)),
+            Filter::Pyramid => Evaluation::Pyramid(Box::new(self.pyramid().lobes(roughness as f32))),
             Filter::Adaptive(_) if mirror => Evaluation::Mirror(self.map(), self.map().least_radiance()),
             Filter::Adaptive(error) => {
                 let share = bilinear_share(lobe, alpha, self.size.inner);
@@ -450,7 +450,7 @@ enum Evaluation<'r> {
     },
     Box(BoxFilter<'r>),
     Mirror(&'r Oem, Rgb),
-    Pyramid(PyramidLobes<'r>),
+    Pyramid(Box<PyramidLobes<'r>>),
     Reference(Oracle<'r>, Lobe, f64),
 }
 

@@ -10,7 +10,7 @@ use crate::light::oem::{OemSize, bilinear_share};
 use crate::light::sat::Scan;
 use crate::lobe::Lobe;
 use crate::lobe::filter::Filter;
-use crate::pyramid::Octaves;
+use crate::pyramid::{Octaves, sharp};
 
 /// Memory limit of a bake, a query or the viewer's tables: 4 GiB; 3 GiB in WebAssembly, whose addresses end
 /// at 4 GiB.
@@ -30,9 +30,8 @@ const CELL: u64 = 75 + 12;
 const CELL_MAKING: u64 = 70;
 /// Bytes of a run of the source's texels, and of the list that it is sorted from.
 const RUN: u64 = 12 + 16;
-/// Bytes of a pyramid for a texel of its map: mirror, sharp level, the levels, and while they are made
-/// directions and light.
-const PYRAMID: u64 = 16 + 16 + 22 + 32;
+/// Bytes of a pyramid for a texel of its map: mirror, sharp level, the levels.
+const PYRAMID: u64 = 16 + 16 + 22;
 /// A lobe to evaluate.
 #[derive(Clone, Copy, Debug)]
 pub struct LobeRequest {
@@ -85,7 +84,7 @@ impl Tables {
             + CELL_MAKING * own_cells.max(source_cells)
             + runs * RUN
             + if boxes { TABLE * bordered } else { 0 }
-            + if pyramid { PYRAMID * inner } else { 0 };
+            + if pyramid { PYRAMID * inner + sharp::bytes(size.inner) } else { 0 };
         Self { making: OEM_MAKING * inner + border, resident }
     }
 

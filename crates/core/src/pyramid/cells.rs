@@ -16,11 +16,11 @@ use std::f32::consts::FRAC_1_PI;
 /// Cells along an edge of the finest grid.
 pub const FINEST: u32 = 64;
 
-/// The light of a cell: for each channel the sum of energy times direction, and of energy.
+/// The light of a cell, by channel: the sums of energy times x, y and z of its direction, and of energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Cell {
     moments: [Vec3A; 3],
-    energies: [f32; 3],
+    energy: Vec3A,
 }
 
 /// The cells of a map.
@@ -44,10 +44,11 @@ impl Cells {
                 let direction = direction_from_oct(texel_centre(inner, x, y)).as_vec3a();
                 let [r, g, b, w] = oem.texel(x, y);
                 let kept = scale * suns::kept(r.max(g).max(b) / w, clamp);
-                for (c, energy) in [r, g, b].into_iter().enumerate() {
-                    cell.moments[c] += energy * kept * direction;
-                    cell.energies[c] += energy * kept;
+                let energy = kept * Vec3A::new(r, g, b);
+                for (moment, along) in cell.moments.iter_mut().zip(direction.to_array()) {
+                    *moment += along * energy;
                 }
+                cell.energy += energy;
             }
             cell
         };
@@ -57,10 +58,10 @@ impl Cells {
     /// Irradiance over pi.
     pub(crate) fn cosine(&self) -> Map {
         Map::new(COARSEST, |x, y| {
-            let normal = direction_from_oct(texel_centre(COARSEST, x, y)).as_vec3a();
+            let [nx, ny, nz] = direction_from_oct(texel_centre(COARSEST, x, y)).as_vec3().to_array();
             let mut sum = Vec3A::ZERO;
-            for cell in &self.cells {
-                sum += Vec3A::from_array(cell.moments.map(|moment| moment.dot(normal))).max(Vec3A::ZERO);
+            for Cell { moments: [x, y, z], .. } in &self.cells {
+                sum += (nx * *x + ny * *y + nz * *z).max(Vec3A::ZERO);
             }
             sum * FRAC_1_PI
         })
@@ -70,10 +71,10 @@ impl Cells {
     pub(crate) fn harmonics(&self) -> [Vec3A; 25] {
         let mut sums = [Vec3A::ZERO; 25];
         for cell in &self.cells {
-            let mean: DVec3 = cell.moments.iter().map(|moment| moment.as_dvec3()).sum();
+            let mean = DVec3::from_array(cell.moments.map(|moment| f64::from(moment.element_sum())));
             if mean != DVec3::ZERO {
                 for (sum, basis) in sums.iter_mut().zip(basis(mean.normalize())) {
-                    *sum += Vec3A::from_array(cell.energies) * basis as f32;
+                    *sum += cell.energy * basis as f32;
                 }
             }
         }

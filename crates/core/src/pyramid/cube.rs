@@ -5,7 +5,8 @@
 //! face, and less than half of that at a corner. Harmonics to order 4 stand for the cosine level.
 
 use super::Pyramid;
-use super::levels::{BETWEEN, Map, Place, Texels, scale, taps};
+use super::levels::{BETWEEN, Map, Place, Taps, scale};
+use super::sharp::Texels;
 use crate::common::parallel;
 use crate::light::chain_lookup::LevelLookup;
 use crate::light::environment::Rgb;
@@ -22,10 +23,11 @@ impl Map {
             let (face, x, y) = (Face::ALL[k / (side * side)], k % side, k / side % side);
             let of = |x: usize, y: usize| lookup.texel(face, x, y).map(|k| texels[k as usize]);
             let (inside_x, inside_y) = (x.clamp(1, last), y.clamp(1, last));
-            of(x, y).unwrap_or_else(|| {
+            let own = of(x, y).unwrap_or_else(|| {
                 let three = [of(inside_x, inside_y), of(x, inside_y), of(inside_x, y)];
                 three.into_iter().flatten().sum::<Vec3A>() / 3.0
-            })
+            });
+            own.extend(0.0).to_array()
         };
         let texels = parallel::values(6 * side * side, bordered);
         Self { inner, is_cube: true, texels }
@@ -36,7 +38,7 @@ impl Map {
         let (inner, side) = (self.inner as usize, self.inner as usize + 2);
         let faces = self.texels.chunks_exact(side * side);
         let rows = faces.flat_map(|face| face.chunks_exact(side).skip(1).take(inner));
-        rows.flat_map(|row| row[1..=inner].iter().map(Vec3A::to_array)).collect()
+        rows.flat_map(|row| row[1..=inner].iter().map(|[r, g, b, _]| [*r, *g, *b])).collect()
     }
 }
 
@@ -47,7 +49,7 @@ impl Pyramid {
         if self.cosine.is_none() {
             return self.clone();
         }
-        let (octaves, taps) = (self.octaves, taps());
+        let (octaves, taps) = (self.octaves, Taps::new());
         let cube = |mip: usize| {
             let size = octaves.inner() >> mip;
             let each = |texel: &(dyn Fn(Face, u32, u32) -> Vec3A + Sync)| -> Vec<Vec3A> {
@@ -67,9 +69,9 @@ impl Pyramid {
                 _ => {
                     let (finer, width) = (&self.maps[mip - 1], octaves.width(mip as u32 - 2));
                     each(&|face, x, y| {
-                        let read = Place::on_cube(size, face, x, y, BETWEEN * width * width).read();
-                        let around = |(tap, weight)| weight * finer.around(read(tap).as_dvec3());
-                        taps.into_iter().map(around).sum()
+                        let [own, ..] =
+                            taps.mirrored(finer, &Place::on_cube(size, face, x, y, BETWEEN * width * width));
+                        own
                     })
                 }
             };

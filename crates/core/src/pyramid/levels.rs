@@ -12,11 +12,12 @@
 
 use super::suns;
 use crate::common::parallel;
+use crate::common::vector::{Arch, Fused as _};
 use crate::light::environment::Rgb;
 use crate::light::oem::Oem;
 use crate::sphere::cube::{Face, cube_from_direction, cube_from_texel, cube_point};
 use crate::sphere::octahedral::{
-    direction_from_oct, oct_from_direction, octahedron_from_oct, steps_from_oct, texel_centre, wrap_texel,
+    direction_from_oct, oct_from_direction, steps_from_oct, texel_centre, wrap_texel,
 };
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A, Vec4};
 use half::f16;
@@ -28,12 +29,6 @@ pub(crate) const RINGS: [(u32, f64, f64); 3] =
 /// Reads of a Gaussian.
 pub const TAPS: usize = 25;
 
-/// The sharp level's Gaussian ends at so many standard deviations.
-pub(crate) const CUT: f32 = 3.0;
-
-/// The share of a Gaussian's covariance that is left of it where it ends at [`CUT`].
-pub(crate) const CUT_COVARIANCE: f32 = 0.949_448;
-
 /// Light is scaled to less than 2 to this power: sums of halves stay finite.
 pub(crate) const BRIGHTEST: i32 = 15;
 
@@ -42,18 +37,19 @@ pub(crate) const BRIGHTEST: i32 = 15;
 pub struct Map {
     pub(super) inner: u32,
     pub(super) is_cube: bool,
-    pub(super) texels: Vec<Vec3A>,
+    /// Red, green, blue and 0.
+    pub(super) texels: Vec<[f32; 4]>,
 }
 
 impl Map {
     /// A map whose texels are `texel(x, y)`.
     pub(crate) fn new(inner: u32, texel: impl Fn(u32, u32) -> Vec3A + Sync) -> Self {
         let side = inner as usize + 2;
-        let mut texels = vec![Vec3A::ZERO; side * side];
+        let mut texels = vec![[0.0; 4]; side * side];
         let rows = texels.chunks_exact_mut(side).skip(1).take(inner as usize);
         parallel::for_each(rows.zip(0..inner), |(row, y)| {
             for (place, x) in row[1..].iter_mut().zip(0..inner) {
-                *place = texel(x, y);
+                *place = texel(x, y).extend(0.0).to_array();
             }
         });
         Self { inner, is_cube: false, texels }.bordered()
@@ -70,13 +66,14 @@ impl Map {
     pub(crate) fn of_quarters(inner: u32, texels: impl Fn(u32, u32) -> [Vec3A; 4] + Sync) -> Self {
         let (last, half) = (inner as usize, inner as usize / 2);
         let side = last + 2;
-        let mut all = vec![Vec3A::ZERO; side * side];
+        let mut all = vec![[0.0; 4]; side * side];
         let (top, bottom) = all.split_at_mut(side * (half + 1));
         let bottom = bottom.chunks_exact_mut(side).take(half).rev();
         let rows = top.chunks_exact_mut(side).skip(1).zip(bottom).zip(0..inner / 2);
         parallel::for_each(rows, |((above, below), y)| {
             for (x, at) in (0..inner / 2).zip(1..) {
-                [above[at], above[last + 1 - at], below[at], below[last + 1 - at]] = texels(x, y);
+                [above[at], above[last + 1 - at], below[at], below[last + 1 - at]] =
+                    texels(x, y).map(|texel| texel.extend(0.0).to_array());
             }
         });
         Self { inner, is_cube: false, texels: all }.bordered()
@@ -103,7 +100,8 @@ impl Map {
     /// Texel (`x`, `y`) of the square; the border has -1 and `inner`.
     #[must_use]
     pub fn texel(&self, x: i32, y: i32) -> Vec3A {
-        self.texels[(y + 1) as usize * (self.inner as usize + 2) + (x + 1) as usize]
+        let at = (y + 1) as usize * (self.inner as usize + 2) + (x + 1) as usize;
+        Vec3A::from_vec4(Vec4::from_array(self.texels[at]))
     }
 
     /// The square with a border of `border` texels, by rows.
@@ -119,62 +117,55 @@ impl Map {
     /// Bilinear between the texels around `direction`, a unit vector.
     #[must_use]
     pub fn around(&self, direction: DVec3) -> Vec3A {
-        let (face, uv) = if self.is_cube {
+        self.read(self.place_of(direction))
+    }
+
+    /// The face and the point in [-1, 1]^2 of `direction`, a unit vector: the same for all maps of a pyramid.
+    pub(super) fn place_of(&self, direction: DVec3) -> (usize, Vec2) {
+        if self.is_cube {
             let (face, s, t) = cube_from_direction(direction);
-            (face.index(), DVec2::new(s, t))
+            (face.index(), DVec2::new(s, t).as_vec2())
         } else {
-            (0, oct_from_direction(direction))
-        };
-        let ([x, y], share) = self.place(uv.as_vec2());
-        let side = self.inner as usize + 2;
-        let first = (face * side + y) * side + x;
-        let row = |first: usize| self.texels[first].lerp(self.texels[first + 1], share.x);
-        row(first).lerp(row(first + side), share.y)
-    }
-
-    /// The first of the four texels around `uv` in [-1, 1]^2, border included, and the shares of the next.
-    fn place(&self, uv: Vec2) -> ([usize; 2], Vec2) {
-        let at = (uv + 1.0) * (0.5 * self.inner as f32) + 0.5;
-        let (x, y) = (at.x as usize, at.y as usize);
-        ([x, y], at - Vec2::new(x as f32, y as f32))
-    }
-
-    /// Adds `weight` times the bilinear reads around `uv` and its mirrors to `sums`, as in
-    /// [`Self::of_quarters`].
-    #[inline]
-    fn add_mirrored(&self, sums: &mut [Vec3A; 4], uv: Vec2, weight: f32) {
-        let ([x, y], share) = self.place(uv);
-        let side = self.inner as usize + 2;
-        let far = side - 2 - x;
-        for (y, own) in [(y, weight * (1.0 - share.y)), (y + 1, weight * share.y)] {
-            let (near, next) = (own * (1.0 - share.x), own * share.x);
-            for (sums, row) in sums.chunks_exact_mut(2).zip([y, side - 1 - y]) {
-                let row = &self.texels[row * side..][..side];
-                let (left, right) = (&row[x..x + 2], &row[far..far + 2]);
-                sums[0] += near * left[0] + next * left[1];
-                sums[1] += near * right[1] + next * right[0];
-            }
+            (0, oct_from_direction(direction).as_vec2())
         }
     }
+
+    /// Bilinear between the texels around a place of [`Self::place_of`].
+    pub(super) fn read(&self, (face, uv): (usize, Vec2)) -> Vec3A {
+        // The first of the four texels, border included, and the shares of the next.
+        let half = 0.5 * self.inner as f32;
+        let [(x, right), (y, up)] = uv.to_array().map(|at| whole_and_share(half * (at + 1.0) + 0.5));
+        let [x, y] = [x as usize, y as usize];
+        let side = self.inner as usize + 2;
+        let first = (face * side + y) * side + x;
+        let texel = |at: usize| Vec4::from_array(self.texels[at]);
+        let row = |first: usize| texel(first).lerp(texel(first + 1), right);
+        Vec3A::from_vec4(row(first).lerp(row(first + side), up))
+    }
 }
+
+/// What a bilinear read adds to a Gaussian's covariance, over a texel's square; and what sums of points add
+/// that each have the light of a texel around them.
+pub(super) const READ: f64 = 1.0 / 6.0;
+pub(super) const POINTS: f64 = 1.0 / 12.0;
 
 /// A texel's place: its direction, and the covariance of a Gaussian there in the plane that touches the
 /// sphere, along two axes.
 pub(super) struct Place {
-    direction: Vec3,
-    axes: [Vec3; 2],
+    pub(super) direction: Vec3,
+    pub(super) axes: [Vec3; 2],
     /// The covariance: of the first axis, of both, of the second.
-    covariance: [f32; 3],
+    pub(super) covariance: [f32; 3],
     /// Texels that a Gaussian of standard deviation 1 reaches along u and v.
-    reach: Vec2,
+    pub(super) reach: Vec2,
 }
 
 impl Place {
-    /// Texel (`x`, `y`) of a map of `inner` texels, for a Gaussian of `variance` less what a bilinear read
-    /// adds.
-    fn new(inner: u32, x: u32, y: u32, variance: f64) -> Self {
+    /// Texel (`x`, `y`) of a map of `inner` texels, for a Gaussian of `variance` less what `widening` adds.
+    pub(super) fn new(inner: u32, x: u32, y: u32, variance: f64, widening: f64) -> Self {
         let uv = texel_centre(inner, x, y);
-        Self::of_texel(direction_from_oct(uv), steps_from_oct(uv), 2.0 / f64::from(inner), variance)
+        let texel = 2.0 / f64::from(inner);
+        Self::of_texel(direction_from_oct(uv), steps_from_oct(uv), texel, [variance, widening])
     }
 
     /// The same for texel (`x`, `y`) of a cube's `face`.
@@ -185,15 +176,20 @@ impl Place {
         let direction = point / length;
         let steps = [cube_point(face, s + 1.0, t), cube_point(face, s, t + 1.0)]
             .map(|next| (next - point).reject_from_normalized(direction) / length);
-        Self::of_texel(direction, steps, 2.0 / f64::from(inner), variance)
+        Self::of_texel(direction, steps, 2.0 / f64::from(inner), [variance, READ])
     }
 
     /// Around `direction`, which moves by `by_u` and `by_v`, times the side of a `texel`.
-    fn of_texel(direction: DVec3, [by_u, by_v]: [DVec3; 2], texel: f64, variance: f64) -> Self {
+    fn of_texel(
+        direction: DVec3,
+        [by_u, by_v]: [DVec3; 2],
+        texel: f64,
+        [variance, widening]: [f64; 2],
+    ) -> Self {
         let along = by_u.normalize();
         let across = direction.cross(along);
         let (long, shear, wide) = (by_u.length(), by_v.dot(along), by_v.dot(across));
-        let read = texel * texel / 6.0;
+        let read = widening * texel * texel;
         let covariance = [
             variance - read * (long * long + shear * shear),
             -read * shear * wide,
@@ -208,46 +204,131 @@ impl Place {
         }
     }
 
-    /// Narrowed by what sums of points add that each have the light of a texel of a map of `inner` texels
-    /// around them: a twelfth of its square.
+    /// Narrowed by what sums of points of another map, of `inner` texels, add.
     pub(super) fn of_points(mut self, inner: u32) -> Self {
         let texel = 2.0 / inner as f32;
         for step in steps_from_oct(oct_from(self.direction).as_dvec2()) {
             let [p, q] = self.axes.map(|axis| axis.dot(step.as_vec3()) * texel);
             let own = [p * p, p * q, q * q];
-            self.covariance.iter_mut().zip(own).for_each(|(covariance, own)| *covariance -= own / 12.0);
+            self.covariance
+                .iter_mut()
+                .zip(own)
+                .for_each(|(covariance, own)| *covariance -= POINTS as f32 * own);
         }
         self
     }
 
-    /// Where a read around the Gaussian stands, by its place around one of covariance 1.
-    pub(super) fn read(self) -> impl Fn(Vec2) -> Vec3 {
-        let Self { direction, axes: [along, across], covariance: [a, b, c], .. } = self;
-        // The covariance's root, a triangle.
+    /// The covariance's root, a triangle: of the first axis, of both, of the second.
+    fn root(&self) -> [f32; 3] {
+        let [a, b, c] = self.covariance;
         let long = a.sqrt();
-        let (shear, wide) = (b / long, (c - b * b / a).sqrt());
-        move |tap| {
-            let [p, q] = [long * tap.x, shear * tap.x + wide * tap.y];
-            // A distance on the sphere whose 1 - cos is half its square.
-            let half = 0.5 * (p * p + q * q);
-            direction * (1.0 - half) + (along * p + across * q) * (1.0 - 0.5 * half).sqrt()
-        }
+        [long, b / long, (c - b * b / a).sqrt()]
+    }
+}
+
+/// Reads around a Gaussian, in whole lanes: those beyond [`TAPS`] have no weight.
+const PADDED_TAPS: usize = TAPS.next_multiple_of(16);
+
+/// Reads around a Gaussian of covariance 1, by lanes.
+pub(super) struct Taps {
+    x: [f32; PADDED_TAPS],
+    y: [f32; PADDED_TAPS],
+    weight: [f32; PADDED_TAPS],
+    arch: Arch,
+}
+
+impl Taps {
+    pub(super) fn new() -> Self {
+        let of = |part: fn((Vec2, f32)) -> f32| {
+            let mut lanes = [0.0; PADDED_TAPS];
+            lanes.iter_mut().zip(taps()).for_each(|(lane, tap)| *lane = part(tap));
+            lanes
+        };
+        let (x, y, weight) = (of(|(at, _)| at.x), of(|(at, _)| at.y), of(|(_, weight)| weight));
+        Self { x, y, weight, arch: Arch::new() }
     }
 
-    /// The Gaussian at a direction whose fourth component is ignored; `None` beyond [`CUT`].
-    fn bell(&self) -> impl Fn(Vec4) -> Option<f32> {
-        let [a, b, c] = self.covariance.map(|value| value / CUT_COVARIANCE);
-        // Half of the inverse.
-        let [a, b, c] = [c, -b, a].map(|value| 0.5 * value / (a * c - b * b));
-        let [along, across] = self.axes.map(|axis| axis.extend(0.0));
-        let direction = self.direction.extend(0.0);
-        move |other| {
-            let offset = other - direction;
-            let (p, q) = (offset.dot(along), offset.dot(across));
-            let exponent = a * p * p + 2.0 * b * p * q + c * q * q;
-            (exponent < 0.5 * CUT * CUT).then(|| exp_of_negative(exponent))
-        }
+    /// The light of `map`, a square, under the Gaussian at `place`, and at its places mirrored along u, along
+    /// v, and along both.
+    pub(super) fn mirrored(&self, map: &Map, place: &Place) -> [Vec3A; 4] {
+        self.arch.dispatch(Reads { taps: self, map, place })
     }
+}
+
+/// The reads of [`Taps`] around one place.
+struct Reads<'a> {
+    taps: &'a Taps,
+    map: &'a Map,
+    place: &'a Place,
+}
+
+impl pulp::NullaryFnOnce for Reads<'_> {
+    type Output = [Vec3A; 4];
+
+    #[inline(always)]
+    fn call(self) -> [Vec3A; 4] {
+        let Self { taps, map, place } = self;
+        let [long, shear, wide] = place.root();
+        let (direction, [along, across]) = (place.direction, place.axes);
+        let half = 0.5 * map.inner as f32;
+        let [mut first_x, mut first_y] = [[0_u32; PADDED_TAPS]; 2];
+        let [mut share_x, mut share_y] = [[0.0; PADDED_TAPS]; 2];
+        for k in 0..PADDED_TAPS {
+            let (p, q) = (long * taps.x[k], shear.times_plus(taps.x[k], wide * taps.y[k]));
+            // A distance on the sphere whose 1 - cos is half its square.
+            let versine = 0.5 * p.times_plus(p, q * q);
+            let (ahead, aside) = (1.0 - versine, (1.0 - 0.5 * versine).sqrt());
+            let (p, q) = (aside * p, aside * q);
+            let x = ahead.times_plus(direction.x, p.times_plus(along.x, q * across.x));
+            let y = ahead.times_plus(direction.y, p.times_plus(along.y, q * across.y));
+            let z = ahead.times_plus(direction.z, p.times_plus(along.z, q * across.z));
+            let [u, v] = oct(x, y, z);
+            (first_x[k], share_x[k]) = whole_and_share(half.times_plus(u, half + 0.5));
+            (first_y[k], share_y[k]) = whole_and_share(half.times_plus(v, half + 0.5));
+        }
+        let side = map.inner as usize + 2;
+        // Two texels of a row for every place.
+        let mut sums = [[0.0; 8]; 4];
+        for k in 0..TAPS {
+            let (x, y, share) = (first_x[k] as usize, first_y[k] as usize, share_x[k]);
+            let far = side - 2 - x;
+            let below = taps.weight[k] * share_y[k];
+            for (y, own) in [(y, taps.weight[k] - below), (y + 1, below)] {
+                let (near, next) = (own * (1.0 - share), own * share);
+                let (plain, mirrored) = (twice(near, next), twice(next, near));
+                for (sums, row) in sums.chunks_exact_mut(2).zip([y, side - 1 - y]) {
+                    let row = &map.texels[row * side..][..side];
+                    add(&mut sums[0], plain, &row[x..x + 2]);
+                    add(&mut sums[1], mirrored, &row[far..far + 2]);
+                }
+            }
+        }
+        sums.map(|sum| Vec3A::new(sum[0] + sum[4], sum[1] + sum[5], sum[2] + sum[6]))
+    }
+}
+
+/// Two weights, each for the four numbers of a texel.
+#[inline(always)]
+const fn twice(a: f32, b: f32) -> [f32; 8] {
+    [a, a, a, a, b, b, b, b]
+}
+
+/// Adds two texels times their `weights`.
+#[inline(always)]
+fn add(sum: &mut [f32; 8], weights: [f32; 8], texels: &[[f32; 4]]) {
+    let texels = texels.as_flattened();
+    for k in 0..8 {
+        sum[k] = weights[k].times_plus(texels[k], sum[k]);
+    }
+}
+
+/// A number from .5 to 2^22 as a whole number, and the share of the next: up to 1 where it is whole itself.
+#[inline(always)]
+fn whole_and_share(number: f32) -> (u32, f32) {
+    // The sum's last bit is worth 1.
+    const ONES: f32 = 8_388_608.0;
+    let sum = (number - 0.5) + ONES;
+    (sum.to_bits() - ONES.to_bits(), number - (sum - ONES))
 }
 
 /// The exponent that brings light of up to `greatest` into the range of half floats: it is multiplied by
@@ -274,126 +355,6 @@ pub(crate) fn mirror(oem: &Oem, exponent: i32) -> Map {
     })
 }
 
-/// The texels of a mirror, clamped, for sums over those around a direction.
-pub(super) struct Texels {
-    inner: u32,
-    /// Direction and solid angle density of every texel.
-    directions: Vec<Vec4>,
-    light: Vec<Vec3A>,
-}
-
-impl Texels {
-    pub(super) fn new(mirror: &Map, clamp: f32) -> Self {
-        let inner = mirror.inner();
-        let (count, at) = ((inner * inner) as usize, |k: usize| [k as u32 % inner, k as u32 / inner]);
-        let directions = parallel::values(count, |k| {
-            let [x, y] = at(k);
-            let point = octahedron_from_oct(texel_centre(inner, x, y));
-            point.normalize().as_vec3().extend(point.length().powi(-3) as f32)
-        });
-        let light = parallel::values(count, |k| {
-            let [x, y] = at(k).map(|at| at as i32);
-            let own = mirror.texel(x, y);
-            own * suns::kept(own.max_element(), clamp)
-        });
-        Self { inner, directions, light }
-    }
-
-    /// Their light under a Gaussian of about `width` at `place` of another map.
-    pub(super) fn under(&self, place: Place, width: f64) -> Vec3A {
-        let size = self.inner as usize;
-        let uv = (oct_from(place.direction) + 1.0) * (0.5 * self.inner as f32);
-        let centre = uv.to_array().map(|at| (at as u32).min(self.inner - 1));
-        // Directions lie up to half a texel beside its centre.
-        let reach =
-            reach_of(&Place::new(self.inner, centre[0], centre[1], 1.0), width).map(|texels| texels + 1);
-        let place = place.of_points(self.inner);
-        let bell = place.bell();
-        let (mut sum, mut total) = (Vec3A::ZERO, 0.0);
-        visit_window(self.inner, centre, reach, |y, columns| {
-            let row = y as usize * size + columns.start as usize..y as usize * size + columns.end as usize;
-            for (other, light) in self.directions[row.clone()].iter().zip(&self.light[row]) {
-                if let Some(height) = bell(*other) {
-                    sum += other.w * height * light;
-                    total += other.w * height;
-                }
-            }
-        });
-        sum / total
-    }
-}
-
-/// Texels along u and v that a Gaussian of `width` at `place` of their map reaches.
-fn reach_of(place: &Place, width: f64) -> [u32; 2] {
-    (place.reach * (1.1 * CUT * width as f32)).to_array().map(|texels| texels.ceil() as u32)
-}
-
-/// The sharp level: sums of the texels of `mirror`, clamped to `clamp`, under a Gaussian of `width`.
-pub(crate) fn sharp(mirror: &Map, clamp: f32, width: f64) -> Map {
-    let Texels { inner, directions, light } = Texels::new(mirror, clamp);
-    let size = inner as usize;
-    Map::of_quarters(inner, |x, y| {
-        let place = Place::new(inner, x, y, width * width).of_points(inner);
-        let bell = place.bell();
-        let mut sums = [Vec3A::ZERO; 4];
-        let mut total = 0.0;
-        visit_window(inner, [x, y], reach_of(&place, width), |y, columns| {
-            let (first, count) = (columns.start as usize, columns.len());
-            let (y, far) = (y as usize, size - first - count);
-            let row = |y: usize, first: usize| &light[y * size + first..][..count];
-            let directions = &directions[y * size + first..][..count];
-            let above = row(y, first).iter().zip(row(y, far).iter().rev());
-            let below = row(size - 1 - y, first).iter().zip(row(size - 1 - y, far).iter().rev());
-            for ((other, above), below) in directions.iter().zip(above).zip(below) {
-                if let Some(height) = bell(*other) {
-                    let weight = other.w * height;
-                    sums[0] += weight * above.0;
-                    sums[1] += weight * above.1;
-                    sums[2] += weight * below.0;
-                    sums[3] += weight * below.1;
-                    total += weight;
-                }
-            }
-        });
-        sums.map(|sum| sum / total)
-    })
-}
-
-/// exp(-x) for x from 0 to [`CUT`]^2 / 2, to a relative 3e-5: the eighth power of a polynomial.
-fn exp_of_negative(x: f32) -> f32 {
-    let t = -0.125 * x;
-    let root = 1.0 + t * (1.0 + t * (0.5 + t * (1.0 / 6.0 + t * (1.0 / 24.0 + t * (1.0 / 120.0)))));
-    let square = root * root;
-    let fourth = square * square;
-    fourth * fourth
-}
-
-/// Visits the texels within `reach` of texel `centre` in the unfolded plane, each once, as rows and their
-/// columns: around +-X and +-Z that plane shows them twice.
-fn visit_window(
-    inner: u32,
-    centre: [u32; 2],
-    reach: [u32; 2],
-    mut visit: impl FnMut(u32, std::ops::Range<u32>),
-) {
-    let [x, y] = centre;
-    let is_inside = |at: u32, reach: u32| at >= reach && at + reach < inner;
-    if is_inside(x, reach[0]) && is_inside(y, reach[1]) {
-        (y - reach[1]..=y + reach[1]).for_each(|row| visit(row, x - reach[0]..x + reach[0] + 1));
-        return;
-    }
-    let [i, j] = reach.map(i64::from);
-    for row in i64::from(y) - j..=i64::from(y) + j {
-        for column in i64::from(x) - i..=i64::from(x) + i {
-            let own = wrap_texel(inner, column, row);
-            let is_own = (i64::from(own.0), i64::from(own.1)) == (column, row);
-            if is_own || own.0.abs_diff(x) > reach[0] || own.1.abs_diff(y) > reach[1] {
-                visit(own.1, own.0..own.0 + 1);
-            }
-        }
-    }
-}
-
 /// Reads around a Gaussian of covariance 1, and their weights.
 pub fn taps() -> [(Vec2, f32); TAPS] {
     let mut taps = [(Vec2::ZERO, 0.0); TAPS];
@@ -414,23 +375,20 @@ pub(super) const BETWEEN: f64 = 0.75;
 
 /// The level of `inner` texels under a Gaussian of `width`, from the one of half that width.
 pub(crate) fn cascade(finer: &Map, inner: u32, width: f64) -> Map {
-    let taps = taps();
-    Map::of_quarters(inner, |x, y| {
-        let read = Place::new(inner, x, y, BETWEEN * width * width).read();
-        let mut sums = [Vec3A::ZERO; 4];
-        for (tap, weight) in taps {
-            finer.add_mirrored(&mut sums, oct_from(read(tap)), weight);
-        }
-        sums
-    })
+    let taps = Taps::new();
+    let variance = BETWEEN * width * width;
+    Map::of_quarters(inner, |x, y| taps.mirrored(finer, &Place::new(inner, x, y, variance, READ)))
 }
 
 /// [`oct_from_direction`] in single precision.
-fn oct_from(direction: Vec3) -> Vec2 {
-    let p = direction / direction.abs().element_sum();
-    if p.y >= 0.0 {
-        Vec2::new(p.x, p.z)
-    } else {
-        Vec2::new((1.0 - p.z.abs()).copysign(p.x), (1.0 - p.x.abs()).copysign(p.z))
-    }
+pub(super) fn oct_from(direction: Vec3) -> Vec2 {
+    oct(direction.x, direction.y, direction.z).into()
+}
+
+#[inline(always)]
+fn oct(x: f32, y: f32, z: f32) -> [f32; 2] {
+    let scale = 1.0 / (x.abs() + y.abs() + z.abs());
+    let (u, v) = (x * scale, z * scale);
+    let folded = [(1.0 - v.abs()).copysign(u), (1.0 - u.abs()).copysign(v)];
+    if y >= 0.0 { [u, v] } else { folded }
 }

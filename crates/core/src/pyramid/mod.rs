@@ -26,6 +26,7 @@ pub mod light;
 pub mod places;
 pub mod reads;
 mod reflect;
+pub(crate) mod sharp;
 pub mod suns;
 
 use crate::common::error::{Result, wrong};
@@ -40,7 +41,7 @@ use cells::Cells;
 use fit::{COSINE, LOBE, ORDERS, WEIGHTS, weights_at};
 use glam::{DVec3, Vec3A};
 use levels::Map;
-use suns::Suns;
+use suns::{GlossySuns, Suns};
 
 /// Texels along an edge of the coarsest level.
 pub const COARSEST: u32 = 32;
@@ -144,7 +145,7 @@ impl Pyramid {
         let exponent = levels::exponent(suns.greatest, suns.clamp);
         let mirror = levels::mirror(oem, exponent);
         let clamp = suns.clamp * levels::scale(exponent);
-        let mut maps = vec![levels::sharp(&mirror, clamp, octaves.sharp_width())];
+        let mut maps = vec![sharp::sharp(&mirror, clamp, octaves.sharp_width())];
         for level in 0..octaves.count() {
             let finer = maps.last().expect("the sharp level at least");
             maps.push(levels::cascade(finer, octaves.size(level).inner, octaves.width(level)));
@@ -157,11 +158,11 @@ impl Pyramid {
 
     /// GGX lobes of `roughness` in [0, 1].
     pub fn lobes(&self, roughness: f32) -> PyramidLobes<'_> {
-        PyramidLobes {
-            pyramid: self,
-            weights: weights_at(self.octaves, roughness),
-            alpha: roughness * roughness,
-        }
+        let weights = weights_at(self.octaves, roughness);
+        let harmonics = std::array::from_fn(|k| weights[ORDERS..][k.isqrt()] * self.harmonics[k]);
+        let suns =
+            GlossySuns::new(&self.suns.suns, roughness * roughness, (1.0 - weights[0]) * weights[LOBE]);
+        PyramidLobes { pyramid: self, weights, harmonics, suns }
     }
 
     /// Irradiance on a surface with `normal` (any length but zero) over pi.
@@ -185,14 +186,13 @@ impl Pyramid {
     fn cosine_around(&self, direction: DVec3) -> Vec3A {
         match &self.cosine {
             Some(map) => map.around(direction),
-            None => self.harmonics_around(direction, &COSINE_BANDS.map(|band| band as f32)),
+            None => harmonics_around(direction, &self.cosine_harmonics()),
         }
     }
 
-    /// Harmonics around the unit vector `direction`, those of each order times its weight.
-    fn harmonics_around(&self, direction: DVec3, weights: &[f32]) -> Vec3A {
-        let terms = basis(direction).into_iter().zip(self.harmonics).enumerate();
-        terms.map(|(k, (basis, coefficient))| weights[k.isqrt()] * basis as f32 * coefficient).sum()
+    /// Harmonics under the clamped cosine over pi.
+    fn cosine_harmonics(&self) -> [Vec3A; 25] {
+        std::array::from_fn(|k| COSINE_BANDS[k.isqrt()] as f32 * self.harmonics[k])
     }
 
     /// Its levels.
@@ -234,31 +234,34 @@ impl Pyramid {
     }
 }
 
+/// The sum of `harmonics` around the unit vector `direction`.
+fn harmonics_around(direction: DVec3, harmonics: &[Vec3A; 25]) -> Vec3A {
+    basis(direction).into_iter().zip(harmonics).map(|(basis, harmonic)| basis as f32 * *harmonic).sum()
+}
+
 /// Lobes of one roughness over a pyramid.
 #[derive(Debug)]
 pub struct PyramidLobes<'a> {
     pyramid: &'a Pyramid,
     weights: [f32; WEIGHTS],
-    alpha: f32,
+    /// Times their weights.
+    harmonics: [Vec3A; 25],
+    suns: GlossySuns,
 }
 
 impl PyramidLobes<'_> {
     /// Radiance of a reflection around `direction` (any length but zero, in the map's space).
     pub fn radiance(&self, direction: DVec3) -> Rgb {
-        let Self { pyramid, weights, alpha } = self;
+        let Self { pyramid, weights, harmonics, suns } = self;
         let direction = direction.normalize();
-        let mut sum = Vec3A::ZERO;
+        let place = pyramid.maps[0].place_of(direction);
+        let mut sum = harmonics_around(direction, harmonics);
         for (map, weight) in pyramid.maps.iter().zip(*weights).filter(|(_, weight)| *weight != 0.0) {
-            sum += weight * map.around(direction);
+            sum += weight * map.read(place);
         }
         if weights[COSINE] != 0.0 {
             sum += weights[COSINE] * pyramid.cosine_around(direction);
         }
-        sum += pyramid.harmonics_around(direction, &weights[ORDERS..]);
-        let sum = pyramid.unscaled(sum.max(Vec3A::ZERO));
-        let direction = direction.as_vec3a();
-        let glossy = |sun: &suns::Sun| sun.glossy(*alpha, weights[LOBE], direction);
-        let suns: Vec3A = pyramid.suns.suns.iter().map(glossy).sum();
-        (sum + (1.0 - weights[0]) * suns).to_array()
+        (pyramid.unscaled(sum.max(Vec3A::ZERO)) + suns.around(direction.as_vec3a())).to_array()
     }
 }

@@ -11,6 +11,7 @@
 
 use super::Octaves;
 use crate::common::parallel;
+use crate::common::vector::{Arch, Extremes as _, Fused as _};
 use crate::light::oem::Oem;
 use crate::lobe;
 use crate::sphere::octahedral::{direction_from_oct, steps_from_oct, texel_centre};
@@ -195,14 +196,6 @@ impl Sun {
         [middle + self.half_axis, middle - self.half_axis]
     }
 
-    /// Its light in a GGX lobe of `alpha` around the unit vector `direction`; `share` is 1 over the lobe's
-    /// integral.
-    pub(crate) fn glossy(&self, alpha: f32, share: f32, direction: Vec3A) -> Vec3A {
-        let disc = |channel: &SunChannel, centre| channel.glossy(alpha, direction.distance_squared(centre));
-        let both = |channel| self.discs(&channel).map(|centre| disc(&channel, centre)).iter().sum();
-        Vec3A::from_array(self.channels.map(both)) * (0.5 * share)
-    }
-
     /// Its irradiance on a surface with the unit `normal`, over pi.
     pub(crate) fn diffuse(&self, normal: Vec3A) -> Vec3A {
         let facing = |channel: SunChannel| channel.energy * channel.direction.dot(normal).max(0.0);
@@ -210,23 +203,86 @@ impl Sun {
     }
 }
 
-impl SunChannel {
-    /// GGX under a uniform disc of its spread, whose centre is so far away, in closed form: a2 / (a2 + s)^2
-    /// is the kernel of a parallel disc's form factor.
-    fn glossy(&self, alpha: f32, distance_squared: f32) -> f32 {
-        if self.energy == 0.0 {
-            return 0.0;
-        }
-        let s = (distance_squared / 4.0).min(0.5);
-        let (a2, radius2) = (alpha * alpha, self.spread / 2.0);
-        let nearness = s + a2 * (1.0 - s) - radius2;
-        let root = (nearness * nearness + 4.0 * radius2 * a2).sqrt().max(f32::MIN_POSITIVE);
-        let lobe = if nearness > 0.0 {
-            2.0 * a2 / (root * (root + nearness))
-        } else {
-            (root - nearness) / (2.0 * radius2 * root)
+/// Discs of all suns.
+const DISCS: usize = 2 * COUNT;
+
+/// The suns' light in GGX lobes of one roughness, by discs.
+#[derive(Clone, Debug)]
+pub(super) struct GlossySuns {
+    channels: [Discs; 3],
+    alpha2: f32,
+    arch: Arch,
+}
+
+/// One channel's discs.
+#[derive(Clone, Debug)]
+struct Discs {
+    x: [f32; DISCS],
+    y: [f32; DISCS],
+    z: [f32; DISCS],
+    radius2: [f32; DISCS],
+    /// Of a disc, over pi and the lobe's integral.
+    energy: [f32; DISCS],
+}
+
+impl GlossySuns {
+    /// Lobes of `alpha`; `share` is 1 over their integral.
+    pub(super) fn new(suns: &[Sun; COUNT], alpha: f32, share: f32) -> Self {
+        let channel = |c: usize| {
+            let of = |part: &dyn Fn(&Sun, usize) -> f32| std::array::from_fn(|k| part(&suns[k / 2], k % 2));
+            let centre = |sun: &Sun, side: usize| sun.discs(&sun.channels[c])[side];
+            Discs {
+                x: of(&|sun, side| centre(sun, side).x),
+                y: of(&|sun, side| centre(sun, side).y),
+                z: of(&|sun, side| centre(sun, side).z),
+                radius2: of(&|sun, _| sun.channels[c].spread / 2.0),
+                energy: of(&|sun, _| 0.5 * share * FRAC_1_PI * sun.channels[c].energy),
+            }
         };
-        self.energy * FRAC_1_PI * lobe * (1.0 - 2.0 * s)
+        Self { channels: [0, 1, 2].map(channel), alpha2: alpha * alpha, arch: Arch::new() }
+    }
+
+    /// Those around the unit vector `direction`.
+    pub(super) fn around(&self, direction: Vec3A) -> Vec3A {
+        self.arch.dispatch(GlossyLobe { suns: self, direction })
+    }
+}
+
+/// The suns in one lobe.
+struct GlossyLobe<'a> {
+    suns: &'a GlossySuns,
+    direction: Vec3A,
+}
+
+impl pulp::NullaryFnOnce for GlossyLobe<'_> {
+    type Output = Vec3A;
+
+    /// GGX under uniform discs, in closed form: a2 / (a2 + s)^2 is the kernel of a parallel disc's form
+    /// factor.
+    #[inline(always)]
+    fn call(self) -> Vec3A {
+        let (a2, [dx, dy, dz]) = (self.suns.alpha2, self.direction.to_array());
+        let mut sums = [0.0; 3];
+        for (sum, discs) in sums.iter_mut().zip(&self.suns.channels) {
+            let mut shares = [0.0; DISCS];
+            for k in 0..DISCS {
+                let (x, y, z, radius2) =
+                    (dx - discs.x[k], dy - discs.y[k], dz - discs.z[k], discs.radius2[k]);
+                let s = (0.25 * x.times_plus(x, y.times_plus(y, z * z))).at_most(0.5);
+                let nearness = s + a2 * (1.0 - s) - radius2;
+                let root =
+                    nearness.times_plus(nearness, 4.0 * radius2 * a2).sqrt().at_least(f32::MIN_POSITIVE);
+                let (above, below) = if nearness > 0.0 {
+                    (2.0 * a2, root + nearness)
+                } else {
+                    (root - nearness, 2.0 * radius2)
+                };
+                let light = discs.energy[k] * (above / (below * root)) * (1.0 - 2.0 * s);
+                shares[k] = if discs.energy[k] > 0.0 { light } else { 0.0 };
+            }
+            *sum = shares.iter().sum();
+        }
+        Vec3A::from_array(sums)
     }
 }
 

@@ -1,0 +1,288 @@
+//! The sharp level: sums of the mirror's texels under a Gaussian, row by row of a window around its texel.
+
+use super::levels::{Map, POINTS, Place, READ, oct_from};
+use super::suns;
+use crate::common::parallel;
+use crate::common::vector::{Arch, Fused as _};
+use crate::sphere::octahedral::{octahedron_from_oct, texel_centre, wrap_texel};
+use glam::Vec3A;
+use std::ops::Range;
+
+/// The Gaussian ends at so many standard deviations.
+pub(crate) const CUT: f32 = 3.0;
+
+/// The share of a Gaussian's covariance that is left of it where it ends at [`CUT`].
+pub(crate) const CUT_COVARIANCE: f32 = 0.949_448;
+
+/// Texels of a row that are summed together.
+const TOGETHER: usize = 16;
+
+/// Texels of the unfolded plane around the square, for windows across its edges.
+const BORDER: u32 = 48;
+
+/// Planes of a row: x, y and z of directions, solid angle densities; red, green and blue; and these with the
+/// square mirrored along u.
+const ROW_PLANES: usize = 10;
+
+/// Bytes that building the sharp level of `inner` texels along an edge takes.
+pub(crate) const fn bytes(inner: u32) -> u64 {
+    let side = (inner + 2 * BORDER) as u64;
+    4 * ROW_PLANES as u64 * side * side
+}
+
+/// The texels of a mirror, clamped.
+pub(super) struct Texels {
+    inner: u32,
+    /// Row by row, the planes of each.
+    rows: Vec<f32>,
+    arch: Arch,
+}
+
+impl Texels {
+    pub(super) fn new(mirror: &Map, clamp: f32) -> Self {
+        let inner = mirror.inner();
+        let stride = (inner + 2 * BORDER) as usize;
+        let mut rows = vec![0.0; stride * stride * ROW_PLANES];
+        let light = |x: u32, y: u32| {
+            let own = mirror.texel(x as i32, y as i32);
+            (own * suns::kept(own.max_element(), clamp)).to_array()
+        };
+        parallel::for_each(rows.chunks_exact_mut(stride * ROW_PLANES).zip(0_i64..), |(row, y)| {
+            for x in 0..stride {
+                let (u, v) = wrap_texel(inner, x as i64 - i64::from(BORDER), y - i64::from(BORDER));
+                let point = octahedron_from_oct(texel_centre(inner, u, v));
+                let direction = point.normalize().as_vec3().extend(point.length().powi(-3) as f32).to_array();
+                let values = direction.into_iter().chain(light(u, v)).chain(light(inner - 1 - u, v));
+                row[x..].iter_mut().step_by(stride).zip(values).for_each(|(place, value)| *place = value);
+            }
+        });
+        Self { inner, rows, arch: Arch::new() }
+    }
+
+    /// `COUNT` texels' values of a plane, from (`x`, `y`) on.
+    #[inline(always)]
+    fn lanes<const COUNT: usize>(&self, plane: usize, y: i32, x: i32) -> [f32; COUNT] {
+        let stride = (self.inner + 2 * BORDER) as usize;
+        let [x, y] = [x, y].map(|at| (at + BORDER as i32) as usize);
+        lanes(&self.rows, (y * ROW_PLANES + plane) * stride + x)
+    }
+
+    /// Their light under a Gaussian of about `width` at `place` of another map.
+    pub(super) fn under(&self, place: Place, width: f64) -> Vec3A {
+        let uv = (oct_from(place.direction) + 1.0) * (0.5 * self.inner as f32);
+        let centre = uv.to_array().map(|at| (at as u32).min(self.inner - 1));
+        // Directions lie up to half a texel beside its centre.
+        let reach = reach_of(&Place::new(self.inner, centre[0], centre[1], 1.0, READ), width)
+            .map(|texels| texels + 1);
+        let [sum, ..] = self.mirrored(&place.of_points(self.inner), centre, reach);
+        sum
+    }
+
+    /// Their light under the Gaussian at `place`, and at its places mirrored along u, along v, and along
+    /// both, from those within `reach` of texel `centre`.
+    fn mirrored(&self, place: &Place, centre: [u32; 2], reach: [u32; 2]) -> [Vec3A; 4] {
+        let bell = Bell::new(place);
+        self.arch.dispatch(Window { texels: self, bell, centre, reach })
+    }
+}
+
+/// Texels along u and v that a Gaussian of `width` at `place` of their map reaches.
+fn reach_of(place: &Place, width: f64) -> [u32; 2] {
+    (place.reach * (1.1 * CUT * width as f32)).to_array().map(|texels| texels.ceil() as u32)
+}
+
+/// The sharp level: sums of the texels of `mirror`, clamped to `clamp`, under a Gaussian of `width`.
+pub(crate) fn sharp(mirror: &Map, clamp: f32, width: f64) -> Map {
+    let texels = Texels::new(mirror, clamp);
+    let inner = mirror.inner();
+    Map::of_quarters(inner, |x, y| {
+        let place = Place::new(inner, x, y, width * width, READ + POINTS);
+        texels.mirrored(&place, [x, y], reach_of(&place, width))
+    })
+}
+
+/// A Gaussian around a direction.
+struct Bell {
+    direction: [f32; 3],
+    axes: [[f32; 3]; 2],
+    /// Factors in the exponent, of the first axis' square, of the product of both, of the second's square.
+    exponent: [f32; 3],
+}
+
+impl Bell {
+    fn new(place: &Place) -> Self {
+        let [a, b, c] = place.covariance.map(|value| value / CUT_COVARIANCE);
+        let half_inverse = [c, -2.0 * b, a].map(|value| 0.5 * value / (a * c - b * b));
+        Self {
+            direction: place.direction.to_array(),
+            axes: place.axes.map(|axis| axis.to_array()),
+            exponent: half_inverse,
+        }
+    }
+
+    /// Its height at the direction (`x`, `y`, `z`); 0 beyond [`CUT`].
+    #[inline(always)]
+    fn height(&self, x: f32, y: f32, z: f32) -> f32 {
+        let [x, y, z] = [x - self.direction[0], y - self.direction[1], z - self.direction[2]];
+        let along = |axis: &[f32; 3]| x.times_plus(axis[0], y.times_plus(axis[1], z * axis[2]));
+        let (p, q) = (along(&self.axes[0]), along(&self.axes[1]));
+        let [pp, pq, qq] = self.exponent;
+        let exponent = p.times_plus(pp.times_plus(p, pq * q), qq * q * q);
+        if exponent < 0.5 * CUT * CUT { exp_of_negative(exponent) } else { 0.0 }
+    }
+}
+
+/// exp(-x) for x from 0 to [`CUT`]^2 / 2, to a relative 3e-5: the eighth power of a polynomial.
+#[inline(always)]
+fn exp_of_negative(x: f32) -> f32 {
+    let t = -0.125 * x;
+    let terms = t.times_plus(t.times_plus(1.0 / 120.0, 1.0 / 24.0), 1.0 / 6.0);
+    let root = t.times_plus(t.times_plus(t.times_plus(terms, 0.5), 1.0), 1.0);
+    let square = root * root;
+    let fourth = square * square;
+    fourth * fourth
+}
+
+/// The texels within `reach` of texel `centre` in the unfolded plane, under a Gaussian.
+struct Window<'a> {
+    texels: &'a Texels,
+    bell: Bell,
+    centre: [u32; 2],
+    reach: [u32; 2],
+}
+
+impl pulp::NullaryFnOnce for Window<'_> {
+    type Output = [Vec3A; 4];
+
+    #[inline(always)]
+    fn call(self) -> [Vec3A; 4] {
+        let Self { texels, bell, centre, reach } = self;
+        let inner = texels.inner as i32;
+        let ([x, y], [across, down]) = (centre.map(|at| at as i32), reach.map(|texels| texels as i32));
+        let mut sums = Sums::default();
+        let count = (2 * reach[0] + 1).next_multiple_of(TOGETHER as u32) as i32;
+        let columns = x - across..x - across + count;
+        let rows = y - down..y + down + 1;
+        // Around +-X and +-Z the unfolded plane shows texels twice: those on both sides of an edge's middle.
+        let is_once = |along: &Range<i32>, other: &Range<i32>| {
+            let is_inside = along.start >= 0 && along.end <= inner;
+            is_inside || other.end <= inner / 2 || other.start >= inner / 2
+        };
+        let lies_in_planes =
+            |range: &Range<i32>| range.start >= -(BORDER as i32) && range.end <= inner + BORDER as i32;
+        let ranges = [(&columns, &rows), (&rows, &columns)];
+        if ranges.into_iter().all(|(along, other)| lies_in_planes(along) && is_once(along, other)) {
+            for row in rows {
+                for column in columns.clone().step_by(TOGETHER) {
+                    sums.add::<TOGETHER>(texels, &bell, row, column);
+                }
+            }
+        } else {
+            for row in rows {
+                for column in x - across..=x + across {
+                    let own = wrap_texel(texels.inner, column.into(), row.into());
+                    let (u, v) = (own.0 as i32, own.1 as i32);
+                    if (u, v) == (column, row) || u.abs_diff(x) > reach[0] || v.abs_diff(y) > reach[1] {
+                        sums.add::<1>(texels, &bell, v, u);
+                    }
+                }
+            }
+        }
+        sums.means()
+    }
+}
+
+/// Sums of weights and of light, by lanes.
+#[derive(Default)]
+struct Sums {
+    weight: [f32; TOGETHER],
+    /// Red, green and blue of the texels as they are, mirrored along u, along v, and along both.
+    light: [[[f32; TOGETHER]; 3]; 4],
+}
+
+impl Sums {
+    /// Adds `COUNT` texels of row `y` from column `x` on.
+    #[inline(always)]
+    fn add<const COUNT: usize>(&mut self, texels: &Texels, bell: &Bell, y: i32, x: i32) {
+        let plane = |plane| texels.lanes::<COUNT>(plane, y, x);
+        let (dx, dy, dz, density) = (plane(0), plane(1), plane(2), plane(3));
+        let (mut weights, mut own) = ([0.0; COUNT], lanes::<COUNT>(&self.weight, 0));
+        let mut is_dark = true;
+        for k in 0..COUNT {
+            weights[k] = density[k] * bell.height(dx[k], dy[k], dz[k]);
+            is_dark &= weights[k] == 0.0;
+            own[k] += weights[k];
+        }
+        if is_dark {
+            return;
+        }
+        self.weight[..COUNT].copy_from_slice(&own);
+        let below = texels.inner as i32 - 1 - y;
+        for (sums, (plane, y)) in self.light.iter_mut().zip([(4, y), (7, y), (4, below), (7, below)]) {
+            for (sum, plane) in sums.iter_mut().zip(plane..) {
+                let (light, mut own) = (texels.lanes::<COUNT>(plane, y, x), lanes::<COUNT>(sum, 0));
+                for k in 0..COUNT {
+                    own[k] = weights[k].times_plus(light[k], own[k]);
+                }
+                sum[..COUNT].copy_from_slice(&own);
+            }
+        }
+    }
+
+    fn means(&self) -> [Vec3A; 4] {
+        let total: f32 = self.weight.iter().sum();
+        self.light.map(|channels| Vec3A::from_array(channels.map(|sum| sum.iter().sum::<f32>() / total)))
+    }
+}
+
+/// `COUNT` of `all` from the one at `first` on: values, as loops over references that might overlap are not
+/// vectorised.
+#[inline(always)]
+fn lanes<const COUNT: usize>(all: &[f32], first: usize) -> [f32; COUNT] {
+    *all[first..].first_chunk().expect("windows lie within the planes")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pyramid::Octaves;
+    use glam::Vec3;
+
+    /// Windows see every texel under the Gaussian, each once: also across edges, around their middles and at
+    /// corners.
+    #[test]
+    fn windows_have_the_sums_over_all_texels() {
+        for inner in [32, 64, 128] {
+            let width = Octaves::over(inner).expect("a size").sharp_width();
+            let light = |x: u32, y: u32| (x * 7919 + y * 104_729 + x * y) % 1009;
+            let mirror = Map::new(inner, |x, y| {
+                Vec3A::new(light(x, y) as f32, light(y, x) as f32, light(x + 1, y + 2) as f32)
+            });
+            let texels = Texels::new(&mirror, f32::INFINITY);
+            let sharp = sharp(&mirror, f32::INFINITY, width);
+            let of_row = |y: i32| {
+                let mut worst = (0.0, 0);
+                for x in 0..inner as i32 {
+                    let place = Place::new(inner, x as u32, y as u32, width * width, READ + POINTS);
+                    let bell = Bell::new(&place);
+                    let (mut sum, mut total) = (Vec3A::ZERO, 0.0);
+                    for (v, u) in (0..inner as i32).flat_map(|v| (0..inner as i32).map(move |u| (v, u))) {
+                        let [dx, dy, dz, density] =
+                            [0, 1, 2, 3].map(|plane| texels.lanes::<1>(plane, v, u)[0]);
+                        // The plane that touches the sphere shows its other side, too.
+                        let is_near = place.direction.dot(Vec3::new(dx, dy, dz)) > 0.0;
+                        let weight = if is_near { density * bell.height(dx, dy, dz) } else { 0.0 };
+                        sum += weight * mirror.texel(u, v);
+                        total += weight;
+                    }
+                    let off = (sharp.texel(x, y) - sum / total).abs().max_element();
+                    worst = if off > worst.0 { (off, x) } else { worst };
+                }
+                worst
+            };
+            for (y, (off, x)) in parallel::map(0..inner as i32, |y| (y, of_row(y))) {
+                assert!(off < 0.05, "{inner}: texel {x}, {y} is off by {off} of 1009");
+            }
+        }
+    }
+}
