@@ -157,6 +157,13 @@ fn under_gaussian(oem: &Oem, width: f64, direction: DVec3) -> DVec3 {
 }
 
 #[test]
+fn reads_around_no_direction_are_no_numbers() {
+    let (_, oem) = map_of(32, 3, Look::Noise);
+    let pyramid = Pyramid::of_oem(&oem).expect("a size");
+    assert!(on_both_maps(pyramid).iter().flat_map(Pyramid::maps).all(|map| map.around(DVec3::NAN).is_nan()));
+}
+
+#[test]
 fn reads_of_levels_are_gaussians() {
     let (_, oem) = map_of(128, 3, Look::Noise);
     let pyramid = Pyramid::of_oem(&oem).expect("a size");

@@ -12,7 +12,7 @@
 
 use super::suns;
 use crate::common::parallel;
-use crate::common::vector::{Arch, Fused as _};
+use crate::common::vector::{Arch, Extremes as _, Fused as _};
 use crate::light::environment::Rgb;
 use crate::light::oem::Oem;
 use crate::sphere::cube::{Face, cube_from_direction, cube_from_texel, cube_point};
@@ -209,11 +209,9 @@ impl Place {
         let texel = 2.0 / inner as f32;
         for step in steps_from_oct(oct_from(self.direction).as_dvec2()) {
             let [p, q] = self.axes.map(|axis| axis.dot(step.as_vec3()) * texel);
-            let own = [p * p, p * q, q * q];
-            self.covariance
-                .iter_mut()
-                .zip(own)
-                .for_each(|(covariance, own)| *covariance -= POINTS as f32 * own);
+            for (covariance, own) in self.covariance.iter_mut().zip([p * p, p * q, q * q]) {
+                *covariance -= POINTS as f32 * own;
+            }
         }
         self
     }
@@ -323,11 +321,12 @@ fn add(sum: &mut [f32; 8], weights: [f32; 8], texels: &[[f32; 4]]) {
 }
 
 /// A number from .5 to 2^22 as a whole number, and the share of the next: up to 1 where it is whole itself.
+/// The share of NaN is NaN.
 #[inline(always)]
 fn whole_and_share(number: f32) -> (u32, f32) {
     // The sum's last bit is worth 1.
     const ONES: f32 = 8_388_608.0;
-    let sum = (number - 0.5) + ONES;
+    let sum = (number.at_least(0.5) - 0.5) + ONES;
     (sum.to_bits() - ONES.to_bits(), number - (sum - ONES))
 }
 

@@ -159,7 +159,7 @@ impl Pyramid {
     /// GGX lobes of `roughness` in [0, 1].
     pub fn lobes(&self, roughness: f32) -> PyramidLobes<'_> {
         let weights = weights_at(self.octaves, roughness);
-        let harmonics = std::array::from_fn(|k| weights[ORDERS..][k.isqrt()] * self.harmonics[k]);
+        let harmonics = self.weighted_harmonics(|order| weights[ORDERS + order]);
         let suns =
             GlossySuns::new(&self.suns.suns, roughness * roughness, (1.0 - weights[0]) * weights[LOBE]);
         PyramidLobes { pyramid: self, weights, harmonics, suns }
@@ -186,13 +186,13 @@ impl Pyramid {
     fn cosine_around(&self, direction: DVec3) -> Vec3A {
         match &self.cosine {
             Some(map) => map.around(direction),
-            None => harmonics_around(direction, &self.cosine_harmonics()),
+            None => harmonics_around(direction, &self.weighted_harmonics(|order| COSINE_BANDS[order] as f32)),
         }
     }
 
-    /// Harmonics under the clamped cosine over pi.
-    fn cosine_harmonics(&self) -> [Vec3A; 25] {
-        std::array::from_fn(|k| COSINE_BANDS[k.isqrt()] as f32 * self.harmonics[k])
+    /// The harmonics, those of each order times its weight.
+    fn weighted_harmonics(&self, weight: impl Fn(usize) -> f32) -> [Vec3A; 25] {
+        std::array::from_fn(|k| weight(k.isqrt()) * self.harmonics[k])
     }
 
     /// Its levels.

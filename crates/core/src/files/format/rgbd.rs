@@ -48,9 +48,8 @@ impl Codes {
     }
 
     fn nearest(&self, number: f64) -> u8 {
-        if number < Self::DARKEST {
-            return 0;
-        }
+        // NaN is dark, too.
+        let number = number.max(Self::DARKEST);
         let step = (number.to_bits() >> Self::SHIFT) - (Self::DARKEST.to_bits() >> Self::SHIFT);
         let mut code = self.first[step as usize];
         while self.least.get(usize::from(code)).is_some_and(|least| *least <= number) {
@@ -88,7 +87,9 @@ mod tests {
     #[test]
     fn codes_are_rounded_powers() {
         let expected = |number: f64| (number.powf(GAMMA.recip()) * 255.0).round() as u8;
-        for number in (0..=1_000_000).map(|k| f64::from(k) / 1e6).chain([1e-300, 1e-7, 1.1e-6, 1.2e-6]) {
+        for number in
+            (0..=1_000_000).map(|k| f64::from(k) / 1e6).chain([1e-300, 1e-7, 1.1e-6, 1.2e-6, f64::NAN])
+        {
             assert_eq!(CODES.nearest(number), expected(number), "{number}");
         }
         for (code, least) in (1..).zip(CODES.least) {
