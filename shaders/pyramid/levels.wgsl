@@ -76,12 +76,20 @@ fn folded(n: i32, at: vec2<i32>) -> vec2<i32> {
     return own;
 }
 
-// Sums of the texels of the mirror without suns under a Gaussian.
-@compute @workgroup_size(EDGE, EDGE)
-fn sharp(@builtin(global_invocation_id) id: vec3<u32>) {
-    if any(id.xy >= vec2<u32>(level.inner)) {
-        return;
-    }
+// Texel `at` of the mirror without suns, and 1.
+fn rest_at(at: vec2<i32>) -> vec4<f32> {
+    let texel = textureLoad(finer, at + i32(level.finer_border), 0).xyz;
+    let brightness = max(max(texel.x, texel.y), texel.z);
+    return vec4<f32>(texel * select(1.0, light.clamp / brightness, brightness > light.clamp), 1.0);
+}
+
+var<workgroup> parts: array<vec4<f32>, EDGE * EDGE * 16u>;
+
+// Sums of its texels under a Gaussian: for a texel of the first quarter, and for its places mirrored along u,
+// along v and along both, whose weights are the same. Four invocations share the rows around a texel, and
+// each of them stores one of its places.
+@compute @workgroup_size(EDGE, EDGE, 4)
+fn sharp(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let n = i32(level.inner);
     let centre = vec2<i32>(id.xy);
     let place = place_of(id.xy);
@@ -91,12 +99,11 @@ fn sharp(@builtin(global_invocation_id) id: vec3<u32>) {
     // Half of the inverse.
     let inverse = 0.5 * vec3<f32>(c.z, -c.y, c.x) / (c.x * c.z - c.y * c.y);
     let reach = vec2<i32>(ceil(place.reach * (1.1 * CUT * sqrt(level.variance))));
-    var sum = vec3<f32>();
-    var total = 0.0;
-    for (var j = -reach.y; j <= reach.y; j++) {
+    var sums: array<vec4<f32>, 4>;
+    for (var j = i32(id.z) - reach.y; j <= reach.y; j += 4) {
         for (var i = -reach.x; i <= reach.x; i++) {
             var own = centre + vec2<i32>(i, j);
-            if any((own < vec2<i32>()) | (own >= vec2<i32>(n))) {
+            if any(own < vec2<i32>()) {
                 own = folded(n, own);
                 // Around +-X and +-Z the unfolded plane shows every texel twice.
                 if all(abs(own - centre) <= reach) {
@@ -111,17 +118,25 @@ fn sharp(@builtin(global_invocation_id) id: vec3<u32>) {
             let exponent = inverse.x * p * p + 2.0 * inverse.y * p * q + inverse.z * q * q;
             if exponent < 0.5 * CUT * CUT {
                 let weight = nearness * nearness * nearness * exp(-exponent);
-                var texel = textureLoad(finer, own + i32(level.finer_border), 0).xyz;
-                let brightness = max(max(texel.x, texel.y), texel.z);
-                if brightness > light.clamp {
-                    texel *= light.clamp / brightness;
-                }
-                sum += weight * texel;
-                total += weight;
+                let far = n - 1 - own;
+                sums[0] += weight * rest_at(own);
+                sums[1] += weight * rest_at(vec2<i32>(far.x, own.y));
+                sums[2] += weight * rest_at(vec2<i32>(own.x, far.y));
+                sums[3] += weight * rest_at(far);
             }
         }
     }
-    store(centre, sum / total);
+    for (var mirrored = 0u; mirrored < 4u; mirrored++) {
+        parts[mirrored * EDGE * EDGE * 4u + lane] = sums[mirrored];
+    }
+    workgroupBarrier();
+    let first = id.z * EDGE * EDGE * 4u + lane % (EDGE * EDGE);
+    var sum = vec4<f32>();
+    for (var part = 0u; part < 4u; part++) {
+        sum += parts[first + part * EDGE * EDGE];
+    }
+    let far = (vec2<u32>(id.z) & vec2<u32>(1u, 2u)) != vec2<u32>();
+    store(select(centre, n - 1 - centre, far), sum.xyz / sum.w);
 }
 
 // A level from the next finer one.
@@ -137,21 +152,27 @@ fn cascade(@builtin(global_invocation_id) id: vec3<u32>) {
     let c = place.covariance;
     // The covariance's root, a triangle.
     let long = sqrt(c.x);
-    let shear = c.y / long;
-    let wide = sqrt(c.z - c.y * c.y / c.x);
+    let root = vec3<f32>(long, c.y / long, sqrt(c.z - c.y * c.y / c.x));
     let side = f32(level.finer_inner + 2u * level.finer_border);
-    let scale = 0.5 * f32(level.finer_inner) / side;
+    let scale = mirrors * (0.5 * f32(level.finer_inner) / side);
     var sum = vec3<f32>();
-    for (var k = 0u; k < 25u; k++) {
-        let tap = level.taps[k];
-        let p = long * tap.x;
-        let q = shear * tap.x + wide * tap.y;
-        // A distance on the sphere whose 1 - cos is half its square.
-        let half = 0.5 * (p * p + q * q);
-        let to = place.direction * (1.0 - half)
-            + (place.along * p + place.across * q) * sqrt(1.0 - 0.5 * half);
-        let at = 0.5 + oct_from_direction(to) * mirrors * scale;
-        sum += tap.z * textureSampleLevel(finer, linear, at, 0.0).xyz;
+    // Five reads under way at once.
+    for (var k = 0u; k < 25u; k += 5u) {
+        sum += tap(k, place, root, scale) + tap(k + 1u, place, root, scale)
+            + tap(k + 2u, place, root, scale) + tap(k + 3u, place, root, scale)
+            + tap(k + 4u, place, root, scale);
     }
     store(vec2<i32>(id.xy), sum);
+}
+
+// A read of the cascade, weighted.
+fn tap(k: u32, place: Place, root: vec3<f32>, scale: vec2<f32>) -> vec3<f32> {
+    let tap = level.taps[k];
+    let p = root.x * tap.x;
+    let q = root.y * tap.x + root.z * tap.y;
+    // A distance on the sphere whose 1 - cos is half its square.
+    let half = 0.5 * (p * p + q * q);
+    let to = place.direction * (1.0 - half)
+        + (place.along * p + place.across * q) * sqrt(1.0 - 0.5 * half);
+    return tap.z * textureSampleLevel(finer, linear, 0.5 + oct_from_direction(to) * scale, 0.0).xyz;
 }

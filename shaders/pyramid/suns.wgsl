@@ -17,18 +17,19 @@ const NEAR = 0.02f;
 const NEAR_TEXELS = 7.0f;
 // Bits of a brightness that do not count.
 const BELOW = 255u;
+// Areas along an edge, each of which an invocation keeps while seeds are sought.
+const AREAS = 16u;
+// No texel.
+const NONE = 0xffffffffu;
 
 @group(0) @binding(1) var<storage, read> red: array<f32>;
 @group(0) @binding(2) var<storage, read> green: array<f32>;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
-// For each block the bits of its greatest brightness, which sort like it, those of the greatest that counts
-// beside the seeds, and the texel that has that; then the seeds, with the bits of their brightness; then for
-// even rounds and for odd ones what each workgroup found, brightness and texel. Brightness without BELOW.
+// For each block the bits of its greatest brightness, which sort like it, and the texel that has that, counted
+// by blocks; then the seeds. Brightness without BELOW.
 @group(0) @binding(5) var<storage, read_write> blocks: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read_write> light: OctaglossLight;
-// Its first component counts the rounds, each of which finds a seed.
-@group(0) @binding(7) var<uniform> round: vec4<u32>;
 
 // Moments of a channel's energy: of offsets from the seed, and all; of products xx, yy, zz; of xy, yz, zx.
 alias Reduced = array<vec4<f32>, 3>;
@@ -37,28 +38,26 @@ fn combine(a: Reduced, b: Reduced) -> Reduced {
     return Reduced(a[0] + b[0], a[1] + b[1], a[2] + b[2]);
 }
 
-var<workgroup> most: atomic<u32>;
-var<workgroup> first: atomic<u32>;
+var<workgroup> most: array<atomic<u32>, GROUP_SIZE>;
+var<workgroup> first: array<atomic<u32>, GROUP_SIZE>;
 
-// The greatest value of the invocations' `own`, and the least texel that has it.
-fn first_of(own: vec2<u32>, lane: u32) -> vec2<u32> {
+// The greatest value among the invocations with the same `part`, and the least texel that has it.
+fn first_of_part(own: vec2<u32>, part: u32, lane: u32) -> vec2<u32> {
     workgroupBarrier();
-    if lane == 0u {
-        atomicStore(&most, 0u);
-        atomicStore(&first, 0xffffffffu);
-    }
+    atomicStore(&most[lane], 0u);
+    atomicStore(&first[lane], NONE);
     workgroupBarrier();
-    atomicMax(&most, own.x);
+    atomicMax(&most[part], own.x);
     workgroupBarrier();
-    let greatest = atomicLoad(&most);
+    let greatest = atomicLoad(&most[part]);
     if own.x == greatest {
-        atomicMin(&first, own.y);
+        atomicMin(&first[part], own.y);
     }
     workgroupBarrier();
-    return vec2<u32>(greatest, atomicLoad(&first));
+    return vec2<u32>(greatest, atomicLoad(&first[part]));
 }
 
-var<private> seeds: array<vec3<f32>, SUNS>;
+var<workgroup> seeds: array<vec3<f32>, SUNS>;
 
 fn side() -> u32 {
     return min(table.inner, FINEST);
@@ -99,73 +98,96 @@ fn apart(texel: vec2<u32>, start: u32, end: u32) -> f32 {
     return clamp((nearest / (near * near) - 1.0) / 3.0, 0.0, 1.0);
 }
 
-// The brightest texel of block `own` beside the first `count` seeds: its bits and itself.
-fn brightest(own: u32, count: u32) -> vec2<u32> {
-    let size = block() * block();
-    var found = vec2<u32>(0u, own * size);
-    for (var k = own * size; k < (own + 1u) * size; k++) {
-        let texel = texel_of(k);
-        let value = bitcast<u32>(brightness(place_in_plane(texel)) * apart(texel, 0u, count)) & ~BELOW;
-        if value > found.x {
-            found = vec2<u32>(value, k);
-        }
-    }
-    return found;
-}
-
 fn block_count() -> u32 {
     return side() * side();
 }
 
-// Where workgroup `group` leaves what it found.
-fn place_of_found(round: u32, group: u32) -> u32 {
-    return block_count() + SUNS + round % 2u * (FINEST * FINEST / GROUP_SIZE) + group;
-}
-
-// What the whole of a round found.
-fn found_in(round: u32, lane: u32) -> vec2<u32> {
-    var own = vec2<u32>(0u, 0xffffffffu);
-    if lane < block_count() / GROUP_SIZE {
-        own = blocks[place_of_found(round, lane)].xy;
-    }
-    return first_of(own, lane);
-}
-
-// One round over all blocks, each of which its own invocation keeps. The texel that the last round found is
-// the next seed.
+// The brightest texel of each block, one texel an invocation.
 @compute @workgroup_size(GROUP_SIZE)
-fn seek(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let own = group.x * GROUP_SIZE + lane;
-    let chosen = round.x;
-    if chosen == 0u {
-        let found = brightest(own, 0u);
-        blocks[own] = vec4<u32>(found.x, found, 0u);
-    } else {
-        for (var k = 0u; k + 1u < chosen; k++) {
-            seeds[k] = bitcast<vec3<f32>>(blocks[block_count() + k].xyz);
-        }
-        let last = found_in(chosen - 1u, lane);
-        seeds[chosen - 1u] = direction_of(texel_of(last.y));
-        if group.x == 0u && lane == 0u {
-            blocks[block_count() + chosen - 1u] = vec4<u32>(bitcast<vec3<u32>>(seeds[chosen - 1u]), last.x);
-        }
-        if apart(texel_of(blocks[own].z), chosen - 1u, chosen) < 1.0 {
-            blocks[own] = vec4<u32>(blocks[own].x, brightest(own, chosen), 0u);
-        }
-    }
-    let found = first_of(blocks[own].yz, lane);
-    if lane == 0u {
-        blocks[place_of_found(chosen, group.x)] = vec4<u32>(found, 0u, 0u);
+fn brightest(
+    @builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) lane: u32,
+) {
+    let size = block() * block();
+    let value = counted(brightness(place_in_plane(texel_of(id.x))));
+    let found = first_of_part(vec2<u32>(value, id.x), lane / size, lane);
+    if lane % size == 0u {
+        blocks[id.x / size] = vec4<u32>(found, 0u, 0u);
     }
 }
 
-// The scale, and what the rest is clamped to: the last round found that.
+fn counted(brightness: f32) -> u32 {
+    return bitcast<u32>(brightness) & ~BELOW;
+}
+
+// Block `k` of an area.
+fn block_of(area: u32, k: u32) -> u32 {
+    let edge = side() / AREAS;
+    let at = vec2<u32>(area % AREAS, area / AREAS) * edge + vec2<u32>(k % edge, k / edge);
+    return at.y * side() + at.x;
+}
+
+fn blocks_of_area() -> u32 {
+    return block_count() / GROUP_SIZE;
+}
+
+// The brighter of two texels; of equals the first.
+fn brighter(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
+    return select(a, b, b.x > a.x || (b.x == a.x && b.y < a.y));
+}
+
+// The brightest texel of `area` beside the first `count` seeds, of those that an invocation visits.
+fn brightest_of(area: u32, count: u32, lane: u32) -> vec2<u32> {
+    let size = block() * block();
+    var found = vec2<u32>(0u, NONE);
+    for (var k = lane; k < blocks_of_area() * size; k += GROUP_SIZE) {
+        let own = block_of(area, k / size) * size + k % size;
+        let texel = texel_of(own);
+        let value = brightness(place_in_plane(texel)) * apart(texel, 0u, count);
+        found = brighter(found, vec2<u32>(counted(value), own));
+    }
+    return found;
+}
+
+var<workgroup> touched: array<u32, GROUP_SIZE>;
+var<workgroup> touched_count: atomic<u32>;
+var<workgroup> touched_all: u32;
+
+// The seeds; then the scale, and what the rest is clamped to, by what is the brightest beside all of them.
+// One workgroup: areas whose brightest texel is near a new seed are read again, by all invocations.
 @compute @workgroup_size(GROUP_SIZE)
-fn choose(@builtin(local_invocation_index) lane: u32) {
-    let last = found_in(SUNS, lane).x;
-    let clamped = select(0u, last | BELOW, last > 0u);
-    let greatest = blocks[block_count()].w;
+fn seek(@builtin(local_invocation_index) lane: u32) {
+    var own = vec2<u32>(0u, NONE);
+    for (var k = 0u; k < blocks_of_area(); k++) {
+        own = brighter(own, blocks[block_of(lane, k)].xy);
+    }
+    var greatest = 0u;
+    for (var count = 0u; count < SUNS; count++) {
+        let found = first_of_part(own, 0u, lane);
+        greatest = max(greatest, found.x);
+        let seed = direction_of(texel_of(found.y));
+        if lane == 0u {
+            seeds[count] = seed;
+            blocks[block_count() + count] = vec4<u32>(bitcast<vec3<u32>>(seed), 0u);
+            atomicStore(&touched_count, 0u);
+        }
+        workgroupBarrier();
+        if apart(texel_of(own.y), count, count + 1u) < 1.0 {
+            touched[atomicAdd(&touched_count, 1u)] = lane;
+        }
+        workgroupBarrier();
+        if lane == 0u {
+            touched_all = atomicLoad(&touched_count);
+        }
+        let all = workgroupUniformLoad(&touched_all);
+        for (var k = 0u; k < all; k++) {
+            let area = touched[k];
+            let again = first_of_part(brightest_of(area, count + 1u, lane), 0u, lane);
+            own = select(own, again, lane == area);
+        }
+    }
+    let last = first_of_part(own, 0u, lane).x;
     if lane == 0u {
+        let clamped = select(0u, last | BELOW, last > 0u);
         // `exponent` of crates/core/src/pyramid/levels.rs.
         var exponent = select(0, exponent_of(greatest), greatest > 0u);
         if clamped > 0u {
@@ -184,9 +206,10 @@ fn exponent_of(brightness: u32) -> i32 {
 // One sun a workgroup.
 @compute @workgroup_size(GROUP_SIZE)
 fn suns(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    for (var k = 0u; k < SUNS; k++) {
-        seeds[k] = bitcast<vec3<f32>>(blocks[block_count() + k].xyz);
+    if lane < SUNS {
+        seeds[lane] = bitcast<vec3<f32>>(blocks[block_count() + lane].xyz);
     }
+    workgroupBarrier();
     let own = moments(group.x, lane);
     let channels = array<Channel, 3>(
         channel_of(seeds[group.x], reduce(own[0], lane)), channel_of(seeds[group.x], reduce(own[1], lane)),
@@ -239,37 +262,47 @@ fn set_sun(k: u32, sun: OctaglossSun, half_axis: vec3<f32>) {
 
 // Moments of each channel over the light of sun `own` that an invocation visits.
 fn moments(own: u32, lane: u32) -> array<Reduced, 3> {
-    let size = block() * block();
     var sums: array<Reduced, 3>;
-    for (var b = lane; b < block_count(); b += GROUP_SIZE) {
-        if bitcast<f32>(blocks[b].x | BELOW) * light.scale <= light.clamp {
-            continue;
-        }
-        for (var k = b * size; k < (b + 1u) * size; k++) {
-            let texel = texel_of(k);
-            let at = place_in_plane(texel);
-            let bright = brightness(at) * light.scale;
-            let direction = direction_of(texel);
-            if bright > light.clamp && nearest_seed(direction) == own {
-                // Scaled: squares of energies overflow.
-                let given = energy_at(at) * light.scale * (1.0 - light.clamp / bright);
-                let offset = direction - seeds[own];
-                // The light of the texel's area is at its centre.
-                let width = 2.0 / f32(table.inner);
-                let steps = steps_from_oct(uv_of(texel));
-                let u = steps[0] * width;
-                let v = steps[1] * width;
-                let of_one = Reduced(
-                    vec4<f32>(offset, 1.0),
-                    vec4<f32>(offset * offset - (u * u + v * v) / 12.0, 0.0),
-                    vec4<f32>(offset * offset.yzx - (u * u.yzx + v * v.yzx) / 12.0, 0.0));
-                sums[0] = combine(sums[0], times(given.x, of_one));
-                sums[1] = combine(sums[1], times(given.y, of_one));
-                sums[2] = combine(sums[2], times(given.z, of_one));
+    // Four reads under way at once: there are at least 1024 blocks.
+    for (var b = lane; b < block_count(); b += 4u * GROUP_SIZE) {
+        let found = vec4<u32>(
+            blocks[b].x, blocks[b + GROUP_SIZE].x, blocks[b + 2u * GROUP_SIZE].x,
+            blocks[b + 3u * GROUP_SIZE].x);
+        for (var k = 0u; k < 4u; k++) {
+            if bitcast<f32>(found[k] | BELOW) * light.scale > light.clamp {
+                add_block(&sums, b + k * GROUP_SIZE, own);
             }
         }
     }
     return sums;
+}
+
+// Adds the light of block `b` that is sun `own`'s.
+fn add_block(sums: ptr<function, array<Reduced, 3>>, b: u32, own: u32) {
+    let size = block() * block();
+    for (var k = b * size; k < (b + 1u) * size; k++) {
+        let texel = texel_of(k);
+        let at = place_in_plane(texel);
+        let bright = brightness(at) * light.scale;
+        let direction = direction_of(texel);
+        if bright > light.clamp && nearest_seed(direction) == own {
+            // Scaled: squares of energies overflow.
+            let given = energy_at(at) * light.scale * (1.0 - light.clamp / bright);
+            let offset = direction - seeds[own];
+            // The light of the texel's area is at its centre.
+            let width = 2.0 / f32(table.inner);
+            let steps = steps_from_oct(uv_of(texel));
+            let u = steps[0] * width;
+            let v = steps[1] * width;
+            let of_one = Reduced(
+                vec4<f32>(offset, 1.0),
+                vec4<f32>(offset * offset - (u * u + v * v) / 12.0, 0.0),
+                vec4<f32>(offset * offset.yzx - (u * u.yzx + v * v.yzx) / 12.0, 0.0));
+            (*sums)[0] = combine((*sums)[0], times(given.x, of_one));
+            (*sums)[1] = combine((*sums)[1], times(given.y, of_one));
+            (*sums)[2] = combine((*sums)[2], times(given.z, of_one));
+        }
+    }
 }
 
 fn times(energy: f32, moments: Reduced) -> Reduced {
@@ -306,9 +339,12 @@ fn seen_along(own: Channel, t: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
 
 fn nearest_seed(direction: vec3<f32>) -> u32 {
     var nearest = 0u;
+    var least = squared(direction - seeds[0]);
     for (var k = 1u; k < SUNS; k++) {
-        if squared(direction - seeds[k]) < squared(direction - seeds[nearest]) {
+        let own = squared(direction - seeds[k]);
+        if own < least {
             nearest = k;
+            least = own;
         }
     }
     return nearest;

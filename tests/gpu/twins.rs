@@ -61,7 +61,7 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("pyramid/levels.wgsl", "EDGE", "build_pyramid::EDGE"),
     ("common/pyramid_maps.wgsl", "NODES_A_ROW", "pyramid::NODES_A_ROW"),
     ("pyramid/query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
-    ("pyramid/suns.wgsl", "GROUP_SIZE", "build_pyramid::SUNS_GROUP_SIZE"),
+    ("pyramid/suns.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
 ];
 
 /// Constants that only their shader uses, or that are derived from others.
@@ -90,6 +90,7 @@ const OWN: &[(&str, &[&str])] = &[
     ("direct/unwrap.wgsl", &["PI"]),
     ("lamp.wgsl", &["PLACES"]),
     ("reparameterise.wgsl", &["CHUNK"]),
+    ("pyramid/suns.wgsl", &["AREAS", "NONE"]),
     ("sat_f32.wgsl", &["GROUP_SIZE"]),
     ("sat_scan.wgsl", &["EDGE", "PART", "SCAN_SIZE", "SKEW"]),
     ("view/scene.wgsl", &["MAX_RADIANCE"]),

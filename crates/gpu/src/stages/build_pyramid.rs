@@ -15,11 +15,8 @@ use octagloss_core::pyramid::levels::{TAPS, taps};
 use octagloss_core::pyramid::{COARSEST, cells, suns};
 use wgpu::BindingResource::{Sampler, TextureView};
 
-/// Invocations of a workgroup over blocks or cells.
-pub const GROUP_SIZE: u32 = 64;
-
-/// Invocations of the workgroups that choose and sum suns.
-pub const SUNS_GROUP_SIZE: u32 = 256;
+/// Invocations of a workgroup over texels or blocks by number, or over cells.
+pub const GROUP_SIZE: u32 = 256;
 
 /// Invocations along an edge of a workgroup over texels.
 pub const EDGE: u32 = 8;
@@ -51,9 +48,9 @@ fn level(context: &Context, size: OemSize, finer: OemSize, variance: f64) -> wgp
     context.uniform("level", &level)
 }
 
-/// Workgroups over the texels of a map.
-const fn squares(size: OemSize) -> [u32; 3] {
-    [size.inner / EDGE, size.inner / EDGE, 1]
+/// Workgroups over `edge` x `edge` texels.
+const fn squares(edge: u32) -> [u32; 3] {
+    [edge / EDGE, edge / EDGE, 1]
 }
 
 /// The stages that fill `maps` from `oem`, in order. Record them whenever `oem` has changed.
@@ -66,21 +63,15 @@ pub fn stages(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Vec<Sta
 }
 
 fn suns_of(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
-    let groups = oem.size().inner.min(suns::FINEST).pow(2) / SUNS_GROUP_SIZE;
+    let texels = oem.size().inner.pow(2);
     let file = "pyramid/suns.wgsl";
     let mut resources = oem.bindings();
     resources.push((5, maps.blocks.as_entire_binding()));
-    let rounds = (0..=suns::COUNT as u32).map(|round| {
-        let round = context.uniform("round", &[round, 0, 0, 0]);
-        let resources = [&resources[..], &[(7, round.as_entire_binding())]].concat();
-        Dispatch::new(context, (file, "seek"), &resources, [groups, 1, 1])
-    });
-    let mut dispatches: Vec<_> = rounds.collect();
-    let chosen = [resources[0].clone(), (5, maps.blocks.as_entire_binding()), (6, maps.light())];
-    dispatches.push(Dispatch::new(context, (file, "choose"), &chosen, [1, 1, 1]));
+    let brightest = Dispatch::new(context, (file, "brightest"), &resources, [texels / GROUP_SIZE, 1, 1]);
     resources.push((6, maps.light()));
-    dispatches.push(Dispatch::new(context, (file, "suns"), &resources, [suns::COUNT as u32, 1, 1]));
-    Stage::new("suns", dispatches)
+    let seek = Dispatch::new(context, (file, "seek"), &resources, [1, 1, 1]);
+    let suns = Dispatch::new(context, (file, "suns"), &resources, [suns::COUNT as u32, 1, 1]);
+    Stage::new("suns", vec![brightest, seek, suns])
 }
 
 fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
@@ -98,8 +89,8 @@ fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
         (8, TextureView(&sharp)),
     ];
     let mut dispatches = vec![
-        Dispatch::new(context, (file, "mirror"), &of_oem, squares(size)),
-        Dispatch::new(context, (file, "sharp"), &of_mirror, squares(size)),
+        Dispatch::new(context, (file, "mirror"), &of_oem, squares(size.inner)),
+        Dispatch::new(context, (file, "sharp"), &of_mirror, squares(size.inner / 2)),
     ];
     let (mut finer, mut finer_size) = (sharp, size);
     for k in 0..octaves.count() {
@@ -111,7 +102,7 @@ fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
             (8, TextureView(&own)),
             (9, Sampler(maps.linear())),
         ];
-        dispatches.push(Dispatch::new(context, (file, "cascade"), &resources, squares(own_size)));
+        dispatches.push(Dispatch::new(context, (file, "cascade"), &resources, squares(own_size.inner)));
         (finer, finer_size) = (own, own_size);
     }
     Stage::new("levels", dispatches)
@@ -120,7 +111,7 @@ fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
 fn moments(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
     let file = "pyramid/cells.wgsl";
     let planes = oem.bindings();
-    let cells = oem.size().inner.min(cells::FINEST).pow(2).div_ceil(GROUP_SIZE);
+    let rows = oem.size().inner * oem.size().inner.min(cells::FINEST);
     let cosine = maps.cosine();
     let to_cosine = level(context, COSINE, COSINE, 0.0);
     let stored = (6, maps.cells.as_entire_binding());
@@ -131,9 +122,9 @@ fn moments(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
     Stage::new(
         "cells",
         vec![
-            Dispatch::new(context, (file, "cells_of_texels"), &of_texels, [cells, 1, 1]),
-            Dispatch::new(context, (file, "cosine"), &of_cells, [COARSEST, COARSEST, 1]),
-            Dispatch::new(context, (file, "harmonics"), &summed, [25, 1, 1]),
+            Dispatch::new(context, (file, "cells_of_texels"), &of_texels, [rows / GROUP_SIZE, 1, 1]),
+            Dispatch::new(context, (file, "cosine"), &of_cells, [COARSEST / 2, COARSEST / 2, 1]),
+            Dispatch::new(context, (file, "harmonics"), &summed, [25_u32.div_ceil(4), 1, 1]),
         ],
     )
 }

@@ -1,6 +1,5 @@
 //! Pyramids on the GPU: their maps, their look-up for lists of directions, and as WGSL for callers' shaders.
 
-use super::build_pyramid::SUNS_GROUP_SIZE;
 use crate::device::readback;
 use crate::device::resources::{
     SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding, texture_of, trilinear,
@@ -35,9 +34,6 @@ pub(super) const COSINE: OemSize = OemSize { inner: COARSEST, border: 1 };
 
 /// Bytes of a light: a multiple of 256, at which bindings may begin.
 const LIGHT: u64 = size_of::<OctaglossLight>() as u64;
-
-/// Seeds, and what workgroups found in two rounds.
-const FOUND: u64 = suns::COUNT as u64 + 2 * (suns::FINEST.pow(2) / SUNS_GROUP_SIZE) as u64;
 
 /// The maps of one environment's pyramid, in textures that several share.
 #[derive(Clone, Debug)]
@@ -94,7 +90,8 @@ impl PyramidMaps {
             sharp: texture("sharp levels", size, 2 * probes, 1),
             cosine: texture("cosine levels", COSINE, probes, 1),
             linear: trilinear(context),
-            blocks: context.storage("brightness of blocks", 16 * (squares(suns::FINEST) + FOUND)),
+            blocks: context
+                .storage("brightness of blocks", 16 * (squares(suns::FINEST) + suns::COUNT as u64)),
             cells: context.storage("light of cells", 48 * squares(cells::FINEST)),
         };
         let all: Vec<_> = (0..probes).map(|probe| Self { probe, ..first.clone() }).collect();
