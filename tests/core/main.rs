@@ -10,6 +10,7 @@ mod io;
 mod ladder;
 mod misuse;
 mod oem;
+mod once;
 mod parallel;
 mod pyramid;
 mod sat;

@@ -5,6 +5,7 @@ pub mod error;
 pub mod finite;
 pub mod frame;
 pub mod names;
+pub mod once;
 pub mod parallel;
 pub mod percent;
 pub mod smoothstep;

@@ -6,6 +6,7 @@ use crate::analysis::oracle::Oracle;
 use crate::common::direction::units;
 use crate::common::error::{Error, Result, wrong};
 use crate::common::frame::Frame;
+use crate::common::once::Once;
 use crate::common::parallel;
 use crate::cpu::adaptive::Adaptive;
 use crate::cpu::box_filter::BoxFilter;
@@ -25,7 +26,6 @@ use crate::lobe::{self, Lobe};
 use crate::pyramid::{Octaves, Pyramid, PyramidLobes};
 use glam::{DMat3, DVec3};
 use std::borrow::Cow;
-use std::sync::OnceLock;
 
 /// Lobes of a smaller alpha are served as mirrors: float32 resolves no sharper ones, and beyond a texel even
 /// of a 4096^2 OEM their tails hold less than 1e-5 of their energy.
@@ -179,12 +179,12 @@ pub struct Reflector<'a> {
     /// Scale of the OEM's light.
     scale: LightScale,
     size: OemSize,
-    oem: OnceLock<Oem>,
+    oem: Once<Oem>,
     settings: ReflectorSettings,
-    source: OnceLock<Cells>,
-    bilinear: OnceLock<Cells>,
-    sat: OnceLock<Sat>,
-    pyramid: OnceLock<Pyramid>,
+    source: Once<Cells>,
+    bilinear: Once<Cells>,
+    sat: Once<Sat>,
+    pyramid: Once<Pyramid>,
 }
 
 impl<'a> Reflector<'a> {
@@ -208,25 +208,18 @@ impl<'a> Reflector<'a> {
     /// A reflector over an existing OEM, built with `settings`. Answers are in the OEM's units.
     pub fn over(environment: &'a Environment, oem: Oem, settings: ReflectorSettings) -> Self {
         let size = oem.size();
-        Self::with_parts(
-            Cow::Borrowed(environment),
-            LightScale::default(),
-            size,
-            OnceLock::from(oem),
-            settings,
-        )
+        Self::with_parts(Cow::Borrowed(environment), LightScale::default(), size, Once::from(oem), settings)
     }
 
     fn prepared(environment: Cow<'a, Environment>, settings: &ReflectorSettings) -> Result<Self> {
         settings.check_memory("this reflector", environment.layout(), &[], LIMIT)?;
         let (size, _) = settings.plan(environment.layout())?;
         let scale = LightScale::new(&environment);
-        let oem = OnceLock::new();
         // Cells of the source may be all that is used.
-        if !reparameterise::is_infallible(environment.layout(), size) {
-            let made = reparameterise::oem_from_environment(&scale.scaled(&environment), size)?;
-            oem.get_or_init(|| made);
-        }
+        let oem = match reparameterise::is_infallible(environment.layout(), size) {
+            true => Once::new(),
+            false => Once::from(reparameterise::oem_from_environment(&scale.scaled(&environment), size)?),
+        };
         Ok(Self::with_parts(environment, scale, size, oem, *settings))
     }
 
@@ -234,7 +227,7 @@ impl<'a> Reflector<'a> {
         environment: Cow<'a, Environment>,
         scale: LightScale,
         size: OemSize,
-        oem: OnceLock<Oem>,
+        oem: Once<Oem>,
         settings: ReflectorSettings,
     ) -> Self {
         Self {
@@ -243,10 +236,10 @@ impl<'a> Reflector<'a> {
             size,
             oem,
             settings,
-            source: OnceLock::new(),
-            bilinear: OnceLock::new(),
-            sat: OnceLock::new(),
-            pyramid: OnceLock::new(),
+            source: Once::new(),
+            bilinear: Once::new(),
+            sat: Once::new(),
+            pyramid: Once::new(),
         }
     }
 
@@ -259,7 +252,7 @@ impl<'a> Reflector<'a> {
     /// The OEM, in the source's own space. Its light is that of the source times
     /// 2^[`LightScale::exponent`].
     pub(crate) fn map(&self) -> &Oem {
-        self.oem.get_or_init(|| {
+        self.oem.get_or_make(|| {
             let source = self.scale.scaled(&self.environment);
             reparameterise::oem_from_environment(&source, self.size).expect("checked when prepared")
         })
@@ -283,12 +276,12 @@ impl<'a> Reflector<'a> {
 
     /// The OEM's exact table.
     fn sat(&self) -> &Sat {
-        self.sat.get_or_init(|| Sat::new(self.map(), self.settings.scan))
+        self.sat.get_or_make(|| Sat::new(self.map(), self.settings.scan))
     }
 
     /// Cells of the source's texels, for lobes wider than the OEM's texels.
     fn source_cells(&self) -> &Cells {
-        self.source.get_or_init(|| {
+        self.source.get_or_make(|| {
             let inner = self.size.inner;
             let layout = self.environment.layout();
             let width = cells_across(layout, inner.div_ceil(self.settings.block(inner)));
@@ -299,7 +292,7 @@ impl<'a> Reflector<'a> {
     /// Cells of the OEM, interpolated bilinearly.
     fn bilinear_cells(&self) -> &Cells {
         let block = self.settings.block(self.size.inner);
-        self.bilinear.get_or_init(|| Cells::new(self.map(), block, Reconstruction::Bilinear))
+        self.bilinear.get_or_make(|| Cells::new(self.map(), block, Reconstruction::Bilinear))
     }
 
     /// The light of the source, scaled as the OEM's.
@@ -309,7 +302,7 @@ impl<'a> Reflector<'a> {
 
     /// The map's pyramid. Its size must have one.
     fn pyramid(&self) -> &Pyramid {
-        self.pyramid.get_or_init(|| Pyramid::of_oem(self.map()).expect("a checked size"))
+        self.pyramid.get_or_make(|| Pyramid::of_oem(self.map()).expect("a checked size"))
     }
 
     /// Radiance that a surface reflects to the viewer of `frame`, in the world, out of the map's pyramid; see

@@ -4,6 +4,7 @@
 //! n.v it runs along a diagonal that nodes cannot follow. The table has the albedo over that dip's closed
 //! form, and is smooth.
 
+use crate::common::once::Once;
 use crate::common::parallel;
 use crate::lobe::reflectance;
 use crate::sphere::quadrature::gauss_legendre;
@@ -31,14 +32,17 @@ const GRAZING_NODES: u32 = 64;
 const GRAZING: f64 = 0.02;
 
 /// Scale and bias of f0 over what [`dip`] leaves, at the nodes: those of the least n.v first.
-static TABLE: LazyLock<Vec<[f32; 2]>> = LazyLock::new(|| {
-    let [across, up] = NODES;
-    parallel::map(0..across * up, |k| {
-        let (roughness, cosine) = (roughness_of(k % across), cosine_of(k / across));
-        let left = f64::from(left_by_dip(cosine as f32, roughness as f32));
-        integral(cosine, roughness).map(|share| f16::from_f64(share / left).to_f32())
+fn table() -> &'static [[f32; 2]] {
+    static TABLE: Once<Vec<[f32; 2]>> = Once::new();
+    TABLE.get_or_make(|| {
+        let [across, up] = NODES;
+        parallel::map(0..across * up, |k| {
+            let (roughness, cosine) = (roughness_of(k % across), cosine_of(k / across));
+            let left = f64::from(left_by_dip(cosine as f32, roughness as f32));
+            integral(cosine, roughness).map(|share| f16::from_f64(share / left).to_f32())
+        })
     })
-});
+}
 
 fn integral(cosine: f64, roughness: f64) -> [f64; 2] {
     static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(GRAZING_NODES));
@@ -68,10 +72,11 @@ fn left_by_dip(cosine: f32, roughness: f32) -> f32 {
 /// The table as shaders read it: a node and its neighbour of greater roughness in each texel.
 #[must_use]
 pub fn texels() -> Vec<[f32; 4]> {
-    let node = |k: usize| TABLE[k];
-    (0..TABLE.len())
+    let table = table();
+    let node = |k: usize| table[k];
+    (0..table.len())
         .map(|k| {
-            let ([a, b], [c, d]) = (node(k), node((k + 1).min(TABLE.len() - 1)));
+            let ([a, b], [c, d]) = (node(k), node((k + 1).min(table.len() - 1)));
             [a, b, c, d]
         })
         .collect()
@@ -91,10 +96,11 @@ pub fn albedo_at(roughness: f32, cosine: f32) -> [f32; 2] {
     });
     let mix = |a: f32, b: f32, share: f32| a + share * (b - a);
     let left = left_by_dip(seen, roughness);
+    let table = table();
     [0, 1].map(|side| {
         let row = |y: usize| {
             let first = x + NODES[0] * y;
-            mix(TABLE[first][side], TABLE[first + 1][side], right)
+            mix(table[first][side], table[first + 1][side], right)
         };
         left * mix(row(y), row(y + 1), up)
     })

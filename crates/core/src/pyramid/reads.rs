@@ -11,12 +11,12 @@ use super::fit::{gaussian, smooth, solved};
 use super::places::{READS, places};
 use super::{Octaves, WIDEST};
 use crate::common::frame::LEAST_COSINE;
+use crate::common::once::Once;
 use crate::common::parallel;
 use crate::lobe::{legendre, reflectance};
 use glam::{DVec2, DVec3};
 use half::f16;
 use std::f64::consts::PI;
-use std::sync::OnceLock;
 
 /// Directions in the plane of incidence around which harmonics are zonal, as angles from the normal towards
 /// the viewer. Those of order l stand around the first l + 1.
@@ -76,9 +76,9 @@ fn width_of(octaves: Octaves, level: u32) -> f64 {
 
 /// The nodes over the levels of `octaves`, fitted at the first call: those of the least roughness first.
 pub fn table(octaves: Octaves) -> &'static [Node] {
-    static FITTED: [OnceLock<Vec<Node>>; Octaves::MOST as usize] =
-        [const { OnceLock::new() }; Octaves::MOST as usize];
-    FITTED[octaves.count() as usize - 1].get_or_init(|| {
+    static FITTED: [Once<Vec<Node>>; Octaves::MOST as usize] =
+        [const { Once::new() }; Octaves::MOST as usize];
+    FITTED[octaves.count() as usize - 1].get_or_make(|| {
         let [across, _] = NODES;
         let nodes = 0..across * NODES[1];
         parallel::map(nodes, |k| fitted(octaves, roughness_of(k % across), cosine_of(k / across)))
