@@ -26,8 +26,8 @@ const NONE = 0xffffffffu;
 @group(0) @binding(2) var<storage, read> green: array<f32>;
 @group(0) @binding(3) var<storage, read> blue: array<f32>;
 @group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
-// For each block the bits of its greatest brightness, which sort like it, and the texel that has that, counted
-// by blocks; then the seeds. Brightness without BELOW.
+// For each block the bits of its greatest brightness, which sort like it, and the texel that has that,
+// counted by blocks; then the seeds. Brightness without BELOW.
 @group(0) @binding(5) var<storage, read_write> blocks: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read_write> light: OctaglossLight;
 

@@ -82,7 +82,8 @@ impl<'a> Sources<'a> {
             rotate_y: given.rotate_y.or(provenance.rotate_y),
             mirror: given.mirror || provenance.mirror.unwrap_or(false),
             extract_sun: given.extract_sun.clone().or_else(|| taken(provenance)),
-            scale: given.scale.or(provenance.scale),
+            // 1 is what a bake without a record has.
+            scale: given.scale.or(provenance.scale).filter(|scale| *scale != 1.0),
             crop: given.crop || provenance.crop.unwrap_or(false),
             pad: given.pad.or(provenance.pad),
             ..(*given).clone()

@@ -1,13 +1,14 @@
-//! Files that documents name.
+//! Files that documents name, and what rustfmt does not look at.
 
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 #[test]
 fn documents_name_files_that_exist() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut count = 0;
     for document in ["docs/architecture.md", "docs/contributing.md", "docs/extending.md"] {
-        let text = std::fs::read_to_string(root.join(document)).expect("a document");
+        let text = fs::read_to_string(root.join(document)).expect("a document");
         // The npm and Python packages are not in the crate's.
         let is_path = |word: &&str| {
             ["crates/", "src/", "shaders/", "tests/"].iter().any(|folder| word.starts_with(folder))
@@ -30,10 +31,10 @@ fn every_file_of_tests_is_a_module() {
     let mut folders = suites.map(|suite| root.join(suite)).to_vec();
     let mut count = 0;
     while let Some(folder) = folders.pop() {
-        let text = |path: std::path::PathBuf| std::fs::read_to_string(path).unwrap_or_default();
+        let text = |path: PathBuf| fs::read_to_string(path).unwrap_or_default();
         let parents = ["main.rs", "mod.rs"].map(|name| text(folder.join(name))).concat()
             + &text(folder.with_extension("rs"));
-        for entry in std::fs::read_dir(&folder).expect("a folder") {
+        for entry in fs::read_dir(&folder).expect("a folder") {
             let path = entry.expect("an entry").path();
             let name = path.file_stem().expect("a name").to_str().expect("text");
             if path.is_dir() {
@@ -47,4 +48,28 @@ fn every_file_of_tests_is_a_module() {
         }
     }
     assert!(count > 100, "{count}");
+}
+
+/// rustfmt breaks lines of code, not those of comments.
+#[test]
+fn comments_are_no_wider_than_code() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders = ["crates", "src", "shaders", "tests", "examples"].map(|name| root.join(name)).to_vec();
+    let mut count = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.extend((!path.ends_with("target")).then_some(path));
+            } else if path.extension().is_some_and(|extension| extension == "rs" || extension == "wgsl") {
+                let text = fs::read_to_string(&path).expect("a text");
+                for (line, number) in text.lines().zip(1..) {
+                    let is_wide = line.trim_start().starts_with("//") && line.chars().count() > 110;
+                    assert!(!is_wide, "{}:{number} is wider than 110 columns", path.display());
+                }
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 400, "{count} files");
 }

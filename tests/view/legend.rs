@@ -1,7 +1,7 @@
 //! Legends of debug views: what they say, and that nothing is cut off.
 
 use octagloss_core::light::oem::OemSize;
-use octagloss_view::look::legend::{Shown, legend_scene};
+use octagloss_view::look::legend::{INSET, MIN, Shown, legend_scene};
 use octagloss_view::{Look, Show, Technique};
 
 const SHOWN: Shown = Shown { mean: 0.0123, least: 0.0, greatest: 1520.4 };
@@ -16,7 +16,9 @@ fn texts(show: Show, filter: Technique, border: u32) -> Vec<String> {
             assert!(!own.overlaps(others), "{show:?}: {text:?} covers {other:?}");
         }
     }
-    assert!(scene.picture().width() <= 400 && scene.picture().height() <= 190, "{show:?}");
+    // The smallest picture with a legend has room for it.
+    let picture = scene.picture();
+    assert!(picture.width() + 2 * INSET <= MIN[0] && picture.height() + 2 * INSET <= MIN[1], "{show:?}");
     labels.into_iter().map(|(text, _)| text).collect()
 }
 

@@ -91,7 +91,10 @@ impl Show {
 
     /// Whether its colours are display colours, which tone mapping must not change.
     pub(super) const fn is_false_colour(self) -> bool {
-        matches!(self, Self::Error)
+        match self {
+            Self::Error => true,
+            Self::Scene | Self::Oem | Self::Sat => false,
+        }
     }
 }
 

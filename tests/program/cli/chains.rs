@@ -218,6 +218,12 @@ fn folders_of_cmgen_are_measured() {
     assert!(
         warnings.contains("theirs: neither a report nor roughness in its files; assuming cmgen's 3 levels")
     );
+    // Theirs does not record that nothing was done to the light.
+    let pair =
+        done(at, &["compare", "ours", "theirs", "sky.exr", "--delivered=0.6", "--json", "--quiet"]).out;
+    let pair: Value = serde_json::from_str(&pair).unwrap();
+    let relative = |k: usize| &pair["bakes"][k]["delivered"]["roughnesses"];
+    assert!(relative(0).is_array() && relative(0) == relative(1), "{pair}");
     // Six faces alone are a source.
     for level in [1, 2] {
         for face in ["px", "nx", "py", "ny", "pz", "nz"] {

@@ -8,21 +8,21 @@ use octagloss_core::common::percent::percent;
 use octagloss_core::light::environment::exact_luminance;
 use octagloss_core::light::oem::OemSize;
 use octagloss_drawing::bitmap::Bitmap;
-use octagloss_drawing::font::{fitted, text_width};
+use octagloss_drawing::font::text_width;
 use octagloss_drawing::page::{BAR_WIDTH, colour_bar};
 use octagloss_drawing::scale::RELATIVE_ERROR;
 use octagloss_drawing::scene::{Anchor, Frame, Scene, wrapped};
 use octagloss_drawing::style::{FAINT, GAP, INK, LABEL, LINE, SMALL, SOFT};
 
 /// Least width and height of a picture with a legend, in pixels.
-const MIN: [u32; 2] = [320, 200];
+pub const MIN: [u32; 2] = [320, 200];
 
 /// Pixels between a legend and the edges of its picture.
 pub const INSET: u32 = 12;
 
-/// Widest text, and height of the colour bar, in pixels.
-const TEXT: f64 = 240.0;
-const BAR: f64 = 150.0;
+/// Widest legend, and height of the colour bar, in pixels: the smallest picture has room for both.
+const WIDEST: f64 = (MIN[0] - 2 * INSET) as f64;
+const BAR: f64 = 148.0;
 
 /// Figures of what a picture shows: relative errors, or luminance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,11 +114,13 @@ fn number(value: f64) -> String {
 
 /// A plate with a title and lines; beside a bar of errors in `range`, if there is one.
 fn plate(title: &str, lines: &[String], range: Option<[f64; 2]>) -> Scene {
-    let lines: Vec<String> = lines.iter().flat_map(|line| wrapped(line, SMALL, TEXT)).collect();
-    let title = fitted(title, LABEL, TEXT);
-    let widest = lines.iter().map(|line| text_width(line, SMALL)).fold(text_width(&title, LABEL), f64::max);
     let left = if range.is_some() { BAR_WIDTH + GAP } else { GAP };
-    let text = LINE * (LABEL + SMALL * lines.len() as f64);
+    let wrapped =
+        |text, size| wrapped(text, size, WIDEST - left - GAP).into_iter().map(move |line| (line, size));
+    let lines = lines.iter().flat_map(|line| wrapped(line, SMALL));
+    let lines: Vec<(String, f64)> = wrapped(title, LABEL).chain(lines).collect();
+    let widest = lines.iter().map(|(line, size)| text_width(line, *size)).fold(0.0, f64::max);
+    let text: f64 = lines.iter().map(|(_, size)| LINE * size).sum();
     let body = if range.is_some() { BAR.max(text) } else { text };
     let mut scene = Scene::new(left + widest + GAP, body + 2.0 * GAP - 4.0);
     scene.outline(scene.frame().inset(0.5).corners(), 1.0, FAINT);
@@ -126,11 +128,11 @@ fn plate(title: &str, lines: &[String], range: Option<[f64; 2]>) -> Scene {
         let frame = Frame::new(DVec2::splat(GAP), DVec2::new(GAP + BAR_WIDTH, GAP + BAR - 4.0));
         colour_bar(&mut scene, &frame, &RELATIVE_ERROR, "relative error", range);
     }
-    let mut baseline = GAP + 0.72 * LABEL;
-    scene.text(DVec2::new(left, baseline), &title, LABEL, Anchor::Start, INK);
-    for line in lines {
-        baseline += LINE * SMALL;
-        scene.text(DVec2::new(left, baseline), &line, SMALL, Anchor::Start, SOFT);
+    let mut top = GAP;
+    for (line, size) in lines {
+        let colour = if size == LABEL { INK } else { SOFT };
+        scene.text(DVec2::new(left, top + 0.72 * size), &line, size, Anchor::Start, colour);
+        top += LINE * size;
     }
     scene
 }
