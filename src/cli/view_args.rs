@@ -158,7 +158,7 @@ pub(super) struct LookArgs {
     ///
     /// oem is the octahedral map. sat is its table (means of the boxes from the corner). error is the
     /// filter's relative error against the certified tier in false colour, from 1e-4 (black) through blue and
-    /// red to 1 (yellow). Pictures of at least 320x200 pixels have a legend with scale, unit and range.
+    /// red to 1 (yellow). Pictures of at least 480x270 pixels have a legend with scale, unit and range.
     #[arg(long, value_name = "WHAT", default_value = "scene", hide_possible_values = true)]
     pub(super) show: Show,
     /// Camera: rotation to the right, in degrees

@@ -50,7 +50,7 @@ fn debug_view(show: &str, size: &str) -> RgbImage {
 
 /// Map and table, large enough for a legend.
 static MAP_AND_TABLE: LazyLock<[RgbImage; 2]> =
-    LazyLock::new(|| ["oem", "sat"].map(|show| debug_view(show, "320x200")));
+    LazyLock::new(|| ["oem", "sat"].map(|show| debug_view(show, "480x270")));
 
 /// The table's first texel is that of the map, and its last the mean of all.
 #[test]
@@ -58,10 +58,10 @@ fn map_and_table_are_shown() {
     let [oem, sat] = &*MAP_AND_TABLE;
     // The square as high as the picture, in its middle.
     let at = |picture: &RgbImage, x: u32, y: u32| picture.get_pixel(x, y).0.map(i32::from);
-    assert_eq!((at(oem, 290, 20), at(sat, 290, 20)), ([0; 3], [0; 3]));
+    assert_eq!((at(oem, 440, 27), at(sat, 440, 27)), ([0; 3], [0; 3]));
     let off = |a: [i32; 3], b: [i32; 3]| (0..3).map(|c| (a[c] - b[c]).abs()).max();
-    assert!(off(at(oem, 60, 0), at(sat, 60, 0)) <= Some(1), "the first texel");
-    assert!(off(at(sat, 259, 199), at(oem, 259, 199)) > Some(10), "the last is no texel");
+    assert!(off(at(oem, 105, 0), at(sat, 105, 0)) <= Some(1), "the first texel");
+    assert!(off(at(sat, 374, 269), at(oem, 374, 269)) > Some(10), "the last is no texel");
     assert_ne!(oem, sat);
 }
 
@@ -71,7 +71,7 @@ fn debug_views_have_a_legend() {
     // Inside the plate's outline, 12 pixels from both edges.
     let corner = |picture: &RgbImage| picture.get_pixel(12 + 5, picture.height() - 12 - 5).0;
     assert_eq!(MAP_AND_TABLE.each_ref().map(corner), [[255; 3]; 2]);
-    assert_ne!(corner(&debug_view("oem", "319x200")), [255; 3]);
+    assert_ne!(corner(&debug_view("oem", "479x270")), [255; 3]);
 }
 
 #[test]

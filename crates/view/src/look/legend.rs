@@ -15,14 +15,14 @@ use octagloss_drawing::scene::{Anchor, Frame, Scene, wrapped};
 use octagloss_drawing::style::{FAINT, GAP, INK, LABEL, LINE, SMALL, SOFT};
 
 /// Least width and height of a picture with a legend, in pixels.
-pub const MIN: [u32; 2] = [320, 200];
+pub const MIN: [u32; 2] = [480, 270];
 
 /// Pixels between a legend and the edges of its picture.
 pub const INSET: u32 = 12;
 
-/// Widest legend, and height of the colour bar, in pixels: the smallest picture has room for both.
-const WIDEST: f64 = (MIN[0] - 2 * INSET) as f64;
-const BAR: f64 = 148.0;
+/// Widest text beside no colour bar and beside one, and height of the bar, in pixels.
+const TEXT: [f64; 2] = [240.0, 190.0];
+const BAR: f64 = 150.0;
 
 /// Figures of what a picture shows: relative errors, or luminance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +76,7 @@ pub fn legend_scene(look: &Look, OemSize { inner, border }: OemSize, ev: f64, sh
     match look.show {
         Show::Scene => None,
         Show::Error => {
-            let (mean, greatest) = (percent(mean), percent(greatest));
+            let [mean, greatest] = [mean, greatest].map(|share| percent(share).replace(' ', "\u{a0}"));
             let lines = vec![
                 format!("of luminance, against adaptive:{:e}", look.tolerance()),
                 format!("mean {mean}, greatest {greatest}"),
@@ -115,8 +115,8 @@ fn number(value: f64) -> String {
 /// A plate with a title and lines; beside a bar of errors in `range`, if there is one.
 fn plate(title: &str, lines: &[String], range: Option<[f64; 2]>) -> Scene {
     let left = if range.is_some() { BAR_WIDTH + GAP } else { GAP };
-    let wrapped =
-        |text, size| wrapped(text, size, WIDEST - left - GAP).into_iter().map(move |line| (line, size));
+    let most = TEXT[usize::from(range.is_some())];
+    let wrapped = |text, size| wrapped(text, size, most).into_iter().map(move |line| (line, size));
     let lines = lines.iter().flat_map(|line| wrapped(line, SMALL));
     let lines: Vec<(String, f64)> = wrapped(title, LABEL).chain(lines).collect();
     let widest = lines.iter().map(|(line, size)| text_width(line, *size)).fold(0.0, f64::max);
