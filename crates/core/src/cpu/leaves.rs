@@ -100,10 +100,10 @@ impl Leaf {
     }
 
     /// Energy with the moments `patch`, whose centroid is at `offset` from the packet's axis.
-    pub(super) fn of_patch(patch: &Patch, offset: DVec3, energy: Rgb) -> Self {
+    pub(super) fn of_patch(patch: &Patch, offset: Vec3, energy: Rgb) -> Self {
         let Patch { diagonal, mixed, radius, .. } = *patch;
         Self {
-            offset: offset.as_vec3().to_array(),
+            offset: offset.to_array(),
             covariance: [diagonal.x, diagonal.y, diagonal.z, mixed.x, mixed.y, mixed.z],
             radius,
             energy,

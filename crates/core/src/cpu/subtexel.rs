@@ -3,6 +3,7 @@
 
 use super::cells::{Members, SourceLight};
 use super::leaves::{Leaf, LitPiece, Packet, Scratch};
+use crate::common::vector::Fused as _;
 use crate::cpu::leaves::weighted;
 use crate::geometry::source_texels::Piece;
 use crate::geometry::tent::{Moments, Patch, Reconstruction, Texel};
@@ -117,7 +118,7 @@ pub(super) fn refine<R: Radial>(
                 scratch.slack.iter_mut().zip(energy).for_each(|(slack, energy)| *slack += error * energy);
             }
             let energy = energy.map(|e| e as f32);
-            scratch.leaves.push(Leaf::of_patch(&moments.into(), offset, energy));
+            scratch.leaves.push(Leaf::of_patch(&moments.into(), offset.as_vec3(), energy));
         }
     }
 }
@@ -155,8 +156,9 @@ pub(super) fn refine_members<R: Radial>(
         let mut batch = [pieces[rest]; JUDGED_TOGETHER];
         batch[..count].copy_from_slice(&pieces[rest..]);
         pieces.truncate(rest);
-        let mut found = [(Patch::default(), DVec3::ZERO, 0.0); JUDGED_TOGETHER];
-        let [mut distances, mut reaches, mut traces, mut errors] = [[0.0_f32; JUDGED_TOGETHER]; 4];
+        let mut found = [(Patch::default(), Vec3::ZERO, 0.0); JUDGED_TOGETHER];
+        let [mut x, mut y, mut z] = [[0.0_f32; JUDGED_TOGETHER]; 3];
+        let [mut reaches, mut traces, mut errors] = [[0.0_f32; JUDGED_TOGETHER]; 3];
         for (k, LitPiece { column, row, piece, .. }) in batch.iter().enumerate().take(count) {
             let (Texel { patch, solid_angle }, centroid) = if piece.depth == 0 {
                 let texel = texels.at(*column, *row);
@@ -164,13 +166,14 @@ pub(super) fn refine_members<R: Radial>(
             } else {
                 texels.piece(*column, *row, *piece)
             };
-            let offset = centroid - packet.axis;
-            (distances[k], reaches[k]) = (offset.length() as f32, patch.radius);
+            let offset = (centroid - packet.axis).as_vec3();
+            (x[k], y[k], z[k], reaches[k]) = (offset.x, offset.y, offset.z, patch.radius);
             traces[k] = patch.diagonal.element_sum();
             found[k] = (patch, offset, solid_angle);
         }
         for k in 0..JUDGED_TOGETHER {
-            errors[k] = expected_error::<R, true>(kernel, distances[k], reaches[k], packet.radius, traces[k]);
+            let distance = x[k].times_plus(x[k], y[k].times_plus(y[k], z[k] * z[k])).sqrt();
+            errors[k] = expected_error::<R, true>(kernel, distance, reaches[k], packet.radius, traces[k]);
         }
         for (k, lit) in batch.iter().enumerate().take(count) {
             let (patch, offset, solid_angle) = found[k];
