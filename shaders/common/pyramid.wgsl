@@ -80,7 +80,8 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     sum += harmonics_around(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
     // GGX around the suns: `glossy` of crates/core/src/pyramid/suns.rs.
-    let a2 = roughness * roughness * roughness * roughness;
+    // Sharper lobes read the mirror; a sun of one texel is a point there.
+    let a2 = max(roughness * roughness * roughness * roughness, 1e-12);
     for (var disc = 0u; disc < 2u * SUNS; disc++) {
         let sun = octagloss_lights[probe].suns[disc / 2u];
         let half_axis = half_axis_of(probe, disc);
@@ -104,7 +105,7 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
             lobe = select(inside, outside, nearness > vec3<f32>());
         }
         // 1 / (2 pi): a disc has half of the light.
-        sum += sun.energy * lobe * (1.0 - 2.0 * s) * (0.15915494 * e.w * (1.0 - a.x));
+        sum += sun.energy * (lobe * (1.0 - 2.0 * s) * (0.15915494 * e.w * (1.0 - a.x)));
     }
     return sum;
 }

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 5cebc329b6fcd852.
+// Translated from pyramid_cube.wgsl, FNV-1a 3f6d1ce640f49a4e.
 #else
-// Translated from pyramid.wgsl, FNV-1a 6b062a2812ec6446.
+// Translated from pyramid.wgsl, FNV-1a 37a331223386c472.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -312,31 +312,31 @@ vec3 octagloss_radiance_of(uint probe_9, vec3 direction_2, float roughness) {
     vec3 _e99 = sum;
     float _e105 = octagloss_lights[probe_9].unscale;
     sum = (max(_e99, vec3(0.0)) * _e105);
-    float a2_ = (((roughness * roughness) * roughness) * roughness);
+    float a2_ = max((((roughness * roughness) * roughness) * roughness), 1e-12);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e229 = disc_1;
-            disc_1 = (_e229 + 1u);
+            uint _e231 = disc_1;
+            disc_1 = (_e231 + 1u);
         }
         loop_init_2 = false;
-        uint _e112 = disc_1;
-        if ((_e112 < 16u)) {
+        uint _e114 = disc_1;
+        if ((_e114 < 16u)) {
         } else {
             break;
         }
         {
-            uint _e118 = disc_1;
-            OctaglossSun sun = octagloss_lights[probe_9].suns[(_e118 / 2u)];
-            uint _e123 = disc_1;
-            vec3 _e124 = octagloss_half_axis_of(probe_9, _e123);
-            float _e125 = octagloss_squared(_e124);
-            float nearer = (1.0 - (0.5 * _e125));
-            vec3 to = (_e3 - _e124);
-            float _e135 = octagloss_squared((to - (nearer * sun.red.xyz)));
-            float _e140 = octagloss_squared((to - (nearer * sun.green.xyz)));
-            float _e145 = octagloss_squared((to - (nearer * sun.blue.xyz)));
-            vec3 apart = vec3(_e135, _e140, _e145);
+            uint _e120 = disc_1;
+            OctaglossSun sun = octagloss_lights[probe_9].suns[(_e120 / 2u)];
+            uint _e125 = disc_1;
+            vec3 _e126 = octagloss_half_axis_of(probe_9, _e125);
+            float _e127 = octagloss_squared(_e126);
+            float nearer = (1.0 - (0.5 * _e127));
+            vec3 to = (_e3 - _e126);
+            float _e137 = octagloss_squared((to - (nearer * sun.red.xyz)));
+            float _e142 = octagloss_squared((to - (nearer * sun.green.xyz)));
+            float _e147 = octagloss_squared((to - (nearer * sun.blue.xyz)));
+            vec3 apart = vec3(_e137, _e142, _e147);
             vec3 s = min((0.25 * apart), vec3(0.5));
             vec3 radius2_ = (0.5 * vec3(sun.red.w, sun.green.w, sun.blue.w));
             vec3 nearness = ((s + (a2_ * (vec3(1.0) - s))) - radius2_);
@@ -349,13 +349,13 @@ vec3 octagloss_radiance_of(uint probe_9, vec3 direction_2, float roughness) {
                 vec3 inside = ((root - nearness) / ((2.0 * max(radius2_, vec3(1e-30))) * root));
                 lobe = mix(inside, outside, greaterThan(nearness, vec3(0.0)));
             }
-            vec3 _e209 = sum;
-            vec3 _e211 = lobe;
-            sum = (_e209 + (((sun.energy * _e211) * (vec3(1.0) - (2.0 * s))) * ((0.15915494 * e.w) * (1.0 - a_1.x))));
+            vec3 _e211 = sum;
+            vec3 _e213 = lobe;
+            sum = (_e211 + (sun.energy * ((_e213 * (vec3(1.0) - (2.0 * s))) * ((0.15915494 * e.w) * (1.0 - a_1.x)))));
         }
     }
-    vec3 _e231 = sum;
-    return _e231;
+    vec3 _e233 = sum;
+    return _e233;
 }
 
 vec3 octagloss_radiance(vec3 direction_3, float roughness_1) {

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 5cebc329b6fcd852.
+// Translated from pyramid_cube.wgsl, FNV-1a 3f6d1ce640f49a4e.
 #else
-// Translated from pyramid.wgsl, FNV-1a 6b062a2812ec6446.
+// Translated from pyramid.wgsl, FNV-1a 37a331223386c472.
 #endif
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
@@ -431,31 +431,31 @@ float3 octagloss_radiance_of(uint probe_9, float3 direction_2, float roughness)
     float3 _e99 = sum;
     float _e105 = octagloss_lights[probe_9].unscale;
     sum = (max(_e99, ZeroValuefloat3()) * _e105);
-    float a2_ = (((roughness * roughness) * roughness) * roughness);
+    float a2_ = max((((roughness * roughness) * roughness) * roughness), 1e-12);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e229 = disc_1;
-            disc_1 = (_e229 + 1u);
+            uint _e231 = disc_1;
+            disc_1 = (_e231 + 1u);
         }
         loop_init_2 = false;
-        uint _e112 = disc_1;
-        if ((_e112 < 16u)) {
+        uint _e114 = disc_1;
+        if ((_e114 < 16u)) {
         } else {
             break;
         }
         {
-            uint _e118 = disc_1;
-            OctaglossSun sun = octagloss_lights[probe_9].suns[naga_div(_e118, 2u)];
-            uint _e123 = disc_1;
-            const float3 _e124 = octagloss_half_axis_of(probe_9, _e123);
-            const float _e125 = octagloss_squared(_e124);
-            float nearer = (1.0 - (0.5 * _e125));
-            float3 to = (_e3 - _e124);
-            const float _e135 = octagloss_squared((to - (nearer * sun.red.xyz)));
-            const float _e140 = octagloss_squared((to - (nearer * sun.green.xyz)));
-            const float _e145 = octagloss_squared((to - (nearer * sun.blue.xyz)));
-            float3 apart = float3(_e135, _e140, _e145);
+            uint _e120 = disc_1;
+            OctaglossSun sun = octagloss_lights[probe_9].suns[naga_div(_e120, 2u)];
+            uint _e125 = disc_1;
+            const float3 _e126 = octagloss_half_axis_of(probe_9, _e125);
+            const float _e127 = octagloss_squared(_e126);
+            float nearer = (1.0 - (0.5 * _e127));
+            float3 to = (_e3 - _e126);
+            const float _e137 = octagloss_squared((to - (nearer * sun.red.xyz)));
+            const float _e142 = octagloss_squared((to - (nearer * sun.green.xyz)));
+            const float _e147 = octagloss_squared((to - (nearer * sun.blue.xyz)));
+            float3 apart = float3(_e137, _e142, _e147);
             float3 s = min((0.25 * apart), (0.5).xxx);
             float3 radius2_ = (0.5 * float3(sun.red.w, sun.green.w, sun.blue.w));
             float3 nearness = ((s + (a2_ * ((1.0).xxx - s))) - radius2_);
@@ -468,13 +468,13 @@ float3 octagloss_radiance_of(uint probe_9, float3 direction_2, float roughness)
                 float3 inside = ((root - nearness) / ((2.0 * max(radius2_, (1e-30).xxx)) * root));
                 lobe = ((nearness > ZeroValuefloat3()) ? outside : inside);
             }
-            float3 _e209 = sum;
-            float3 _e211 = lobe;
-            sum = (_e209 + (((sun.energy * _e211) * ((1.0).xxx - (2.0 * s))) * ((0.15915494 * e.w) * (1.0 - a_1.x))));
+            float3 _e211 = sum;
+            float3 _e213 = lobe;
+            sum = (_e211 + (sun.energy * ((_e213 * ((1.0).xxx - (2.0 * s))) * ((0.15915494 * e.w) * (1.0 - a_1.x)))));
         }
     }
-    float3 _e231 = sum;
-    return _e231;
+    float3 _e233 = sum;
+    return _e233;
 }
 
 float3 octagloss_radiance(float3 direction_3, float roughness_1)

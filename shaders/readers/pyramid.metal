@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 5cebc329b6fcd852.
+// Translated from pyramid_cube.wgsl, FNV-1a 3f6d1ce640f49a4e.
 #else
-// Translated from pyramid.wgsl, FNV-1a 6b062a2812ec6446.
+// Translated from pyramid.wgsl, FNV-1a 37a331223386c472.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
@@ -477,31 +477,31 @@ metal::float3 octagloss_radiance_of(
     metal::float3 _e99 = sum;
     float _e105 = octagloss_lights.inner[probe_9].unscale;
     sum = metal::max(_e99, metal::float3 {}) * _e105;
-    float a2_ = ((roughness * roughness) * roughness) * roughness;
+    float a2_ = metal::max(((roughness * roughness) * roughness) * roughness, 0.000000000001);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e229 = disc_1;
-            disc_1 = _e229 + 1u;
+            uint _e231 = disc_1;
+            disc_1 = _e231 + 1u;
         }
         loop_init_2 = false;
-        uint _e112 = disc_1;
-        if (_e112 < 16u) {
+        uint _e114 = disc_1;
+        if (_e114 < 16u) {
         } else {
             break;
         }
         {
-            uint _e118 = disc_1;
-            OctaglossSun sun = octagloss_lights.inner[probe_9].suns.inner[naga_div(_e118, 2u)];
-            uint _e123 = disc_1;
-            metal::float3 _e124 = octagloss_half_axis_of(probe_9, _e123, octagloss_lights);
-            float _e125 = octagloss_squared(_e124);
-            float nearer = 1.0 - (0.5 * _e125);
-            metal::float3 to = _e3 - _e124;
-            float _e135 = octagloss_squared(to - (nearer * sun.red.xyz));
-            float _e140 = octagloss_squared(to - (nearer * sun.green.xyz));
-            float _e145 = octagloss_squared(to - (nearer * sun.blue.xyz));
-            metal::float3 apart = metal::float3(_e135, _e140, _e145);
+            uint _e120 = disc_1;
+            OctaglossSun sun = octagloss_lights.inner[probe_9].suns.inner[naga_div(_e120, 2u)];
+            uint _e125 = disc_1;
+            metal::float3 _e126 = octagloss_half_axis_of(probe_9, _e125, octagloss_lights);
+            float _e127 = octagloss_squared(_e126);
+            float nearer = 1.0 - (0.5 * _e127);
+            metal::float3 to = _e3 - _e126;
+            float _e137 = octagloss_squared(to - (nearer * sun.red.xyz));
+            float _e142 = octagloss_squared(to - (nearer * sun.green.xyz));
+            float _e147 = octagloss_squared(to - (nearer * sun.blue.xyz));
+            metal::float3 apart = metal::float3(_e137, _e142, _e147);
             metal::float3 s = metal::min(0.25 * apart, metal::float3(0.5));
             metal::float3 radius2_ = 0.5 * metal::float3(sun.red.w, sun.green.w, sun.blue.w);
             metal::float3 nearness = (s + (a2_ * (metal::float3(1.0) - s))) - radius2_;
@@ -514,13 +514,13 @@ metal::float3 octagloss_radiance_of(
                 metal::float3 inside = (root - nearness) / ((2.0 * metal::max(radius2_, metal::float3(0.000000000000000000000000000001))) * root);
                 lobe = metal::select(inside, outside, nearness > metal::float3 {});
             }
-            metal::float3 _e209 = sum;
-            metal::float3 _e211 = lobe;
-            sum = _e209 + (((sun.energy * _e211) * (metal::float3(1.0) - (2.0 * s))) * ((0.15915494 * e.w) * (1.0 - a_1.x)));
+            metal::float3 _e211 = sum;
+            metal::float3 _e213 = lobe;
+            sum = _e211 + (sun.energy * ((_e213 * (metal::float3(1.0) - (2.0 * s))) * ((0.15915494 * e.w) * (1.0 - a_1.x))));
         }
     }
-    metal::float3 _e231 = sum;
-    return _e231;
+    metal::float3 _e233 = sum;
+    return _e233;
 }
 
 metal::float3 octagloss_radiance(

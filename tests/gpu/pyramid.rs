@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use octagloss_core::light::environment::Layout;
 use octagloss_core::light::oem::{Oem, OemSize};
 use octagloss_core::pyramid::Pyramid;
-use octagloss_core::sphere::octahedral::{direction_from_oct, oct_from_direction, wrap_oct};
+use octagloss_core::sphere::octahedral::{direction_from_oct, oct_from_direction, texel_centre, wrap_oct};
 use octagloss_fixtures::adapters::{exceeds, wait, with_passes};
 use octagloss_fixtures::common::{Look, Random, landmarks, oem, texels};
 use octagloss_gpu::stages::build_pyramid;
@@ -89,4 +89,29 @@ fn look_ups_match_the_cpu() {
         [(32, Look::Noise, 1.0), (64, Look::Smooth, 1e-5), (256, Look::Suns, 1.0), (128, Look::Noise, 1e9)];
     let roughness = [0.0, 0.07, 0.15, 0.3, 0.5, 0.8, 1.0];
     with_passes("pyramids", |context, _| look_ups(context, &cases, &roughness));
+}
+
+/// A texel's light on a map's axes and folds, seen in exactly its direction: a sun without any width.
+#[test]
+fn suns_of_one_texel_are_finite_in_their_own_direction() {
+    with_passes("suns of one texel", |context, _| {
+        for (size, x, y) in [(64, 32, 31), (64, 0, 0), (128, 17, 90), (256, 128, 0)] {
+            let mut light = vec![[0.1, 0.2, 0.05]; (size * size) as usize];
+            light[(y * size + x) as usize] = [60_000.0, 0.0, 11_000.0];
+            let oem = oem(OemSize { inner: size, border: 0 }, &light);
+            let (expected, maps) = (Pyramid::of_oem(&oem).expect("a size"), built(context, &oem));
+            let direction = direction_from_oct(texel_centre(size, x, y));
+            let roughness = [0.0, 1e-9, 1e-5, 1e-3, 0.02, 0.1, 0.5];
+            let queries = roughness.map(|roughness| (direction, roughness));
+            let found = wait(context, pyramid::radiance(context, &maps, &queries));
+            for (roughness, found) in roughness.iter().zip(found) {
+                let truth = expected.lobes(*roughness as f32).radiance(direction);
+                let peak = f64::from(truth.into_iter().fold(0.0, f32::max));
+                for (found, truth) in found.iter().zip(truth) {
+                    let off = f64::from((found - truth).abs());
+                    assert!(!exceeds(off, 0.003 * peak), "{size} at {roughness}: {found}, not {truth}");
+                }
+            }
+        }
+    });
 }

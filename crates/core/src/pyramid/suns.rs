@@ -239,7 +239,9 @@ impl GlossySuns {
                 energy: of(&|sun, _| 0.5 * share * FRAC_1_PI * sun.channels[c].energy),
             }
         };
-        Self { channels: [0, 1, 2].map(channel), alpha2: alpha * alpha, arch: Arch::new() }
+        // Sharper lobes read the mirror; a sun of one texel is a point there.
+        let alpha2 = (alpha * alpha).at_least(1e-12);
+        Self { channels: [0, 1, 2].map(channel), alpha2, arch: Arch::new() }
     }
 
     /// Those around the unit vector `direction`.
