@@ -19,6 +19,7 @@ const NEAR_TEXELS = 7.0f;
 const BELOW = 255u;
 // Areas along an edge, each of which an invocation keeps while seeds are sought.
 const AREAS = 16u;
+const_assert AREAS * AREAS == GROUP_SIZE;
 // No texel.
 const NONE = 0xffffffffu;
 
@@ -86,9 +87,6 @@ fn brightness(at: u32) -> f32 {
 
 // How much a texel counts beside the seeds from `start` to `end`.
 fn apart(texel: vec2<u32>, start: u32, end: u32) -> f32 {
-    if start == end {
-        return 1.0;
-    }
     let direction = direction_of(texel);
     var nearest = 4.0;
     for (var k = start; k < end; k++) {
@@ -163,6 +161,7 @@ fn seek(@builtin(local_invocation_index) lane: u32) {
     var greatest = 0u;
     for (var count = 0u; count < SUNS; count++) {
         let found = first_of_part(own, 0u, lane);
+        // The first seed is the brightest texel of all.
         greatest = max(greatest, found.x);
         let seed = direction_of(texel_of(found.y));
         if lane == 0u {

@@ -30,6 +30,9 @@ fn legends_name_what_is_shown_its_unit_and_its_range() {
     {
         assert!(error.contains(words), "{words}: {error}");
     }
+    for filter in [Technique::Box, Technique::Levels, Technique::Adaptive] {
+        assert!(texts(Show::Error, filter, 0).join(" ").contains(&filter.to_string()));
+    }
     let error = texts(Show::Error, Technique::Reflect, 0).join(" ");
     assert!(error.contains("true reflections") && error.contains("against adaptive:1e-3"), "{error}");
     let oem = texts(Show::Oem, Technique::Box, 16).join(" ");

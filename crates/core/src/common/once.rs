@@ -5,62 +5,56 @@ use std::panic::resume_unwind;
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread;
 
-/// A value that is made at its first use, whichever thread needs it.
+/// A value that is made at its first use, whichever thread needs it, by a pool of its own.
 ///
-/// A thread of rayon that waits for its loop runs other work of its pool meanwhile. If that needs the value
-/// that is being made, it waits for what lies below it on its own stack. So no thread of a pool makes a
-/// value: a pool of its own does.
+/// A thread of rayon that waits for its loop runs other work of its pool meanwhile. If that work needs the
+/// value which the loop makes, the thread waits for what is suspended on its own stack, for ever. So no pool
+/// makes a value that its threads may wait for.
 #[derive(Debug)]
-pub struct Once<T> {
-    value: OnceLock<T>,
-    /// Held while a thread of no pool makes the value.
-    turn: Mutex<()>,
-}
+pub struct Once<T>(OnceLock<T>);
 
 impl<T: Send + Sync> Once<T> {
     /// No value yet.
     pub const fn new() -> Self {
-        Self { value: OnceLock::new(), turn: Mutex::new(()) }
+        Self(OnceLock::new())
     }
 
     /// The value, if it was made.
     pub fn get(&self) -> Option<&T> {
-        self.value.get()
+        self.0.get()
     }
 
-    /// The value; `make` is called at the first use, rarely twice.
+    /// The value, which `make` makes at the first use.
+    ///
+    /// # Panics
+    /// If `make` does; then there is no value, and the next use makes it.
     pub fn get_or_make(&self, make: impl FnOnce() -> T + Send) -> &T {
-        if let Some(value) = self.value.get() {
-            return value;
-        }
-        if rayon::current_thread_index().is_some() {
-            return self.value.get_or_init(|| in_own_pool(make));
-        }
-        // Threads of a pool may wait for the value while loops of that pool make it: nothing that they wait
-        // for is held meanwhile.
-        let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.value.get().is_none() {
-            let made = make();
-            return self.value.get_or_init(|| made);
-        }
-        self.value.get().expect("made")
+        self.0.get_or_init(|| in_own_pool(make))
     }
 }
 
 impl<T> From<T> for Once<T> {
     fn from(value: T) -> Self {
-        Self { value: OnceLock::from(value), turn: Mutex::new(()) }
+        Self(OnceLock::from(value))
     }
 }
 
-/// What `make` makes in a pool of its own, as large as the current one.
+/// What `make` makes in a pool as large as the current one, or of one thread where the system refuses more.
 fn in_own_pool<T: Send>(make: impl FnOnce() -> T + Send) -> T {
-    match ThreadPoolBuilder::new().num_threads(rayon::current_num_threads()).build() {
-        // A thread of a pool would run other work while it waits for another pool.
-        Ok(pool) => thread::scope(|scope| {
-            scope.spawn(|| pool.install(make)).join().unwrap_or_else(|panic| resume_unwind(panic))
-        }),
-        // Where there are no threads, nothing runs meanwhile.
-        Err(_) => make(),
-    }
+    let threads = rayon::current_num_threads();
+    let make = Mutex::new(Some(make));
+    let run = || {
+        let make = make.lock().unwrap_or_else(PoisonError::into_inner).take().expect("run once");
+        let pool = |threads| ThreadPoolBuilder::new().num_threads(threads).build();
+        match pool(threads).or_else(|_| pool(1)) {
+            Ok(pool) => pool.install(make),
+            // WebAssembly has no threads, and nothing runs meanwhile.
+            Err(_) => make(),
+        }
+    };
+    // A thread of one pool that waits for another runs work of its own pool, too: a thread of none waits.
+    thread::scope(|scope| match thread::Builder::new().spawn_scoped(scope, run) {
+        Ok(waiting) => waiting.join().unwrap_or_else(|panic| resume_unwind(panic)),
+        Err(_) => run(),
+    })
 }

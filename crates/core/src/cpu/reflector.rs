@@ -276,7 +276,8 @@ impl<'a> Reflector<'a> {
 
     /// The OEM's exact table.
     fn sat(&self) -> &Sat {
-        self.sat.get_or_make(|| Sat::new(self.map(), self.settings.scan))
+        let map = self.map();
+        self.sat.get_or_make(|| Sat::new(map, self.settings.scan))
     }
 
     /// Cells of the source's texels, for lobes wider than the OEM's texels.
@@ -291,8 +292,8 @@ impl<'a> Reflector<'a> {
 
     /// Cells of the OEM, interpolated bilinearly.
     fn bilinear_cells(&self) -> &Cells {
-        let block = self.settings.block(self.size.inner);
-        self.bilinear.get_or_make(|| Cells::new(self.map(), block, Reconstruction::Bilinear))
+        let (map, block) = (self.map(), self.settings.block(self.size.inner));
+        self.bilinear.get_or_make(|| Cells::new(map, block, Reconstruction::Bilinear))
     }
 
     /// The light of the source, scaled as the OEM's.
@@ -302,7 +303,8 @@ impl<'a> Reflector<'a> {
 
     /// The map's pyramid. Its size must have one.
     fn pyramid(&self) -> &Pyramid {
-        self.pyramid.get_or_make(|| Pyramid::of_oem(self.map()).expect("a checked size"))
+        let map = self.map();
+        self.pyramid.get_or_make(|| Pyramid::of_oem(map).expect("a checked size"))
     }
 
     /// Radiance that a surface reflects to the viewer of `frame`, in the world, out of the map's pyramid; see

@@ -15,7 +15,7 @@ use octagloss_core::pyramid::levels::{TAPS, taps};
 use octagloss_core::pyramid::{COARSEST, cells, suns};
 use wgpu::BindingResource::{Sampler, TextureView};
 
-/// Invocations of a workgroup over texels or blocks by number, or over cells.
+/// Invocations of a workgroup in one dimension.
 pub const GROUP_SIZE: u32 = 256;
 
 /// Invocations along an edge of a workgroup over texels.
@@ -48,9 +48,9 @@ fn level(context: &Context, size: OemSize, finer: OemSize, variance: f64) -> wgp
     context.uniform("level", &level)
 }
 
-/// Workgroups over `edge` x `edge` texels.
-const fn squares(edge: u32) -> [u32; 3] {
-    [edge / EDGE, edge / EDGE, 1]
+/// Workgroups over `texels` x `texels` texels.
+const fn squares(texels: u32) -> [u32; 3] {
+    [texels / EDGE, texels / EDGE, 1]
 }
 
 /// The stages that fill `maps` from `oem`, in order. Record them whenever `oem` has changed.

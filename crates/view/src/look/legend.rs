@@ -20,8 +20,10 @@ pub const MIN: [u32; 2] = [480, 270];
 /// Pixels between a legend and the edges of its picture.
 pub const INSET: u32 = 12;
 
-/// Widest text beside no colour bar and beside one, and height of the bar, in pixels.
+/// Widest text without and with a colour bar beside it, in pixels.
 const TEXT: [f64; 2] = [240.0, 190.0];
+
+/// Height of the colour bar in pixels.
 const BAR: f64 = 150.0;
 
 /// Figures of what a picture shows: relative errors, or luminance.
@@ -137,10 +139,8 @@ fn plate(title: &str, lines: &[String], range: Option<[f64; 2]>) -> Scene {
     scene
 }
 
-/// Puts `legend` into the lower left corner of `picture`, if it fits.
+/// Puts `legend` into the lower left corner of `picture`.
 pub fn put(picture: &mut Bitmap, legend: &Bitmap) {
     let top = i64::from(picture.height()) - i64::from(legend.height() + INSET);
-    if top >= 0 && legend.width() + INSET <= picture.width() {
-        picture.put(legend, i64::from(INSET), top);
-    }
+    picture.put(legend, i64::from(INSET), top);
 }
