@@ -33,6 +33,12 @@ impl<T: Send + Sync> Once<T> {
     }
 }
 
+impl<T: Send + Sync> Default for Once<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<T> From<T> for Once<T> {
     fn from(value: T) -> Self {
         Self(OnceLock::from(value))
