@@ -29,7 +29,8 @@ impl<T: Send + Sync> Once<T> {
     /// # Panics
     /// If `make` does; then there is no value, and the next use makes it.
     pub fn get_or_make(&self, make: impl FnOnce() -> T + Send) -> &T {
-        self.0.get_or_init(|| in_own_pool(make))
+        // WebAssembly has no threads, and nothing runs meanwhile.
+        self.0.get_or_init(|| if cfg!(target_arch = "wasm32") { make() } else { in_own_pool(make) })
     }
 }
 
@@ -54,7 +55,6 @@ fn in_own_pool<T: Send>(make: impl FnOnce() -> T + Send) -> T {
         let pool = |threads| ThreadPoolBuilder::new().num_threads(threads).build();
         match pool(threads).or_else(|_| pool(1)) {
             Ok(pool) => pool.install(make),
-            // WebAssembly has no threads, and nothing runs meanwhile.
             Err(_) => make(),
         }
     };
