@@ -23,28 +23,39 @@ fn documents_name_files_that_exist() {
     assert!(count > 40, "{count}");
 }
 
+/// All files in `folder` and below it, but for what builds leave.
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        match path.is_dir() {
+            true if path.ends_with("target") => {}
+            true => files.extend(files_below(&path)),
+            false => files.push(path),
+        }
+    }
+    files
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|own| own == extension)
+}
+
 /// A file that no `mod` names is never compiled, and its tests never run.
 #[test]
 fn every_file_of_tests_is_a_module() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
     let suites = ["core", "drawing", "gpu", "mesh", "program", "view", "workbench"];
-    let mut folders = suites.map(|suite| root.join(suite)).to_vec();
     let mut count = 0;
-    while let Some(folder) = folders.pop() {
-        let text = |path: PathBuf| fs::read_to_string(path).unwrap_or_default();
-        let parents = ["main.rs", "mod.rs"].map(|name| text(folder.join(name))).concat()
-            + &text(folder.with_extension("rs"));
-        for entry in fs::read_dir(&folder).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            let name = path.file_stem().expect("a name").to_str().expect("text");
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs")
-                && !["main", "mod"].contains(&name)
-            {
-                assert!(parents.contains(&format!("mod {name};")), "no module is {}", path.display());
-                count += 1;
-            }
+    for path in suites.iter().flat_map(|suite| files_below(&root.join(suite))) {
+        let name = path.file_stem().expect("a name").to_str().expect("text");
+        if has_extension(&path, "rs") && !["main", "mod"].contains(&name) {
+            let folder = path.parent().expect("a folder");
+            let text = |path: PathBuf| fs::read_to_string(path).unwrap_or_default();
+            let parents = ["main.rs", "mod.rs"].map(|name| text(folder.join(name))).concat()
+                + &text(folder.with_extension("rs"));
+            assert!(parents.contains(&format!("mod {name};")), "no module is {}", path.display());
+            count += 1;
         }
     }
     assert!(count > 100, "{count}");
@@ -56,24 +67,18 @@ fn no_line_is_wider_than_110_columns() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     // The npm and Python packages are not in the crate's.
     let all = ["crates", "src", "shaders", "tests", "examples", "npm/src", "python/src"];
-    let mut folders: Vec<_> =
-        all.map(|name| root.join(name)).into_iter().filter(|path| path.exists()).collect();
+    let folders = all.map(|name| root.join(name)).into_iter().filter(|folder| folder.exists());
     let mut count = 0;
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(folder).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                folders.extend((!path.ends_with("target")).then_some(path));
-            } else if let Some("rs" | "wgsl") = path.extension().and_then(|extension| extension.to_str()) {
-                let is_wgsl = path.extension().is_some_and(|extension| extension == "wgsl");
-                let text = fs::read_to_string(&path).expect("a text");
-                for (line, number) in text.lines().zip(1..) {
-                    let counts = is_wgsl || line.trim_start().starts_with("//");
-                    let is_wide = counts && line.chars().count() > 110;
-                    assert!(!is_wide, "{}:{number} is wider than 110 columns", path.display());
-                }
-                count += 1;
+    for path in folders.flat_map(|folder| files_below(&folder)) {
+        let is_wgsl = has_extension(&path, "wgsl");
+        if is_wgsl || has_extension(&path, "rs") {
+            let text = fs::read_to_string(&path).expect("a text");
+            for (line, number) in text.lines().zip(1..) {
+                let counts = is_wgsl || line.trim_start().starts_with("//");
+                let is_wide = counts && line.chars().count() > 110;
+                assert!(!is_wide, "{}:{number} is wider than 110 columns", path.display());
             }
+            count += 1;
         }
     }
     assert!(count > 400, "{count} files");
