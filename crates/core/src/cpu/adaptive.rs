@@ -130,20 +130,20 @@ fn expected_errors<R: Radial>(
         let trace = (spread / weight.at_least(f32::MIN_POSITIVE)).at_least(trace).at_most(reach * reach);
         (energy[k], distances[k]) = (weight, distance);
         (reaches[k], traces[k]) = (reach + packet.reach, trace + packet.trace);
-        let far = distance + reaches[k] + packet.radius;
+        let far = distance + reaches[k] + packet.judged;
         across |= 0.25 * far * far > 0.499;
     }
     let mut errors = [[0.0; 4]; QUADS];
     let all = errors.as_flattened_mut();
     if across {
         for k in 0..4 * QUADS {
-            let error = expected_error::<R, true>(kernel, distances[k], reaches[k], packet.radius, traces[k]);
+            let error = expected_error::<R, true>(kernel, distances[k], reaches[k], packet.judged, traces[k]);
             all[k] = energy[k] * error;
         }
     } else {
         for k in 0..4 * QUADS {
             let error =
-                expected_error::<R, false>(kernel, distances[k], reaches[k], packet.radius, traces[k]);
+                expected_error::<R, false>(kernel, distances[k], reaches[k], packet.judged, traces[k]);
             all[k] = energy[k] * error;
         }
     }
@@ -240,23 +240,39 @@ pub struct Adaptive<'a> {
     arch: crate::common::vector::Arch,
 }
 
-/// Evaluation of one packet, compiled for the widest available vectors: a closure would not be inlined there.
-/// FAR: of what footprints share.
-struct Evaluation<'a, R, const FAR: bool> {
+/// Collects the leaves of a cut, compiled for the widest available vectors: a closure would not be inlined
+/// there. FAR: of what footprints share.
+struct Cut<'a, R, const FAR: bool> {
+    adaptive: &'a Adaptive<'a>,
+    kernel: R,
+    packet: &'a Packet,
+    scratch: &'a mut Scratch,
+}
+
+impl<R: Radial, const FAR: bool> pulp::NullaryFnOnce for Cut<'_, R, FAR> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.adaptive.cut::<R, FAR>(self.kernel, self.packet, self.scratch);
+    }
+}
+
+/// Sums its leaves, as [`Cut`] collects them. SPREAD: for footprints of a `covariance`.
+struct Sum<'a, R, const SPREAD: bool> {
     adaptive: &'a Adaptive<'a>,
     kernel: R,
     packet: &'a Packet,
     covariance: &'a Covariance,
-    scratch: &'a mut Scratch,
+    scratch: &'a Scratch,
 }
 
-impl<R: Radial, const FAR: bool> pulp::NullaryFnOnce for Evaluation<'_, R, FAR> {
+impl<R: Radial, const SPREAD: bool> pulp::NullaryFnOnce for Sum<'_, R, SPREAD> {
     type Output = Shares;
 
     #[inline(always)]
     fn call(self) -> Shares {
-        self.adaptive.cut::<R, FAR>(self.kernel, self.packet, self.scratch);
-        self.adaptive.sum::<R, FAR>(self.kernel, (self.packet, self.covariance), self.scratch)
+        self.adaptive.sum::<R, SPREAD>(self.kernel, (self.packet, self.covariance), self.scratch)
     }
 }
 
@@ -291,18 +307,24 @@ impl<'a> Adaptive<'a> {
     /// The lobes around a packet's directions.
     pub fn evaluate(&self, packet: &Packet, scratch: &mut Scratch) -> Shares {
         self.start_at_the_root(scratch);
-        self.evaluate_rest(packet, scratch)
+        self.cut_rest(packet, scratch);
+        self.sum_leaves(packet, scratch)
     }
 
-    /// The part of the lobes around a packet's directions that [`Self::evaluate_far`] left out.
-    pub(crate) fn evaluate_rest(&self, packet: &Packet, scratch: &mut Scratch) -> Shares {
-        with_radial!(self.kernel.shape, kernel => self.arch.dispatch(Evaluation::<_, false> {
-            adaptive: self,
-            kernel,
-            packet,
-            covariance: &[[0.0; LANES]; 6],
-            scratch,
-        }))
+    /// Collects the leaves that [`Self::evaluate_far`] left to directions: for `packet`, and for all that
+    /// share its cut.
+    pub(crate) fn cut_rest(&self, packet: &Packet, scratch: &mut Scratch) {
+        with_radial!(self.kernel.shape, kernel => {
+            self.arch.dispatch(Cut::<_, false> { adaptive: self, kernel, packet, scratch });
+        });
+    }
+
+    /// The light of the collected leaves in the lobes around a packet's directions.
+    pub(crate) fn sum_leaves(&self, packet: &Packet, scratch: &Scratch) -> Shares {
+        let covariance = &[[0.0; LANES]; 6];
+        with_radial!(self.kernel.shape, kernel => {
+            self.arch.dispatch(Sum::<_, false> { adaptive: self, kernel, packet, covariance, scratch })
+        })
     }
 
     /// Whether [`Self::evaluate_far`] takes these lobes.
@@ -318,7 +340,8 @@ impl<'a> Adaptive<'a> {
         let KernelShape::Ggx(kernel) = self.kernel.shape else { unreachable!("footprints of other lobes") };
         self.start_at_the_root(scratch);
         let Footprints { packet, covariance } = footprints;
-        self.arch.dispatch(Evaluation::<_, true> { adaptive: self, kernel, packet, covariance, scratch })
+        self.arch.dispatch(Cut::<_, true> { adaptive: self, kernel, packet, scratch });
+        self.arch.dispatch(Sum::<_, true> { adaptive: self, kernel, packet, covariance, scratch })
     }
 
     fn start_at_the_root(&self, scratch: &mut Scratch) {

@@ -13,11 +13,17 @@ use glam::{DVec3, Vec3};
 /// Directions evaluated together.
 pub const LANES: usize = 16;
 
+/// Leaves for several packets are made for the directions within this share of their radius; few lie beyond.
+/// Measured at roughness .1: errors are those of a cut for each packet, in .9 of the time.
+const MOST: f32 = 0.75;
+
 /// Up to [`LANES`] adjacent directions, in the space of the cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet {
     pub(super) axis: DVec3,
     pub(super) radius: f32,
+    /// The radius for which leaves are made.
+    pub(super) judged: f32,
     /// The greatest reach of a footprint around its direction, and the greatest trace of its covariance; 0
     /// for directions alone.
     pub(super) reach: f32,
@@ -34,17 +40,31 @@ impl Packet {
     /// # Panics
     /// If there are no directions or more than [`LANES`].
     pub fn new(directions: &[DVec3]) -> Self {
-        assert!(!directions.is_empty() && directions.len() <= LANES, "1 to {LANES} directions");
-        let axis = if directions.len() == 1 {
-            directions[0]
-        } else {
-            directions.iter().sum::<DVec3>().try_normalize().unwrap_or(directions[0])
+        assert!(directions.len() <= LANES, "1 to {LANES} directions");
+        Self::sharing_a_cut(directions).next().expect("a direction")
+    }
+
+    /// Packets of all of `directions`, in their order, with one axis and radius, so that leaves of the first
+    /// serve every other.
+    pub(super) fn sharing_a_cut(directions: &[DVec3]) -> impl Iterator<Item = Self> {
+        let axis = match directions {
+            [] => DVec3::ZERO,
+            [only] => *only,
+            [first, ..] => directions.iter().sum::<DVec3>().try_normalize().unwrap_or(*first),
         };
         let radius = directions.iter().map(|d| d.distance(axis)).fold(0.0, f64::max);
+        let radius = (radius * (1.0 + 1e-6)) as f32;
+        let judged = if directions.len() > LANES { MOST * radius } else { radius };
+        directions.chunks(LANES).map(move |own| Self { radius, judged, ..Self::around(axis, own) })
+    }
+
+    /// Up to [`LANES`] directions around `axis`, of no radius.
+    fn around(axis: DVec3, directions: &[DVec3]) -> Self {
         let offset = |k: usize| directions[if k < directions.len() { k } else { 0 }] - axis;
         Self {
             axis,
-            radius: (radius * (1.0 + 1e-6)) as f32,
+            radius: 0.0,
+            judged: 0.0,
             reach: 0.0,
             trace: 0.0,
             x: std::array::from_fn(|k| offset(k).x as f32),

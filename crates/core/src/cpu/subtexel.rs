@@ -173,7 +173,7 @@ pub(super) fn refine_members<R: Radial>(
         }
         for k in 0..JUDGED_TOGETHER {
             let distance = x[k].times_plus(x[k], y[k].times_plus(y[k], z[k] * z[k])).sqrt();
-            errors[k] = expected_error::<R, true>(kernel, distance, reaches[k], packet.radius, traces[k]);
+            errors[k] = expected_error::<R, true>(kernel, distance, reaches[k], packet.judged, traces[k]);
         }
         for (k, lit) in batch.iter().enumerate().take(count) {
             let (patch, offset, solid_angle) = found[k];

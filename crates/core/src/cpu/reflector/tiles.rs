@@ -31,14 +31,17 @@ impl Lobes<'_> {
             {
                 let turned: Vec<DVec3> = directions.iter().map(|d| self.source_from_world * *d).collect();
                 let footprints = Footprints::new(tile.footprints(&turned));
+                // All need nearly the same leaves.
+                let packets: Vec<Packet> = Packet::sharing_a_cut(&turned).collect();
                 let mut far = [NO_LIGHT; LANES];
                 answers.resize(directions.len(), NO_LIGHT);
                 for part in [source, bilinear].into_iter().flatten() {
                     let shares = part.evaluate_far(&footprints, &mut workspace.scratch);
                     workspace.leaves += shares.leaves as u64;
                     add(&mut far, &shares);
-                    for (packet, answers) in turned.chunks(LANES).zip(answers.chunks_mut(LANES)) {
-                        let shares = part.evaluate_rest(&Packet::new(packet), &mut workspace.scratch);
+                    part.cut_rest(&packets[0], &mut workspace.scratch);
+                    for (packet, answers) in packets.iter().zip(answers.chunks_mut(LANES)) {
+                        let shares = part.sum_leaves(packet, &workspace.scratch);
                         workspace.leaves += shares.leaves as u64;
                         add(answers, &shares);
                     }
