@@ -1,5 +1,6 @@
 //! Bakes and the DFG table.
 
+mod bounds;
 pub(super) mod cancel;
 pub(super) mod maps;
 mod sheen;
