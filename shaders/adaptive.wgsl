@@ -181,10 +181,11 @@ struct Visit {
 // Factors that make an error of a channel comparable with one of the luminance: see `channel_weights`.
 var<private> weights: vec3<f32>;
 
-// The energy whose error counts: the luminance, or a channel times its weight if that is more.
+// The energy whose error counts: that of the channel with the most, times its weight. The luminance is a mean
+// of these.
 fn weighted(energy: vec3<f32>) -> f32 {
     let channels = energy * weights;
-    return max(dot(energy, LUMINANCE), max(channels.r, max(channels.g, channels.b)));
+    return max(channels.r, max(channels.g, channels.b));
 }
 
 fn field(quad: u32, name: u32, k: u32) -> f32 {

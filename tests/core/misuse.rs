@@ -7,8 +7,9 @@ use octagloss_core::bake::query::Query;
 use octagloss_core::bake::{Bake, BakeSettings, bake};
 use octagloss_core::common::error::Error;
 use octagloss_core::cpu::reflector::{Reflector, ReflectorSettings, Workspace};
-use octagloss_core::files::export::produce::{Baked, produce, products};
+use octagloss_core::files::export::produce::{Baked, check_memory, produce, products};
 use octagloss_core::files::export::write::WriteOptions;
+use octagloss_core::files::format::Pixel;
 use octagloss_core::files::recipe::source::Source;
 use octagloss_core::files::recipe::{InputOptions, Recipe};
 use octagloss_core::files::target::Target;
@@ -324,6 +325,25 @@ fn suns_towards_no_direction_are_refused() {
         let message = refusal(extract(&grey(), &Suns::Towards(vec![DVec3::Y, wrong])));
         assert!(message.starts_with("direction 1 is "), "{message}");
     }
+}
+
+#[test]
+fn memory_is_counted_for_the_widest_texels_of_all_plans() {
+    let environment = Environment::new(Layout::Panorama { width: 8, height: 4 }, vec![[1.0; 3]; 32]);
+    let environment = environment.expect("32 texels");
+    let needed = |pixels: [Pixel; 2]| {
+        let plans = pixels.map(|pixel| {
+            let recipe = Recipe { size: Some(16_384), pixel: Some(pixel), ..Recipe::default() };
+            recipe.plans().expect("one plan").remove(0)
+        });
+        match check_memory(&plans, &environment) {
+            Err(Error::Limit { needed, .. }) => needed,
+            other => panic!("{other:?}"),
+        }
+    };
+    let mixed = needed([Pixel::F16, Pixel::F32]);
+    assert_eq!(mixed, needed([Pixel::F32, Pixel::F16]));
+    assert!(mixed > needed([Pixel::F16, Pixel::F16]), "floats take more");
 }
 
 #[test]

@@ -91,6 +91,8 @@ fn options_that_there_are_not_and_values_that_they_cannot_have_are_named() {
         (json!({"crop": true, "layout": "cross"}), "`pad` and `crop` are for panoramas"),
         (json!({"map": "cube"}), "`map` is for pyramids; choose `target` pyramid, or omit it"),
         (json!({"target": "three", "map": "cube"}), "target three has no pyramid; omit `map` cube"),
+        (json!({"flip": "x"}), "`flip` and `diffuse` are for targets"),
+        (json!({"diffuse": "sh"}), "`flip` and `diffuse` are for targets"),
         (json!({"scan": "blocks"}), "`scan` blocks is for the filter over a summed-area table"),
     ] {
         let message = refusal(given.clone());

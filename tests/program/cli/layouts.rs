@@ -163,6 +163,8 @@ fn impossible_layouts_are_refused() {
         (&["--target", "oem", "--format", "dds"], "ktx2 or exr"),
         (&["--target", "babylon", "--size", "100"], "power of two"),
         (&["--target", "babylon", "--format", "dds"], "a fixed format"),
+        (&["--target", "babylon", "--diffuse", "sh"], "a fixed format"),
+        (&["--target", "babylon", "--irradiance", "4"], "a fixed format"),
         (&["--target", "playcanvas", "--size", "100"], "power of two"),
         (&["--target", "playcanvas", "--levels", "5"], "6 levels"),
         (&["--target", "playcanvas", "--pixel", "f32"], "a fixed format"),

@@ -505,6 +505,12 @@ fn clamped_texels_are_counted_and_reported() {
     assert!(ran.err.contains("stored as float"), "{}", ran.err);
     let report = json_file(&folder.path().join("hot_levels/report.json"));
     assert_eq!((&report["clamped"], &report["levels"][0]["pixel"]), (&0.into(), &"f32".into()));
+    // Neither levels of half floats nor those that are asked to be floats are worth a word.
+    write_panorama(&folder.path().join("dim.exr"), 16, |_| [1.0; 3]);
+    for more in [&["--format", "exr", "-o", "dim_levels"][..], &["--pixel", "f32"]] {
+        let ran = done(folder.path(), &[&["bake", "dim.exr", "--size", "8"], more].concat());
+        assert!(!ran.err.contains("stored as float"), "{}", ran.err);
+    }
 }
 
 #[test]

@@ -528,14 +528,29 @@ fn files_of_version_0_1_come_back_to_their_world() {
     make_report_old(&at("one.ktx2.report.json"));
     compare("one.ktx2");
     bake(folder.path(), "levels", &[&TWO_LEVELS[..], turn.0, &["--format", "hdr"]].concat());
-    for name in tree(&at("levels")).iter().filter(|name| name.ends_with(".hdr")) {
-        let bytes = fs::read(at("levels").join(name)).expect("readable");
-        let lines = bytes.split_inclusive(|byte| *byte == b'\n');
-        let old: Vec<u8> = lines.filter(|line| !line.starts_with(b"octagloss")).flatten().copied().collect();
-        assert!(old.len() < bytes.len(), "{name}");
-        fs::write(at("levels").join(name), old).expect("writable");
-    }
+    let strip = |folder: &str| {
+        for name in tree(&at(folder)).iter().filter(|name| name.ends_with(".hdr")) {
+            let bytes = fs::read(at(folder).join(name)).expect("readable");
+            let lines = bytes.split_inclusive(|byte| *byte == b'\n');
+            let old: Vec<u8> =
+                lines.filter(|line| !line.starts_with(b"octagloss")).flatten().copied().collect();
+            assert!(old.len() < bytes.len(), "{name}");
+            fs::write(at(folder).join(name), old).expect("writable");
+        }
+    };
+    strip("levels");
     make_report_old(&at("levels/report.json"));
     assert_eq!(check(folder.path(), "levels", true, turn.world(), "levels"), 1);
     compare("levels");
+    // Panoramas of engines, whose axes are not ours, by the report alone.
+    for (target, quarters) in [("unreal", 1), ("godot", 3)] {
+        bake(folder.path(), target, &["--size", "8", "--target", target]);
+        strip(target);
+        make_report_old(&at(target).join("report.json"));
+        let panorama = tree(&at(target)).into_iter().find(|name| name.contains("panorama")).expect("one");
+        let panorama = format!("{target}/{panorama}");
+        let found: serde_json::Value =
+            serde_json::from_str(&done(folder.path(), &["info", &panorama, "--json"])).expect("JSON");
+        assert_eq!(found["origin"]["quarter_turns"], quarters, "{panorama}: {found}");
+    }
 }

@@ -74,12 +74,11 @@ impl Packet {
     }
 }
 
-/// The energy whose error counts: the luminance, or a channel times its weight if that is more
-/// ([`super::cells::Cells::channel_weights`]).
+/// The energy whose error counts: that of the channel with the most, times its weight
+/// ([`super::cells::Cells::channel_weights`]). The luminance is a mean of these.
 #[inline(always)]
 pub(super) fn weighted([red, green, blue]: Rgb, weights: [f32; 3]) -> f32 {
-    let luminance = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue;
-    luminance.at_least(weights[0] * red).at_least(weights[1] * green).at_least(weights[2] * blue)
+    (weights[0] * red).at_least(weights[1] * green).at_least(weights[2] * blue)
 }
 
 /// One leaf of a cut, relative to the packet's axis.

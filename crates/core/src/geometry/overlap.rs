@@ -367,6 +367,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn panoramas_of_other_maps_count_their_sums_and_the_matrix() {
+        let (source, target) = (Layout::Cube { size: 64 }, Layout::Panorama { width: 256, height: 128 });
+        let (texels, rows) = (target.texel_count(), source.texel_count());
+        let least = (12 + 32) * texels + 28 * most_overlaps(rows, texels);
+        let bytes = most_bytes(source, target, DMat3::IDENTITY);
+        assert!((least as u64..2 * least as u64).contains(&bytes), "{bytes} for {least} and the rows");
+    }
+
+    #[test]
     fn overlaps_are_no_more_than_stated() {
         let turn = DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(0.4);
         // Texels so small that none is cut into pieces.

@@ -341,6 +341,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn slopes_and_curvatures_are_those_of_phongs_values() {
+        for exponent in [2.0_f32, 3.0, 8.0] {
+            let kernel = Phong { exponent };
+            for s in [0.1_f32, 0.2, 0.3, 0.4] {
+                let (n, rest) = (f64::from(exponent), 1.0 - 2.0 * f64::from(s));
+                let value = kernel.value(s);
+                let near = |own: f32, exact: f64| (f64::from(own) / exact - 1.0).abs() < 1e-4;
+                assert!(near(kernel.slope(s, value), -2.0 * n * rest.powf(n - 1.0)), "{n} at {s}");
+                let curvature = 4.0 * n * (n - 1.0) * rest.powf(n - 2.0);
+                assert!(near(kernel.curvature(s, value), curvature), "{n} at {s}");
+            }
+        }
+    }
+
+    #[test]
     fn powers_are_those_of_the_standard_library() {
         let mut compared = 0;
         for p in [0.5_f32, 0.77, 1.0, 2.0, 7.3, 50.0] {

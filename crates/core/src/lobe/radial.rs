@@ -319,6 +319,13 @@ mod tests {
     }
 
     #[test]
+    fn light_around_the_horizon_is_expected_to_err_by_its_deviation() {
+        // Squared distance and trace come to 2: half of the deviation, sqrt(trace) d/2, times the kink.
+        let error = expected_error::<Cosine, true>(Cosine, 1.4, 0.2, 0.0, 0.04);
+        assert!((error / 0.14 - 1.0).abs() < 0.01, "{error}");
+    }
+
+    #[test]
     fn intervals_enclose_the_means_of_two_points() {
         let s = |distance: f64| distance * distance / 4.0;
         encloses(GGX, 1e-6, |distance| ggx(s(distance)).max(0.0));
