@@ -182,7 +182,7 @@ struct Visit {
 var<private> weights: vec3<f32>;
 
 // The energy whose error counts: that of the channel with the most, times its weight. The luminance is a mean
-// of these.
+// of these, to a hundredth.
 fn weighted(energy: vec3<f32>) -> f32 {
     let channels = energy * weights;
     return max(channels.r, max(channels.g, channels.b));

@@ -37,7 +37,7 @@
 //! W in closed form.
 //!
 //! Cells are split where the error to be expected, times their energy, exceeds the tolerance for any
-//! direction of the packet. The energy is that of the worst channel, relative to its mean. Which cells are
+//! direction of the packet, or for most of those that share a cut. The energy is that of the worst channel, relative to its mean. Which cells are
 //! leaves decides how tight the bound is, never whether it holds.
 
 use super::cells::{Cells, Finest, Quad, SourceLight};
@@ -350,7 +350,7 @@ impl<'a> Adaptive<'a> {
         scratch.frontier.push(Visit { level, cells: ALL, i: 0, j: 0 });
     }
 
-    /// Collects the coarsest cells whose intervals are narrow enough for every direction of the packet, from
+    /// Collects the coarsest cells whose intervals are narrow enough for the directions of the packet, from
     /// the frontier on. FAR: makes a new frontier of the cells that are small beside the footprints.
     #[inline(always)]
     fn cut<R: Radial, const FAR: bool>(&self, kernel: R, packet: &Packet, scratch: &mut Scratch) {

@@ -106,7 +106,7 @@ pub(super) fn refine<R: Radial>(
                 first_order_width(kernel, distance, moments.radius as f32, packet.radius)
             } else {
                 let trace = moments.diagonal.element_sum() as f32;
-                expected_error::<R, true>(kernel, distance, moments.radius as f32, packet.radius, trace)
+                expected_error::<R, true>(kernel, distance, moments.radius as f32, packet.judged, trace)
             };
             let error = f64::from(error);
             if error * weight * share > tolerance && piece.depth < DEPTH {

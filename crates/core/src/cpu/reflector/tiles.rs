@@ -11,6 +11,10 @@ use glam::DVec3;
 /// Fewest packets of directions for which their texels are evaluated together.
 const WORTHWHILE: usize = 2;
 
+/// Packets that share a cut: nearly the same leaves serve all. Those of texels many lobes wide are farther
+/// apart.
+const TOGETHER: usize = 8;
+
 impl Lobes<'_> {
     /// Evaluates the texels of `tile` into their `line`, by way of `answers`.
     pub(crate) fn evaluate_tile(
@@ -31,19 +35,24 @@ impl Lobes<'_> {
             {
                 let turned: Vec<DVec3> = directions.iter().map(|d| self.source_from_world * *d).collect();
                 let footprints = Footprints::new(tile.footprints(&turned));
-                // All need nearly the same leaves.
-                let packets: Vec<Packet> = Packet::sharing_a_cut(&turned).collect();
+                let groups: Vec<Vec<Packet>> = turned
+                    .chunks(TOGETHER * LANES)
+                    .map(|group| Packet::sharing_a_cut(group).collect())
+                    .collect();
                 let mut far = [NO_LIGHT; LANES];
                 answers.resize(directions.len(), NO_LIGHT);
                 for part in [source, bilinear].into_iter().flatten() {
                     let shares = part.evaluate_far(&footprints, &mut workspace.scratch);
                     workspace.leaves += shares.leaves as u64;
                     add(&mut far, &shares);
-                    part.cut_rest(&packets[0], &mut workspace.scratch);
-                    for (packet, answers) in packets.iter().zip(answers.chunks_mut(LANES)) {
-                        let shares = part.sum_leaves(packet, &workspace.scratch);
-                        workspace.leaves += shares.leaves as u64;
-                        add(answers, &shares);
+                    let own = answers.chunks_mut(TOGETHER * LANES);
+                    for (packets, answers) in groups.iter().zip(own) {
+                        part.cut_rest(&packets[0], &mut workspace.scratch);
+                        for (packet, answers) in packets.iter().zip(answers.chunks_mut(LANES)) {
+                            let shares = part.sum_leaves(packet, &workspace.scratch);
+                            workspace.leaves += shares.leaves as u64;
+                            add(answers, &shares);
+                        }
                     }
                 }
                 // Texels as lanes of a packet of their own.
