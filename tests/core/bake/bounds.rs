@@ -6,9 +6,9 @@ use octagloss_core::light::environment::{Layout, Map, exact_luminance};
 use octagloss_core::lobe::filter::Filter;
 use octagloss_fixtures::common::{Look, Random, environment, texels};
 
-/// The greatest error of a texel's luminance over its bound, per level. The first level's texels are nearly as
-/// wide as their lobes, and so means over several directions; the second's are not. Exhaustive bakes turn the
-/// world by `degrees`.
+/// The greatest error of a texel's luminance over its bound, per level. The first level's texels are nearly
+/// as wide as their lobes, and so means over several directions; the second's are not. Exhaustive bakes turn
+/// the world by `degrees`.
 fn errors_over_bounds(map: Map, look: Look, degrees: f64) -> Vec<f64> {
     let layout = Layout::Panorama { width: 32, height: 16 };
     let world = environment(layout, texels(&mut Random::new(11), look, layout));

@@ -37,8 +37,8 @@
 //! W in closed form.
 //!
 //! Cells are split where the error to be expected, times their energy, exceeds the tolerance for any
-//! direction of the packet, or for most of those that share a cut. The energy is that of the worst channel, relative to its mean. Which cells are
-//! leaves decides how tight the bound is, never whether it holds.
+//! direction of the packet, or for most of those that share a cut. The energy is that of the worst channel,
+//! relative to its mean. Which cells are leaves decides how tight the bound is, never whether it holds.
 
 use super::cells::{Cells, Finest, Quad, SourceLight};
 use super::footprints::{Covariance, Footprints, applied};
