@@ -258,7 +258,7 @@ impl<R: Radial, const FAR: bool> pulp::NullaryFnOnce for Cut<'_, R, FAR> {
     }
 }
 
-/// Sums its leaves, as [`Cut`] collects them. SPREAD: for footprints of a `covariance`.
+/// Sums the leaves of a [`Cut`], compiled likewise. SPREAD: for footprints of a `covariance`.
 struct Sum<'a, R, const SPREAD: bool> {
     adaptive: &'a Adaptive<'a>,
     kernel: R,

@@ -57,22 +57,19 @@ impl Packet {
         let radius = directions.iter().map(|d| d.distance(axis)).fold(0.0, f64::max);
         let radius = (radius * (1.0 + 1e-6)) as f32;
         let judged = if directions.len() > LANES { MOST * radius } else { radius };
-        directions.chunks(LANES).map(move |own| Self { radius, judged, ..Self::around(axis, own) })
-    }
-
-    /// Up to [`LANES`] directions around `axis`, of no radius.
-    fn around(axis: DVec3, directions: &[DVec3]) -> Self {
-        let offset = |k: usize| directions[if k < directions.len() { k } else { 0 }] - axis;
-        Self {
-            axis,
-            radius: 0.0,
-            judged: 0.0,
-            reach: 0.0,
-            trace: 0.0,
-            x: std::array::from_fn(|k| offset(k).x as f32),
-            y: std::array::from_fn(|k| offset(k).y as f32),
-            z: std::array::from_fn(|k| offset(k).z as f32),
-        }
+        directions.chunks(LANES).map(move |own| {
+            let offset = |k: usize| own[if k < own.len() { k } else { 0 }] - axis;
+            Self {
+                axis,
+                radius,
+                judged,
+                reach: 0.0,
+                trace: 0.0,
+                x: std::array::from_fn(|k| offset(k).x as f32),
+                y: std::array::from_fn(|k| offset(k).y as f32),
+                z: std::array::from_fn(|k| offset(k).z as f32),
+            }
+        })
     }
 }
 
