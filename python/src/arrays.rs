@@ -7,7 +7,7 @@ use numpy::{
     Element, PyArray1, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn, PyUntypedArrayMethods as _,
 };
 use octagloss::queries::unit;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict, PyTuple};
 
@@ -117,19 +117,13 @@ pub(crate) fn points(object: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<DVe
 
 /// The shape that arrays of the two shapes have together by NumPy's rules of broadcasting; `None` if they do
 /// not fit.
-pub(crate) fn common_shape(one: &[usize], other: &[usize]) -> Option<Vec<usize>> {
-    let count = one.len().max(other.len());
-    let extent = |shape: &[usize], axis: usize| {
-        // Shapes are aligned at their last axes.
-        (axis + shape.len()).checked_sub(count).map_or(1, |axis| shape[axis])
-    };
-    let both = |axis| match (extent(one, axis), extent(other, axis)) {
-        (a, b) if a == b => Some(a),
-        (1, b) => Some(b),
-        (a, 1) => Some(a),
-        _ => None,
-    };
-    (0..count).map(both).collect()
+pub(crate) fn common_shape(py: Python<'_>, one: &[usize], other: &[usize]) -> PyResult<Option<Vec<usize>>> {
+    let shapes = (PyTuple::new(py, one)?, PyTuple::new(py, other)?);
+    match py.import("numpy")?.call_method1("broadcast_shapes", shapes) {
+        Ok(common) => common.extract().map(Some),
+        Err(error) if error.is_instance_of::<PyValueError>(py) => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 /// The array `object` repeated to `shape`, a shape that it fits.

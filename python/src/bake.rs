@@ -2,10 +2,10 @@
 
 use crate::arrays::{Shown, array, view};
 use crate::choices;
-use crate::environment::{Environment, map_of, shape_of};
+use crate::environment::{Environment, shape_of};
 use crate::errors::{raised, warn, wrong};
 use crate::options;
-use crate::output::{Output, check, planned};
+use crate::output::{check, planned, write};
 use crate::work::run;
 use numpy::PyArrayDyn;
 use octagloss::files::Overflow;
@@ -82,7 +82,7 @@ impl Level {
     /// Layout of the texels: cube, panorama or octahedral.
     #[getter]
     fn layout(&self) -> &'static str {
-        choices::map_name(map_of(self.core().layout))
+        self.core().layout.map().name()
     }
 
     /// Radiance, float32: (6, n, n, 3) for a cube with the faces +X -X +Y -Y +Z -Z, else (height, width, 3).
@@ -134,30 +134,26 @@ impl Bake {
     /// The levels, the sharpest first.
     #[getter]
     fn levels(&self) -> Vec<Level> {
-        let part = |index| Level { bake: Arc::clone(&self.core), part: Part::Chain(index) };
-        (0..self.core.chain.levels.len()).map(part).collect()
+        (0..self.core.chain.levels.len()).map(|index| self.level(Part::Chain(index))).collect()
     }
 
     /// The levels of the Charlie lobe, for targets with sheen; else empty.
     #[getter]
     fn sheen(&self) -> Vec<Level> {
         let count = self.core.sheen.as_ref().map_or(0, |sheen| sheen.levels.len());
-        let part = |index| Level { bake: Arc::clone(&self.core), part: Part::Sheen(index) };
-        (0..count).map(part).collect()
+        (0..count).map(|index| self.level(Part::Sheen(index))).collect()
     }
 
     /// The irradiance cube, over pi; None if not requested.
     #[getter]
     fn irradiance(&self) -> Option<Level> {
-        self.core.irradiance.as_ref()?;
-        Some(Level { bake: Arc::clone(&self.core), part: Part::Irradiance })
+        self.core.irradiance.is_some().then(|| self.level(Part::Irradiance))
     }
 
     /// The unfiltered environment; None if not requested.
     #[getter]
     fn skybox(&self) -> Option<Level> {
-        self.core.skybox.as_ref()?;
-        Some(Level { bake: Arc::clone(&self.core), part: Part::Skybox })
+        self.core.skybox.is_some().then(|| self.level(Part::Skybox))
     }
 
     /// Spherical harmonics of the source, windowed, as of Environment.sh.
@@ -225,20 +221,25 @@ impl Bake {
         let levels = &self.core.chain.levels;
         let of = self.target().map_or_else(String::new, |target| format!(" for {target}"));
         let (size, count) = (self.settings.size, levels.len());
-        format!("<octagloss.Bake: {} {size}, {count} levels{of}>", choices::map_name(self.settings.map))
+        format!("<octagloss.Bake: {} {size}, {count} levels{of}>", self.settings.map)
     }
 }
 
 impl Bake {
+    fn level(&self, part: Part) -> Level {
+        Level { bake: Arc::clone(&self.core), part }
+    }
+
     /// Writes the bake with the options of `files` that are about files.
     fn write_by(&self, py: Python<'_>, path: PathBuf, files: Recipe, force: bool) -> PyResult<()> {
         let place = path.display().to_string();
         let Recipe { format, pixel, overflow, name, .. } = files;
         let recipe = Recipe { format, pixel, overflow, name, ..self.recipe.clone() };
         let plan = planned(py, &path, &recipe, &self.source)?;
-        let output = Output { bake: Arc::clone(&self.core), plan, source: self.source.clone(), path, force };
-        let seconds = self.seconds;
-        let warnings = run(py, move |cancel, pool| pool.install(|| output.write(seconds, cancel)))?;
+        let (bake, source, seconds) = (Arc::clone(&self.core), self.source.clone(), self.seconds);
+        let warnings = run(py, move |cancel, pool| {
+            pool.install(|| write(&bake, seconds, &plan, &source, &path, force, cancel))
+        })?;
         warnings.iter().try_for_each(|warning| warn(py, &format!("{place}: {warning}")))
     }
 }

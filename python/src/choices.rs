@@ -1,7 +1,6 @@
 //! Parameters with a few values, by the names of the command line.
 
 use crate::errors::wrong;
-use octagloss::files::OutputLayout;
 use octagloss::harmonics::{ShScale, ShWindow, parsed_window};
 use octagloss::queries::parsed_filter;
 use octagloss::reflectance::DfgForm;
@@ -38,27 +37,9 @@ pub(crate) fn sh_scale(text: &str) -> PyResult<ShScale> {
     choice("scale", text, &all)
 }
 
-/// Layout of a baked level, and of its files.
-pub(crate) fn level_layout(text: &str) -> PyResult<(Map, OutputLayout)> {
-    let all = [
-        ("cube", (Map::Cube, OutputLayout::Faces)),
-        ("panorama", (Map::Panorama, OutputLayout::Equirect)),
-        ("octahedral", (Map::Octahedral, OutputLayout::Octahedral)),
-    ];
-    choice("layout", text, &all)
-}
-
-pub(crate) fn map_name(map: Map) -> &'static str {
-    match map {
-        Map::Cube => "cube",
-        Map::Panorama => "panorama",
-        Map::Octahedral => "octahedral",
-    }
-}
-
-/// Layout of an array.
-pub(crate) fn array_layout(text: &str) -> PyResult<Map> {
-    level_layout(text).map(|(map, _)| map)
+/// Layout of an array, or of a baked level.
+pub(crate) fn layout(text: &str) -> PyResult<Map> {
+    choice("layout", text, &Map::ALL.map(|map| (map.name(), map)))
 }
 
 pub(crate) fn target(text: &str) -> PyResult<&'static Target> {

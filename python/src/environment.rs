@@ -2,9 +2,9 @@
 
 use crate::arrays::{Reals, Shown, array, directions, element, shown, view};
 use crate::choices;
-use crate::errors::{warn, wrong};
+use crate::errors::{refused, warn, wrong};
 use crate::options;
-use crate::query::{Asked, Kept, Roughness, answers, sharpest_of};
+use crate::query::{Asked, Kept, answers, sharpest_of};
 use crate::sun::Sun;
 use crate::work::run;
 use numpy::PyArrayDyn;
@@ -57,14 +57,6 @@ pub(crate) fn shape_of(layout: Layout) -> Vec<usize> {
     }
 }
 
-pub(crate) const fn map_of(layout: Layout) -> Map {
-    match layout {
-        Layout::Panorama { .. } => Map::Panorama,
-        Layout::Cube { .. } => Map::Cube,
-        Layout::Octahedral { .. } => Map::Octahedral,
-    }
-}
-
 /// The layout of an array of `shape`.
 fn layout_of(map: Map, shape: &[usize]) -> PyResult<Layout> {
     let side = |length: usize| {
@@ -87,11 +79,8 @@ fn layout_of(map: Map, shape: &[usize]) -> PyResult<Layout> {
                 Map::Cube => "(6, n, n, 3)",
                 Map::Octahedral => "(n, n, 3)",
             };
-            Err(wrong(format!(
-                "`array` has the shape {}; the layout {} needs {needed}",
-                shown(shape),
-                choices::map_name(map)
-            )))
+            let shape = shown(shape);
+            Err(wrong(format!("`array` has the shape {shape}; the layout {map} needs {needed}")))
         }
     }
 }
@@ -167,18 +156,18 @@ impl Environment {
     #[pyo3(signature = (array, layout="panorama", *, rotate_y=0.0, mirror=false))]
     fn from_array(array: &Bound<'_, PyAny>, layout: &str, rotate_y: f64, mirror: bool) -> PyResult<Self> {
         check_degrees("rotate_y", rotate_y)?;
-        let map = choices::array_layout(layout)?;
+        let map = choices::layout(layout)?;
         let array = Reals::of(array, "array")?;
         let layout = layout_of(map, array.shape())?;
-        let light = Light::new(layout, texels_of(&array)?).map_err(|error| wrong(error.to_string()))?;
-        let source = Source::new(light, "array".to_owned(), choices::map_name(map));
-        Ok(Self::new(source.turned(mirror, rotate_y).map_err(|error| wrong(error.to_string()))?))
+        let light = Light::new(layout, texels_of(&array)?).map_err(refused)?;
+        let source = Source::new(light, "array".to_owned(), map.name());
+        Ok(Self::new(source.turned(mirror, rotate_y).map_err(refused)?))
     }
 
     /// Layout of the texels: panorama, cube or octahedral.
     #[getter]
     fn layout(&self) -> &'static str {
-        choices::map_name(map_of(self.source.environment.layout()))
+        self.source.environment.layout().map().name()
     }
 
     /// Shape of the texels: (height, width, 3), or (6, n, n, 3) for a cube.
@@ -233,8 +222,7 @@ impl Environment {
     /// The same environment rotated about +Y; +90 degrees maps +Z to +X.
     fn rotated_y(&self, degrees: f64) -> PyResult<Self> {
         check_degrees("degrees", degrees)?;
-        let turned = self.source.clone().turned(false, degrees).map_err(|error| wrong(error.to_string()))?;
-        Ok(Self::new(turned))
+        Ok(Self::new(self.source.clone().turned(false, degrees).map_err(refused)?))
     }
 
     /// Radiance of a lobe around each direction: float32 of shape (..., 3) for directions (..., 3) of any
@@ -271,7 +259,7 @@ impl Environment {
         let settings = ReflectorSettings {
             oem_size,
             border,
-            sharpest: sharpest_of(lobe, asked.roughness.all(), sharpest)?,
+            sharpest: sharpest_of(lobe, &asked.roughness, sharpest)?,
             pyramid: filter == Filter::Pyramid,
             ..ReflectorSettings::default()
         };
@@ -293,16 +281,10 @@ impl Environment {
     ) -> PyResult<Bound<'py, PyAny>> {
         let filter = choices::filter(filter)?;
         let (directions, shape) = directions(normals, "normals")?;
-        let asked = Asked { directions, shape, roughness: Roughness::One(1.0) };
+        let asked = Asked { roughness: vec![1.0; directions.len()], directions, shape };
         let settings = ReflectorSettings { oem_size, sharpest: 1.0, ..ReflectorSettings::default() };
-        answers(
-            py,
-            (self.light(), Arc::clone(&self.tables)),
-            asked,
-            (Lobe::Cosine, filter),
-            settings,
-            (bounds, PI),
-        )
+        let light = (self.light(), Arc::clone(&self.tables));
+        answers(py, light, asked, (Lobe::Cosine, filter), settings, (bounds, PI))
     }
 
     /// Spherical harmonics: float64 of shape ((order + 1)^2, 3), real and orthonormal, in the order L0; L1 by

@@ -39,6 +39,11 @@ pub(crate) fn wrong(text: impl Into<String>) -> PyErr {
     PyValueError::new_err(text.into())
 }
 
+/// A `ValueError` of the library about a parameter.
+pub(crate) fn refused(error: Error) -> PyErr {
+    wrong(error.to_string())
+}
+
 /// An `octagloss.InputError`, which is both an `OSError` and a `ValueError`.
 fn input_error(py: Python<'_>, text: String) -> PyErr {
     let class = py.import("octagloss._errors").and_then(|module| module.getattr("InputError"));

@@ -1,7 +1,7 @@
 //! Maps of the sphere, for arrays of directions and points.
 
 use crate::arrays::{array, directions, element, points, with_axis};
-use crate::errors::wrong;
+use crate::errors::{refused, wrong};
 use glam::{DVec2, DVec3};
 use numpy::PyArrayDyn;
 use octagloss::maps::{MAPS, NamedMap, Place, named};
@@ -13,14 +13,14 @@ type Doubles<'py> = Bound<'py, PyArrayDyn<f64>>;
 type Rectangle = ((f64, f64), (f64, f64));
 type Indices<'py> = Bound<'py, PyArrayDyn<i64>>;
 
-fn vectors(py: Python<'_>, values: Vec<DVec3>, shape: Vec<usize>) -> PyResult<Doubles<'_>> {
-    let flat = values.into_iter().map(|v| v.to_array()).collect::<Vec<_>>().into_flattened();
-    array(py, flat, with_axis(shape, 3))
-}
-
-fn pairs(py: Python<'_>, values: Vec<DVec2>, shape: Vec<usize>) -> PyResult<Doubles<'_>> {
-    let flat = values.into_iter().map(|v| v.to_array()).collect::<Vec<_>>().into_flattened();
-    array(py, flat, with_axis(shape, 2))
+/// An array of vectors of `N` components.
+fn vectors<const N: usize>(
+    py: Python<'_>,
+    values: Vec<impl Into<[f64; N]>>,
+    shape: Vec<usize>,
+) -> PyResult<Doubles<'_>> {
+    let rows: Vec<[f64; N]> = values.into_iter().map(Into::into).collect();
+    array(py, rows.into_flattened(), with_axis(shape, N))
 }
 
 /// Rejects points outside the rectangle from `low` to `high`.
@@ -53,7 +53,7 @@ fn places(
 ) -> PyResult<(Vec<i64>, Vec<DVec2>, Vec<usize>)> {
     let (values, shape) = directions(given, "directions")?;
     let places = values.into_iter().map(|direction| map.place(direction));
-    let places = places.collect::<octagloss::Result<Vec<_>>>().map_err(|error| wrong(error.to_string()))?;
+    let places = places.collect::<octagloss::Result<Vec<_>>>().map_err(refused)?;
     let (components, uv) =
         places.into_iter().map(|place| (i64::from(place.component), place.uv / unit)).unzip();
     Ok((components, uv, shape))
@@ -66,12 +66,12 @@ fn shown_at<'py>(
     uv: &Bound<'py, PyAny>,
     unit: DVec2,
 ) -> PyResult<Doubles<'py>> {
-    let rectangle = map.component(component).map_err(|error| wrong(error.to_string()))?;
+    let rectangle = map.component(component).map_err(refused)?;
     let (values, shape) = points(uv, "uv")?;
     check_inside(&values, &shape, rectangle.low / unit, rectangle.high / unit)?;
     let direction = |uv| map.direction(Place { component, uv: uv * unit });
-    let found = values.into_iter().map(direction).collect::<octagloss::Result<_>>();
-    vectors(uv.py(), found.map_err(|error| wrong(error.to_string()))?, shape)
+    let found = values.into_iter().map(direction).collect::<octagloss::Result<Vec<DVec3>>>();
+    vectors(uv.py(), found.map_err(refused)?, shape)
 }
 
 /// The map's own coordinates of a panorama are angles.
@@ -82,7 +82,7 @@ const PANORAMA: DVec2 = DVec2::new(TAU, PI);
 #[pyo3(signature = (directions, /))]
 pub(crate) fn equirect_from_direction<'py>(directions: &Bound<'py, PyAny>) -> PyResult<Doubles<'py>> {
     let (_, uv, shape) = places(known("equirect"), directions, PANORAMA)?;
-    pairs(directions.py(), uv, shape)
+    vectors(directions.py(), uv, shape)
 }
 
 /// Unit directions (..., 3) of panorama coordinates (..., 2) in [0, 1].
@@ -97,7 +97,7 @@ pub(crate) fn direction_from_equirect<'py>(uv: &Bound<'py, PyAny>) -> PyResult<D
 #[pyo3(signature = (directions, /))]
 pub(crate) fn oct_from_direction<'py>(directions: &Bound<'py, PyAny>) -> PyResult<Doubles<'py>> {
     let (_, uv, shape) = places(known("octahedral"), directions, DVec2::ONE)?;
-    pairs(directions.py(), uv, shape)
+    vectors(directions.py(), uv, shape)
 }
 
 /// Unit directions (..., 3) of octahedral coordinates (..., 2) in [-1, 1].
@@ -142,8 +142,7 @@ pub(crate) fn map_components(name: &str) -> PyResult<Vec<Rectangle>> {
     let map = map_named(name)?;
     let rectangle =
         |index| map.component(index).map(|component| (component.low.into(), component.high.into()));
-    let rectangles = (0..map.components()).map(rectangle).collect::<octagloss::Result<_>>();
-    rectangles.map_err(|error| wrong(error.to_string()))
+    (0..map.components()).map(rectangle).collect::<octagloss::Result<_>>().map_err(refused)
 }
 
 /// Components (...) and coordinates (..., 2) of directions (..., 3) on a map.
@@ -154,7 +153,7 @@ pub(crate) fn map_from_direction<'py>(
     directions: &Bound<'py, PyAny>,
 ) -> PyResult<(Indices<'py>, Doubles<'py>)> {
     let (components, uv, shape) = places(map_named(name)?, directions, DVec2::ONE)?;
-    Ok((array(directions.py(), components, shape.clone())?, pairs(directions.py(), uv, shape)?))
+    Ok((array(directions.py(), components, shape.clone())?, vectors(directions.py(), uv, shape)?))
 }
 
 /// Unit directions (..., 3) of coordinates (..., 2) on one component of a map.
@@ -174,10 +173,10 @@ pub(crate) fn direction_from_map<'py>(
 #[pyo3(signature = (name, uv, /, component=0))]
 pub(crate) fn map_density<'py>(name: &str, uv: &Bound<'py, PyAny>, component: u32) -> PyResult<Doubles<'py>> {
     let map = map_named(name)?;
-    let rectangle = map.component(component).map_err(|error| wrong(error.to_string()))?;
+    let rectangle = map.component(component).map_err(refused)?;
     let (values, shape) = points(uv, "uv")?;
     check_inside(&values, &shape, rectangle.low, rectangle.high)?;
     let found =
         values.into_iter().map(|uv| map.density(Place { component, uv })).collect::<octagloss::Result<_>>();
-    array(uv.py(), found.map_err(|error| wrong(error.to_string()))?, shape)
+    array(uv.py(), found.map_err(refused)?, shape)
 }

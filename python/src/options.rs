@@ -3,6 +3,7 @@
 
 use crate::choices;
 use crate::errors::{NAMES, raised, wrong};
+use octagloss::files::OutputLayout;
 use octagloss::recipes::{InputOptions, Recipe, from_json};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -23,19 +24,16 @@ pub(crate) fn recipe(py: Python<'_>, given: Option<&Bound<'_, PyDict>>) -> PyRes
             "a bake has no option `{name}`; Environment.from_file has those of reading"
         )));
     }
-    let layout = options.get("layout").filter(|layout| !layout.is_null());
-    if let Some(name) = layout.map(|layout| layout.as_str().unwrap_or_default().to_owned()) {
-        let (map, own) = choices::level_layout(&name)?;
+    if let Some(layout) = options.get("layout").filter(|layout| !layout.is_null()) {
+        let map = choices::layout(layout.as_str().unwrap_or_default())?;
         let target = options.get("target").and_then(Value::as_str);
         let layout = match target.map(choices::target).transpose()? {
-            None => json!(own),
+            // The first layout of files with this map.
+            None => json!(OutputLayout::ALL.into_iter().find(|layout| layout.map() == map)),
             Some(target) if target.map == map => Value::Null,
             Some(target) => {
-                let needed = choices::map_name(target.map);
-                return Err(wrong(format!(
-                    "`layout` is {name}, but target {} needs {needed}; omit it",
-                    target.name
-                )));
+                let (name, needed) = (target.name, target.map);
+                return Err(wrong(format!("`layout` is {map}, but target {name} needs {needed}; omit it")));
             }
         };
         options.insert("layout".to_owned(), layout);

@@ -6,18 +6,8 @@ use octagloss::files::{Container, Existing, check_file, check_folder, recover, w
 use octagloss::recipes::{BakePlan, Baked, Recipe, Source, json_bytes, name, products};
 use octagloss::{Bake, Result};
 use pyo3::prelude::*;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 use std::time::Instant;
-
-/// A bake and where to write it.
-pub(crate) struct Output {
-    pub(crate) bake: Arc<Bake>,
-    pub(crate) plan: BakePlan,
-    pub(crate) source: Source,
-    pub(crate) path: PathBuf,
-    pub(crate) force: bool,
-}
 
 /// The plan of `recipe` for `source`, written to `path`.
 pub(crate) fn planned(py: Python<'_>, path: &Path, recipe: &Recipe, source: &Source) -> PyResult<BakePlan> {
@@ -53,22 +43,27 @@ pub(crate) fn check(path: &Path, plan: &BakePlan, force: bool) -> Result<()> {
     if plan.is_file() { check_file(path, existing) } else { check_folder(path, existing) }
 }
 
-impl Output {
-    /// Writes the files, and for a target the report of a bake that took `seconds`; returns warnings, one
-    /// line each.
-    pub(crate) fn write(&self, seconds: f64, cancel: &Cancel) -> Result<Vec<String>> {
-        let Self { bake, plan, source, path, force } = self;
-        let file = path.file_name().unwrap_or_default().to_string_lossy();
-        let name = if plan.is_file() { file.into_owned() } else { name(plan, source) };
-        let baked = Baked::on_cpu(vec![(**bake).clone()]);
-        let mut products = products(std::slice::from_ref(plan), source, baked, &name, Instant::now())?;
-        let product = &mut products.per_plan[0];
-        product.report.seconds = seconds;
-        let report = json_bytes(&product.report)?;
-        let report = plan.plan.is_targeted().then(|| ("report.json".to_owned(), &report[..]));
-        let files = product.made.iter().map(|made| (made.path.clone(), &made.bytes[..])).chain(report);
-        cancel.check()?;
-        write_files(path, plan.is_file(), files, Existing::by_force(*force))?;
-        Ok(std::mem::take(&mut product.losses))
-    }
+/// Writes the files of `bake`, which took `seconds`, and for a target its report; returns warnings, one line
+/// each.
+pub(crate) fn write(
+    bake: &Bake,
+    seconds: f64,
+    plan: &BakePlan,
+    source: &Source,
+    path: &Path,
+    force: bool,
+    cancel: &Cancel,
+) -> Result<Vec<String>> {
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = if plan.is_file() { file.into_owned() } else { name(plan, source) };
+    let baked = Baked::on_cpu(vec![bake.clone()]);
+    let mut products = products(std::slice::from_ref(plan), source, baked, &name, Instant::now())?;
+    let product = &mut products.per_plan[0];
+    product.report.seconds = seconds;
+    let report = json_bytes(&product.report)?;
+    let report = plan.plan.is_targeted().then(|| ("report.json".to_owned(), &report[..]));
+    let files = product.made.iter().map(|made| (made.path.clone(), &made.bytes[..])).chain(report);
+    cancel.check()?;
+    write_files(path, plan.is_file(), files, Existing::by_force(force))?;
+    Ok(std::mem::take(&mut product.losses))
 }

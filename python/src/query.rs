@@ -18,28 +18,6 @@ pub(crate) struct Tables {
     reflector: Reflector<'static>,
 }
 
-/// Roughness of each direction.
-pub(crate) enum Roughness {
-    One(f64),
-    Each(Vec<f64>),
-}
-
-impl Roughness {
-    pub(crate) fn all(&self) -> &[f64] {
-        match self {
-            Self::One(roughness) => std::slice::from_ref(roughness),
-            Self::Each(all) => all,
-        }
-    }
-
-    pub(crate) fn at(&self, index: usize) -> f64 {
-        match self {
-            Self::One(roughness) => *roughness,
-            Self::Each(all) => all[index],
-        }
-    }
-}
-
 /// The reflector of `tables`; replaced if it was made for other settings.
 fn prepared<'t>(
     tables: &'t mut Option<Tables>,
@@ -62,13 +40,13 @@ const LOBES_AT_ONCE: usize = 256;
 fn queried(
     reflector: &Reflector<'_>,
     directions: &[DVec3],
-    roughness: &Roughness,
+    roughness: &[f64],
     (lobe, filter): (Lobe, Filter),
     cancel: &Cancel,
 ) -> octagloss::Result<Vec<Answer>> {
     let mut order: Vec<usize> = (0..directions.len()).collect();
-    order.par_sort_by(|a, b| roughness.at(*a).total_cmp(&roughness.at(*b)));
-    let alike: Vec<&[usize]> = order.chunk_by(|a, b| roughness.at(*a) == roughness.at(*b)).collect();
+    order.par_sort_by(|a, b| roughness[*a].total_cmp(&roughness[*b]));
+    let alike: Vec<&[usize]> = order.chunk_by(|a, b| roughness[*a] == roughness[*b]).collect();
     let mut answers = vec![Answer { radiance: [0.0; 3], bound: None }; directions.len()];
     // The reference filter prepares every texel for each lobe.
     let at_once = if filter == Filter::Reference { 1 } else { LOBES_AT_ONCE };
@@ -77,7 +55,7 @@ fn queried(
         let mut lobes = Vec::with_capacity(batch.len());
         for places in batch {
             cancel.check()?;
-            lobes.push((reflector.lobes(lobe, roughness.at(places[0]), filter)?, *places));
+            lobes.push((reflector.lobes(lobe, roughness[places[0]], filter)?, *places));
         }
         let queries: Vec<_> = lobes
             .iter()
@@ -103,7 +81,8 @@ pub(crate) struct Asked {
     pub(crate) directions: Vec<DVec3>,
     /// Shape of the answers without their channels.
     pub(crate) shape: Vec<usize>,
-    pub(crate) roughness: Roughness,
+    /// Of each direction.
+    pub(crate) roughness: Vec<f64>,
 }
 
 impl Asked {
@@ -116,7 +95,9 @@ impl Asked {
     ) -> PyResult<Self> {
         let (directions, shape) = directions(given, "directions")?;
         let roughness = match (lobe, roughness) {
-            (Lobe::Cosine, None) => return Ok(Self { directions, shape, roughness: Roughness::One(1.0) }),
+            (Lobe::Cosine, None) => {
+                return Ok(Self { roughness: vec![1.0; directions.len()], directions, shape });
+            }
             (Lobe::Cosine, Some(_)) => {
                 return Err(wrong("the lobe cosine has no roughness; omit `roughness`"));
             }
@@ -129,10 +110,7 @@ impl Asked {
             let place = element("roughness", array.shape(), at);
             return Err(wrong(format!("{place} is {}; it must be between 0 and 1", values[at])));
         }
-        if array.shape().is_empty() {
-            return Ok(Self { directions, shape, roughness: Roughness::One(values[0]) });
-        }
-        let Some(common) = common_shape(&shape, array.shape()) else {
+        let Some(common) = common_shape(given.py(), &shape, array.shape())? else {
             return Err(wrong(format!(
                 "`roughness` has the shape {}, which does not fit {} directions; one number, or one for each \
                  is needed",
@@ -145,12 +123,12 @@ impl Asked {
         } else {
             self::directions(&repeated(given, &with_axis(common.clone(), 3))?, "directions")?.0
         };
-        let each = if array.shape() == common {
+        let roughness = if array.shape() == common {
             values
         } else {
             Reals::of(&repeated(roughness, &common)?, "roughness")?.doubles()?
         };
-        Ok(Self { directions, shape: common, roughness: Roughness::Each(each) })
+        Ok(Self { directions, shape: common, roughness })
     }
 }
 

@@ -33,7 +33,7 @@ pub(crate) fn reference<'py>(
             let oracle = Oracle::new(&light);
             let at = |(index, direction): (usize, &DVec3)| {
                 cancel.check()?;
-                oracle.reflect(lobe, roughness.at(index), *direction)
+                oracle.reflect(lobe, roughness[index], *direction)
             };
             directions.par_iter().enumerate().map(at).collect::<octagloss::Result<Vec<[f64; 3]>>>()
         })

@@ -3,7 +3,7 @@
 use super::level::{BakedLevel, Processor};
 use crate::common::error::{Error, Result, wrong};
 use crate::light::chain::{Chain, Level};
-use crate::light::environment::{Layout, Map, first_wrong};
+use crate::light::environment::first_wrong;
 use crate::light::oem::OemSize;
 use crate::light::sh::window::ShWindow;
 use crate::pyramid::BakedPyramid;
@@ -83,13 +83,8 @@ impl Bake {
             let Some(first) = chain.levels.first() else {
                 return wrong("a chain of no levels; bake it again");
             };
-            let map = match first.layout {
-                Layout::Cube { .. } => Map::Cube,
-                Layout::Panorama { .. } => Map::Panorama,
-                Layout::Octahedral { .. } => Map::Octahedral,
-            };
             for (level, number) in chain.levels.iter().zip(0..) {
-                let layout = map.layout(first.size(), number);
+                let layout = first.layout.map().layout(first.size(), number);
                 if level.layout != layout {
                     return wrong(format!(
                         "level {number} is {:?}, but its place needs {layout:?}",

@@ -1,6 +1,7 @@
 //! An environment in memory: radiance on a panorama, a cube or an octahedral square, and its orientation.
 
 use crate::common::error::{Result, wrong};
+use crate::common::names::named;
 use crate::sphere::{cube, equirect, octahedral};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -56,6 +57,8 @@ pub enum Map {
     Octahedral,
 }
 
+named!(Map { Cube = "cube", Panorama = "panorama", Octahedral = "octahedral" });
+
 impl Map {
     /// Number of levels down to a single texel (per face) from level 0 of `size` texels along its shorter
     /// edge.
@@ -79,6 +82,16 @@ impl Map {
 }
 
 impl Layout {
+    /// The map without its size.
+    #[must_use]
+    pub const fn map(self) -> Map {
+        match self {
+            Self::Panorama { .. } => Map::Panorama,
+            Self::Cube { .. } => Map::Cube,
+            Self::Octahedral { .. } => Map::Octahedral,
+        }
+    }
+
     /// Name of the map.
     pub(crate) const fn name(self) -> &'static str {
         match self {
