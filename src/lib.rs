@@ -74,32 +74,31 @@
 //! assert!((dim.radiance[0] - 0.1).abs() < 0.01);
 //! # Ok::<(), octagloss::Error>(())
 //! ```
-#![cfg_attr(
-    feature = "gpu",
-    doc = r#"
-# In a renderer
+//!
+//! # In a renderer
+//!
+//! With the feature `gpu`. The renderer owns device, queue and encoder; `examples/render.rs` is a whole
+//! program.
+//!
+#![cfg_attr(feature = "gpu", doc = "```no_run")]
+#![cfg_attr(not(feature = "gpu"), doc = "```ignore")]
+//! use octagloss::{LiveEnvironment, wgpu};
+//!
+//! # fn frame(device: wgpu::Device, queue: wgpu::Queue, radiance: wgpu::Texture) -> octagloss::Result<()> {
+//! let mut live = LiveEnvironment::new(&device, &queue, 512)?;
+//! let shader = LiveEnvironment::wgsl(0) + "/* calls octagloss_radiance(direction, roughness) */";
+//!
+//! // Whenever the light has changed.
+//! let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+//! live.update(&mut encoder, &radiance)?;
+//! queue.submit([encoder.finish()]);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A scene that moves is drawn straight into the octahedral map, by `LiveEnvironment::draw`:
+//! `examples/direct.rs`. `ShadowMap` draws the shadows of a lamp the same way: `examples/shadows.rs`.
 
-The renderer owns device, queue and encoder; `examples/render.rs` is a whole program.
-
-```no_run
-use octagloss::{LiveEnvironment, wgpu};
-
-# fn frame(device: wgpu::Device, queue: wgpu::Queue, radiance: wgpu::Texture) -> octagloss::Result<()> {
-let mut live = LiveEnvironment::new(&device, &queue, 512)?;
-let shader = LiveEnvironment::wgsl(0) + "/* calls octagloss_radiance(direction, roughness) */";
-
-// Whenever the light has changed.
-let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-live.update(&mut encoder, &radiance)?;
-queue.submit([encoder.finish()]);
-# Ok(())
-# }
-```
-
-A scene that moves is drawn straight into the octahedral map, by [`LiveEnvironment::draw`]:
-`examples/direct.rs`. [`ShadowMap`] draws the shadows of a lamp the same way: `examples/shadows.rs`.
-"#
-)]
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
