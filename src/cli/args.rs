@@ -1,34 +1,28 @@
 //! Command-line options of every subcommand. Their doc comments are the help texts.
 
-use super::shared_args::{EngineArgs, MAX_THREADS};
+use super::engine::{EngineArgs, MAX_THREADS};
 use super::values::{Texels, filter, percentage, roughness, texels, threshold, within};
 use crate::recipes::{InputOptions, Recipe, TableOptions};
 use crate::reflectance::DfgForm;
 use crate::{Filter, Lobe};
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use std::path::PathBuf;
-
-macro_rules! version {
-    ($($feature:literal)*) => {
-        concat!(env!("CARGO_PKG_VERSION"), " (features: cli", $(" ", $feature,)* ")")
-    };
-}
+use std::sync::LazyLock;
 
 /// Version and compiled features.
-const VERSION: &str = match (cfg!(feature = "gpu"), cfg!(feature = "view"), cfg!(feature = "plot")) {
-    (false, _, false) => version!(),
-    (false, _, true) => version!("plot"),
-    (true, false, false) => version!("gpu"),
-    (true, false, true) => version!("gpu" "plot"),
-    (true, true, false) => version!("gpu" "view"),
-    (true, true, true) => version!("gpu" "view" "plot"),
-};
+static VERSION: LazyLock<String> = LazyLock::new(|| {
+    let features =
+        [("gpu", cfg!(feature = "gpu")), ("view", cfg!(feature = "view")), ("plot", cfg!(feature = "plot"))];
+    let compiled = features.into_iter().filter(|(_, is_compiled)| *is_compiled);
+    let names: String = compiled.map(|(name, _)| format!(" {name}")).collect();
+    format!("{} (features: cli{names})", env!("CARGO_PKG_VERSION"))
+});
 
 /// Bakes HDR environments into glossy reflections of any roughness
 ///
 /// One summed-area table over the sphere, exact 64-bit sums, no noise, and an error bound for every texel.
 #[derive(Debug, Parser)]
-#[command(name = "octagloss", version = VERSION, max_term_width = 80, help_expected = true)]
+#[command(name = "octagloss", version = VERSION.as_str(), max_term_width = 80, help_expected = true)]
 #[command(disable_help_subcommand = true, subcommand_required = true, arg_required_else_help = true)]
 pub(super) struct Args {
     #[command(subcommand)]

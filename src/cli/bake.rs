@@ -3,20 +3,17 @@
 use super::args::BakeArgs;
 use super::console::{self, Console, Files};
 use super::engine::Engine;
-use super::expand::{Expansion, Found, expand};
-use super::input::{self, InputFiles};
-use super::outcome::{Failure, Outcome, check_png, is_stdout, on_threads, print, usage};
+use super::expand::{Expansion, expand};
+use super::input::{InputFiles, named_sources};
+use super::outcome::{Failure, Outcome, check_png, failed, is_stdout, on_threads, print, print_json, usage};
 use super::output::{Common, Destination, Outputs, names_folder};
-use super::shared_args::EngineArgs;
-use super::summary::Written;
-use super::verify::Verify;
-use super::{bake_plan, fingerprint};
+use super::{bake_plan, fingerprint, summary, verify};
 use crate::files::Existing;
 use crate::maps::Face;
 use crate::read::InputLayout;
-use crate::recipes::{BakePlan, InputOptions, Source, products};
-use crate::{BakeSettings, Environment, Error, Filter, Oracle};
-use anyhow::anyhow;
+use crate::recipes::{BakePlan, Source, products};
+use crate::{BakeSettings, Environment, Error, Filter, Oracle, Progress};
+use anyhow::Context as _;
 use octagloss_core::common::parallel;
 use octagloss_core::files::export::produce::check_memory;
 use octagloss_core::files::io::file_name::path_key;
@@ -24,9 +21,7 @@ use octagloss_core::files::io::output;
 use octagloss_core::files::io::regular::CHANGED;
 use octagloss_core::sphere::cube::direction_from_texel;
 use serde_json::json;
-use std::cell::OnceCell;
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -41,10 +36,7 @@ struct Work {
     several: bool,
     /// Folders and patterns of inputs that could not be read, or have none.
     unread: Vec<Error>,
-    input: InputOptions,
-    engine: EngineArgs,
-    skip_unchanged: bool,
-    verify: Option<Verify>,
+    args: BakeArgs,
     /// Everything except the inputs that affects the outputs.
     options: String,
 }
@@ -53,29 +45,18 @@ struct Work {
 struct InputJob {
     source: InputFiles,
     outputs: Outputs,
-    /// The folder of its outputs; created if missing.
-    folder: Option<PathBuf>,
     /// `[3/18] ` for several inputs.
     label: String,
-}
-
-/// Outcome of several inputs.
-#[derive(Default)]
-struct Tally {
-    baked: usize,
-    skipped: usize,
-    failed: usize,
 }
 
 pub(super) fn run(args: BakeArgs) -> Outcome {
     let console = Console::new(args.quiet);
     args.engine.check()?;
-    let (threads, dry_run) = (args.engine.threads, args.dry_run);
     let work = Work::new(args)?;
-    if dry_run {
+    if work.args.dry_run {
         return work.foretell(&console);
     }
-    on_threads(threads, || work.run(&console))
+    on_threads(work.args.engine.threads, || work.run(&console))
 }
 
 impl Work {
@@ -92,35 +73,21 @@ impl Work {
             && args.recipe.input.layout != InputLayout::Faces;
         let plans = bake_plan::plans(&args, several)?;
         if args.verify.is_some() {
-            Verify::check_plans(&plans, args.dry_run)?;
+            verify::check_plans(&plans, args.dry_run)?;
         }
         let options = fingerprint::options(&plans, &args.engine)?;
         if several && args.recipe.name.is_some() {
             return usage("--name names one environment; several inputs were given");
         }
-        let (paths, withins): (Vec<_>, Vec<_>) =
-            found.into_iter().map(|Found { path, within }| (path, within)).unzip();
-        let sources = input::sources(paths, &args.recipe.input)?;
-        let sources: Vec<(InputFiles, PathBuf)> = sources.into_iter().zip(withins).collect();
+        let first = &plans[0].plan;
+        let is_file = plans[0].is_file();
+        let suffix = if is_file { format!(".{}", first.container.name()) } else { String::new() };
+        let alike = ("would both be written as", "rename one or bake them separately");
+        let sources = named_sources(found, &args.recipe.input, &suffix, alike)?;
         if let Some(path) = &args.preview {
             check_png("--preview", path)?;
             if several {
                 return usage("--preview takes one input");
-            }
-        }
-        let first = &plans[0].plan;
-        let is_file = plans[0].is_file();
-        let suffix = if is_file { format!(".{}", first.container.name()) } else { String::new() };
-        let mut by_stem = BTreeMap::new();
-        for (source, within) in &sources {
-            let name = within.join(source.stem() + &suffix);
-            if let Some(other) = by_stem.insert(path_key(&name), source.path()) {
-                return usage(format!(
-                    "{} and {} would both be written as {}; rename one or bake them separately",
-                    other.display(),
-                    source.path().display(),
-                    name.display()
-                ));
             }
         }
         let place = match &args.output {
@@ -132,36 +99,27 @@ impl Work {
             _ => Destination::Folder,
         };
         let within = several || (is_file && args.output.as_deref().is_some_and(names_folder));
-        let folder = args.output.clone().filter(|_| within);
         let total = sources.len();
-        let job = |(number, (source, mirrored)): (usize, (InputFiles, PathBuf))| {
-            let name = mirrored.join(source.stem() + &suffix);
+        let job = |(number, (source, name)): (usize, (InputFiles, PathBuf))| {
             let main = match &args.output {
                 Some(folder) if within => folder.join(name),
                 Some(path) => path.clone(),
                 None => name,
             };
-            let environment = args.recipe.name.clone().unwrap_or_else(|| source.stem());
+            let name = match place {
+                Destination::Folder => args.recipe.name.clone().unwrap_or_else(|| source.stem()),
+                _ => main.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            };
             let folder = main.parent().filter(|folder| within && !folder.as_os_str().is_empty());
             let folder = folder.map(Path::to_owned);
             let label = if several { format!("[{number}/{total}] ") } else { String::new() };
-            let outputs = Outputs::new(main, place, environment, args.preview.clone());
-            InputJob { source, outputs, folder, label }
+            let outputs = Outputs { main, place, name, folder, preview: args.preview.clone() };
+            InputJob { source, outputs, label }
         };
         let jobs: Vec<InputJob> = (1..).zip(sources).map(job).collect();
         let common = Common { existing: Existing::by_force(args.force), json: args.json, plans };
-        let work = Self {
-            common,
-            jobs,
-            folder,
-            several,
-            unread: failures,
-            input: args.recipe.input,
-            engine: args.engine,
-            skip_unchanged: args.skip_unchanged,
-            verify: args.verify.map(|limit| Verify::new(limit, args.from)),
-            options,
-        };
+        let folder = args.output.clone().filter(|_| within);
+        let work = Self { common, jobs, folder, several, unread: failures, args, options };
         work.check_places()?;
         Ok(work)
     }
@@ -193,56 +151,46 @@ impl Work {
     /// Reports failures and continues; counts several inputs.
     fn foretell(&self, console: &Console) -> Outcome {
         self.check_folder()?;
-        let mut tally = Tally { failed: self.tell_unread(), ..Tally::default() };
+        let (mut baked, mut skipped, mut failed) = (0, 0, self.tell_unread());
         let mut text = String::new();
-        let failed = |input: &Path, error: &str| {
+        let failure_line = |input: &Path, error: &str| {
             let line = json!({"input": input.display().to_string(), "error": error}).to_string() + "\n";
             if self.common.json { line } else { String::new() }
         };
         for error in &self.unread {
             if let Error::Io { path, .. } | Error::Input { path, .. } = error {
-                text += &failed(path, &error.to_string());
+                text += &failure_line(path, &error.to_string());
             }
         }
         for job in &self.jobs {
             if self.is_up_to_date(job) {
-                tally.skipped += 1;
+                skipped += 1;
                 continue;
             }
             let foretold = || -> Outcome<String> {
-                job.outputs.check(&self.common, job.folder.as_deref())?;
+                job.outputs.check(&self.common)?;
                 let layout = self.opened(job, &Console::new(true))?.0.environment.layout();
                 Ok(job.outputs.foretold(&self.common, &job.source, layout)?)
             };
             match foretold() {
                 Ok(lines) => {
                     text += &lines;
-                    tally.baked += 1;
+                    baked += 1;
                 }
                 Err(failure) => {
                     if let Failure::Failed(error) = &failure {
-                        text += &failed(job.source.path(), &console::with_options(&format!("{error:#}")));
+                        let error = console::with_options(&format!("{error:#}"));
+                        text += &failure_line(job.source.path(), &error);
                     }
-                    tally.failed += job.report_failure(failure)?;
+                    failed += job.report_failure(failure)?;
                 }
             }
         }
         print(&text)?;
-        let Tally { baked, skipped, failed } = tally;
         if self.several {
             console.note(&format!("{baked} to bake, {skipped} to skip, {failed} failed"));
         }
         if failed > 0 { Err(Failure::Reported) } else { Ok(()) }
-    }
-
-    /// Warns about costly plans, once for all inputs.
-    fn warn_of_plans(&self, console: &Console) {
-        for BakePlan { plan, warning, .. } in &self.common.plans {
-            if let Some(warning) = warning {
-                let place = if plan.is_targeted() { plan.target.name } else { "bake" };
-                console.warn(&format!("{place}: {warning}"));
-            }
-        }
     }
 
     /// Reports input folders that could not be read; returns their number.
@@ -257,7 +205,7 @@ impl Work {
             Some(folder) if !folder.exists() => output::check_folder(folder, Existing::Keep)?,
             Some(folder) if !folder.is_dir() => {
                 let message = "is a file; several inputs, and names that end in /, need a folder";
-                return Err(anyhow!("{}: {message}", folder.display()).into());
+                return failed(format!("{}: {message}", folder.display()));
             }
             _ => {}
         }
@@ -266,8 +214,9 @@ impl Work {
 
     /// Whether to skip `job`.
     fn is_up_to_date(&self, job: &InputJob) -> bool {
-        let request = || fingerprint::request(&job.source, &self.options).ok();
-        self.skip_unchanged && request().is_some_and(|request| job.outputs.holds(&self.common, request))
+        let request = || fingerprint::requested(&job.source, &self.options).ok();
+        self.args.skip_unchanged
+            && request().is_some_and(|(request, _)| job.outputs.holds(&self.common, request))
     }
 
     fn run(&self, console: &Console) -> Outcome {
@@ -277,36 +226,39 @@ impl Work {
         }
         // Report unwritable outputs before baking.
         self.check_folder()?;
-        let mut tally = Tally { failed: self.tell_unread(), ..Tally::default() };
+        let (mut baked, mut skipped, mut failed) = (0, 0, self.tell_unread());
         let mut ready = Vec::new();
         for job in &self.jobs {
             if self.is_up_to_date(job) {
                 console.note(&format!("{}{}: unchanged", job.label, job.outputs.main.display()));
-                tally.skipped += 1;
+                skipped += 1;
                 if let Err(failure) = self.verify(job, console) {
-                    tally.failed += job.report_failure(failure)?;
+                    failed += job.report_failure(failure)?;
                 }
                 continue;
             }
-            match job.outputs.check(&self.common, job.folder.as_deref()) {
+            match job.outputs.check(&self.common) {
                 Ok(()) => ready.push(job),
-                Err(failure) => tally.failed += job.report_failure(failure)?,
+                Err(failure) => failed += job.report_failure(failure)?,
             }
         }
-        let engine = OnceCell::new();
+        let mut engine = None;
         let (start, total) = (Instant::now(), ready.len());
-        if total > 0 {
-            self.warn_of_plans(console);
+        // Of costly plans, once for all inputs.
+        for BakePlan { plan, warning, .. } in self.common.plans.iter().filter(|_| total > 0) {
+            if let Some(warning) = warning {
+                let place = if plan.is_targeted() { plan.target.name } else { "bake" };
+                console.warn(&format!("{place}: {warning}"));
+            }
         }
         for (done, job) in ready.into_iter().enumerate() {
             let files = self.several.then_some(Files { start, done, total });
-            let baked = self.bake(job, files, &engine, console);
-            match baked.and_then(|()| self.verify(job, console)) {
-                Ok(()) => tally.baked += 1,
-                Err(failure) => tally.failed += job.report_failure(failure)?,
+            let outcome = self.bake(job, files, &mut engine, console);
+            match outcome.and_then(|()| self.verify(job, console)) {
+                Ok(()) => baked += 1,
+                Err(failure) => failed += job.report_failure(failure)?,
             }
         }
-        let Tally { baked, skipped, failed } = tally;
         if self.several {
             console.note(&format!("{baked} baked, {skipped} skipped, {failed} failed"));
         }
@@ -317,21 +269,25 @@ impl Work {
         &self,
         job: &InputJob,
         files: Option<Files>,
-        engine: &OnceCell<Engine>,
+        engine: &mut Option<Engine>,
         console: &Console,
     ) -> Outcome {
         let start = Instant::now();
         let (request, input_files) = fingerprint::requested(&job.source, &self.options)?;
         let (source, plans) = self.opened(job, console)?;
         // The hashes in the report are those of the light.
-        if fingerprint::request(&job.source, &self.options)? != request {
+        if fingerprint::requested(&job.source, &self.options)?.0 != request {
             return Err(Error::input(job.source.path(), CHANGED).into());
         }
         let source = Source { files: input_files, ..source };
         let measured =
             |plan: &BakePlan| BakeSettings { measure: !plan.settings.pyramid, ..plan.settings.clone() };
         let settings: Vec<BakeSettings> = plans.iter().map(measured).collect();
-        let engine = self.engine.chosen(engine, console)?;
+        // Chosen after an input was read, so an unreadable input prints only its own error.
+        let engine = match engine {
+            Some(engine) => engine,
+            None => engine.insert(self.args.engine.choose(console)?),
+        };
         if settings[0].filter == Filter::Reference {
             let seconds = reference_seconds(&source.environment, &settings[0])?;
             console.note(&format!(
@@ -341,9 +297,9 @@ impl Work {
             ));
         }
         let name = format!("{}{}", job.label, job.source.stem());
-        let bar = files.map_or_else(|| console.bar(&name), |files| console.bar_of(&name, files));
-        let progress = |progress| {
-            bar.bake(progress);
+        let bar = console.bar_of(&name, files);
+        let progress = |progress: Progress| {
+            bar.at(progress.done, progress.total);
             ControlFlow::Continue(())
         };
         let baked = engine.bake_all(&source.environment, &settings, &progress)?;
@@ -351,58 +307,42 @@ impl Work {
         if let Some(why) = &baked.fallback {
             console.note(why);
         }
-        let mut warned: Vec<&String> = Vec::new();
         for warning in baked.bakes.iter().flat_map(|bake| &bake.warnings) {
-            if !warned.contains(&warning) {
-                console.warn(&format!("{}: {warning}", job.source.path().display()));
-                warned.push(warning);
-            }
+            console.warn(&format!("{}: {warning}", job.source.path().display()));
         }
         let main = job.outputs.main.display();
-        let mut products = products(&plans, &source, baked, &job.outputs.name, start)
-            .map_err(|error| anyhow::Error::from(error).context(main.to_string()))?;
+        let mut products =
+            products(&plans, &source, baked, &job.outputs.name, start).with_context(|| main.to_string())?;
         for product in &mut products.per_plan {
             let target = product.plan.plan.target.name;
             let place = if target.is_empty() { String::new() } else { format!(", target {target}") };
             product.losses.iter().for_each(|loss| console.warn(&format!("{main}{place}: {loss}")));
             product.report.warnings.iter_mut().for_each(|text| *text = console::with_options(text));
         }
-        if let Some(folder) = &job.folder {
-            fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
-        }
         let (reports, bytes) = job.outputs.write(&self.common, &products, request)?;
-        let written = Written {
-            main: (job.outputs.place != Destination::Stdout).then_some(&job.outputs.main),
-            input: job.source.path(),
-            plans: &plans,
-            reports: &reports,
-            bytes,
-            seconds: start.elapsed().as_secs_f64(),
-        };
-        let next = if self.several { String::new() } else { format!("; {}", written.next()) };
-        console.note(&format!("{}{}{next}", job.label, written.text()));
-        if self.common.json {
-            for report in &reports {
-                let line = serde_json::to_string(report).map_err(anyhow::Error::from)?;
-                print(&(line + "\n"))?;
-            }
-        }
-        Ok(())
+        let seconds = start.elapsed().as_secs_f64();
+        let (input, main) = (job.source.path(), job.outputs.main.as_path());
+        let main = (job.outputs.place != Destination::Stdout).then_some(main);
+        let written = summary::written(main, &plans, &reports, bytes, seconds);
+        let next = || format!("; {}", summary::next(main.unwrap_or(input), input, &plans));
+        let next = if self.several { String::new() } else { next() };
+        console.note(&format!("{}{written}{next}", job.label));
+        reports.iter().filter(|_| self.common.json).try_for_each(print_json)
     }
 
     /// Judges the outputs of `job`, if asked.
     fn verify(&self, job: &InputJob, console: &Console) -> Outcome {
-        let Some(verify) = &self.verify else { return Ok(()) };
+        let Some(limit) = self.args.verify else { return Ok(()) };
         let outputs = match &self.common.plans[..] {
             [_] => vec![job.outputs.main.clone()],
             plans => plans.iter().map(|plan| job.outputs.main.join(plan.plan.target.name)).collect(),
         };
-        verify.check(&outputs, &job.source, &self.input, &job.label, console)
+        verify::check(&outputs, &job.source, limit, &self.args, &job.label, console)
     }
 
     /// The source of `job`, and the plans for it; checks that the bakes fit into memory.
     fn opened(&self, job: &InputJob, console: &Console) -> crate::Result<(Source, Vec<BakePlan>)> {
-        let source = job.source.open(&self.input, console)?;
+        let source = job.source.open(&self.args.recipe.input, console)?;
         let layout = source.environment.layout();
         let plans: Vec<BakePlan> = self.common.plans.iter().map(|plan| plan.settled(layout)).collect();
         check_memory(&plans, &source.environment)?;

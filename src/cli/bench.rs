@@ -1,9 +1,9 @@
 //! `octagloss bench`: times the stages and prints JSON. Compare ratios within one run.
 
 use super::args::BenchArgs;
+use super::engine::EngineArg;
 use super::outcome::{Outcome, on_threads, print_pretty};
 use super::timing::{TimedLight, Timing, timing};
-use super::values::EngineArg;
 use crate::{BakeSettings, Environment, Filter, Ladder, OemSize, Scan, bake};
 use octagloss_core::analysis::sat_f32::sat_f32;
 use octagloss_core::bake::memory;

@@ -53,12 +53,6 @@ enum Frame {
     Unwrap(UnwrapFrame),
 }
 
-/// Timestamps if the adapter has them and they agree with the time from submission to completion.
-enum Clock {
-    Timestamps(Timer),
-    Wall,
-}
-
 pub(super) fn run(args: &BenchArgs) -> Outcome {
     let adapter = any_adapter(args.engine.adapter.as_deref())?;
     let context = &block_on(None, Context::new(&adapter))??;
@@ -101,11 +95,11 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         unwrapped("unwrapped, alpha", Remedy::Alpha)?,
         unwrapped("unwrapped, kept", Remedy::Keep)?,
     ];
-    let clock = Clock::of(context, &ways)?;
+    let timer = timer(context, &ways)?;
     // In turn, so that other load on the machine meets all ways; the first turn warms up.
     for turn in 0..=args.runs {
         for way in &mut ways {
-            let (list, seconds) = clock.time(context, way)?;
+            let (list, seconds) = way.time(context, timer.as_ref())?;
             if turn > 0 {
                 way.seconds.push(seconds);
                 way.list_seconds.extend(list);
@@ -171,10 +165,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         "adapter": context.describe(),
         "software": !is_hardware(&context.device().adapter_info()),
         // What measures: timestamp queries, or the time from submission to completion.
-        "clock": match clock {
-            Clock::Timestamps(_) => "timestamps",
-            Clock::Wall => "submission to completion",
-        },
+        "clock": if timer.is_some() { "timestamps" } else { "submission to completion" },
         "triangles": scene.count(),
         "runs": args.runs,
         "methods": methods,
@@ -223,43 +214,40 @@ impl Frame {
     }
 }
 
-impl Clock {
-    /// The clock for `ways`. Draws each of them by both clocks.
-    fn of(context: &Context, ways: &[Way]) -> Outcome<Self> {
-        let Ok(timer) = Timer::new(context, PASSES) else { return Ok(Self::Wall) };
-        let timestamps = Self::Timestamps(timer);
-        for way in ways {
-            let (_, seconds) = timestamps.time(context, way)?;
-            // Other programs may hold up a run.
-            let mut tries = 3;
-            while !accounts_for(seconds, Self::Wall.time(context, way)?.1) {
-                tries -= 1;
-                if tries == 0 {
-                    return Ok(Self::Wall);
-                }
+/// Timestamps for `ways`, if the adapter has them and they agree with the time from submission to completion.
+/// Draws each of the ways by both clocks.
+fn timer(context: &Context, ways: &[Way]) -> Outcome<Option<Timer>> {
+    let Ok(timer) = Timer::new(context, PASSES) else { return Ok(None) };
+    for way in ways {
+        let (_, seconds) = way.time(context, Some(&timer))?;
+        // Other programs may hold up a run.
+        let mut tries = 3;
+        while !accounts_for(seconds, way.time(context, None)?.1) {
+            tries -= 1;
+            if tries == 0 {
+                return Ok(None);
             }
         }
-        Ok(timestamps)
     }
+    Ok(Some(timer))
+}
 
-    /// Seconds of a frame's list, if known, and from the beginning of its first pass to the end of its last.
-    fn time(&self, context: &Context, way: &Way) -> Outcome<(Option<f64>, f64)> {
-        let timer = match self {
-            Self::Timestamps(timer) => Some(timer),
-            Self::Wall => None,
-        };
+impl Way {
+    /// Seconds of a frame's list, if known, and from the beginning of its first pass to the end of its last;
+    /// without a `timer` from submission to completion.
+    fn time(&self, context: &Context, timer: Option<&Timer>) -> Outcome<(Option<f64>, f64)> {
         let start = Instant::now();
-        let passes = way.frame.passes();
+        let passes = self.frame.passes();
         context.submit(|encoder| {
-            way.frame.record(encoder, timer);
-            if let Some(stage) = &way.then {
+            self.frame.record(encoder, timer);
+            if let Some(stage) = &self.then {
                 stage.record_timed(encoder, timer.map(|timer| timer.compute_writes(passes)));
             }
         });
         if let Some(timer) = timer {
-            let passes = passes + u32::from(way.then.is_some());
+            let passes = passes + u32::from(self.then.is_some());
             let [first, whole] = block_on(Some(context), timer.first_and_whole(context, passes))??;
-            return Ok((way.frame.has_list().then_some(first), whole));
+            return Ok((self.frame.has_list().then_some(first), whole));
         }
         context.device().poll(wgpu::PollType::wait_indefinitely()).map_err(|error| {
             crate::Error::Gpu(format!("{} stopped responding: {error}", context.describe()))

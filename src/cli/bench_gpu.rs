@@ -24,13 +24,6 @@ use std::time::{Duration, Instant};
 /// Idle GPUs run at a fifth of their clock, and take so long to raise it.
 const WARM_UP: Duration = Duration::from_millis(500);
 
-/// Times stages repeatedly.
-struct Repeated<'a> {
-    context: &'a Context,
-    clock: Clock,
-    runs: u32,
-}
-
 /// Times of a list of stages.
 struct Timings {
     each: Vec<Timing>,
@@ -40,24 +33,22 @@ struct Timings {
     wall: Timing,
 }
 
-impl Repeated<'_> {
-    /// Times each of `stages` and the whole, after runs that warm up.
-    fn time(&self, stages: &[&Stage]) -> Outcome<Timings> {
-        let mut each = vec![Vec::new(); stages.len()];
-        let (mut whole, mut wall) = (Vec::new(), Vec::new());
-        let run = || block_on(Some(self.context), self.clock.time(self.context, stages));
-        let start = Instant::now();
-        while start.elapsed() < WARM_UP {
-            run()??;
-        }
-        for _ in 0..self.runs {
-            let times = run()??;
-            each.iter_mut().zip(times.each).for_each(|(each, seconds)| each.push(seconds));
-            whole.push(times.whole);
-            wall.push(times.wall);
-        }
-        Ok(Timings { each: each.into_iter().map(timing).collect(), whole: timing(whole), wall: timing(wall) })
+/// Times each of `stages` and the whole in `runs` runs, after others that warm up.
+fn time(context: &Context, clock: &Clock, runs: u32, stages: &[&Stage]) -> Outcome<Timings> {
+    let mut each = vec![Vec::new(); stages.len()];
+    let (mut whole, mut wall) = (Vec::new(), Vec::new());
+    let run = || block_on(Some(context), clock.time(context, stages));
+    let start = Instant::now();
+    while start.elapsed() < WARM_UP {
+        run()??;
     }
+    for _ in 0..runs {
+        let times = run()??;
+        each.iter_mut().zip(times.each).for_each(|(each, seconds)| each.push(seconds));
+        whole.push(times.whole);
+        wall.push(times.wall);
+    }
+    Ok(Timings { each: each.into_iter().map(timing).collect(), whole: timing(whole), wall: timing(wall) })
 }
 
 /// Peak CPU bytes per table texel: the panorama, twice as large, and the cube with faces half as large, once
@@ -132,9 +123,8 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
 
     let lists: [Vec<&Stage>; 3] = [&stages[..], &pipeline, &levels].map(|list| list.iter().collect());
     let clock = block_on(Some(context), Clock::of(context, &lists.each_ref().map(Vec::as_slice)))??;
-    let repeated = Repeated { context, clock, runs: args.runs };
-    let [all, pipeline, levels] = &lists;
-    let (mut all, pipeline, bake) = (repeated.time(all)?, repeated.time(pipeline)?, repeated.time(levels)?);
+    let timed = |stages: &Vec<&Stage>| time(context, &clock, args.runs, stages);
+    let (mut all, pipeline, bake) = (timed(&lists[0])?, timed(&lists[1])?, timed(&lists[2])?);
     let copy = all.each.pop().expect("the copy is the last");
     let stages: BTreeMap<String, Timing> = names.into_iter().zip(all.each).collect();
     let seconds = |name: &str| stages.get(name).map(|timing| timing.median_seconds);
@@ -157,7 +147,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         "runs": args.runs,
         // What measures: timestamp queries, or the time from the submission of a stage to its completion, if
         // the device's timestamps are missing or leave out work.
-        "clock": repeated.clock.name(),
+        "clock": clock.name(),
         // Reads and writes 24 bytes per texel, the minimum traffic of a scan.
         "copy": copy,
         // Each pass over an octahedral map of `size` texels, and a frame by the pyramid with per-pixel

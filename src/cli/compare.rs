@@ -6,7 +6,9 @@ use super::comparison::{against_bake, against_source, bake_in};
 use super::console::Console;
 use super::input::{self, file_name, read_bake};
 use super::measures::Measures;
-use super::outcome::{Outcome, check_not_input, check_png, on_threads, print, print_json, usage};
+use super::outcome::{
+    Outcome, check_not_input, check_output, check_png, on_threads, print, print_json, usage,
+};
 use super::{compare_many, compare_pair, look_ups};
 use crate::files::Existing;
 use crate::read::InputLayout;
@@ -14,7 +16,6 @@ use crate::{Chain, Layout, Level};
 use octagloss_core::analysis::compare::{LevelErrors, grid_of};
 use octagloss_core::files::image::error_sheet::error_sheet;
 use octagloss_core::files::io::ldr::write::write_png;
-use octagloss_core::files::io::output;
 use octagloss_drawing::scene::Scene;
 
 pub(super) fn run(args: CompareArgs) -> Outcome {
@@ -24,12 +25,11 @@ pub(super) fn run(args: CompareArgs) -> Outcome {
     if let Some(path) = &args.picture {
         check_png("--picture", path)?;
         check_not_input(path, inputs())?;
-        output::recover(path);
-        output::check_file(path, existing)?;
+        check_output(path, args.force)?;
     }
     if let Some(path) = &args.chart {
         check_not_input(path, inputs().chain(&args.overlay))?;
-        look_ups::check_chart(path, existing)?;
+        look_ups::check_chart(path, args.force)?;
     }
     if let Err(error) = std::fs::metadata(&args.bake) {
         return Err(crate::Error::io(&args.bake, error).into());
@@ -63,12 +63,13 @@ fn run_one(args: &CompareArgs, existing: Existing, console: &Console) -> Outcome
         None => {
             let files = input::single_source(args.against.clone(), &args.input)?;
             let sources = Sources::new(files, &args.input, args.lobe, console);
-            against_source(&measures, &args.bake, &bake, &sources, console)?
+            against_source(&measures, &args.bake, &bake, &sources)?
         }
     };
     if let Some(path) = &args.picture {
         write_png(path, existing, &picture(args, &bake.chain, &comparison.levels)?.picture())?;
     }
+    #[cfg(feature = "plot")]
     if let (Some(path), Some(delivered)) = (&args.chart, &comparison.delivered) {
         let overlays = comparison.overlays.iter().map(|overlay| (&overlay.bake[..], &overlay.delivered));
         let curves: Vec<_> = [(&comparison.bake[..], delivered)].into_iter().chain(overlays).collect();
@@ -79,22 +80,19 @@ fn run_one(args: &CompareArgs, existing: Existing, console: &Console) -> Outcome
     } else {
         print(&comparison.text())?;
     }
-    match (&comparison.verdict, args.fail_above) {
-        (Some(verdict), Some(limit)) => {
-            verdict.tell(&comparison.bake);
-            verdict.check(limit)
-        }
-        _ => Ok(()),
+    if let Some((verdict, limit)) = comparison.verdict.as_ref().zip(args.fail_above) {
+        verdict.tell(&comparison.bake);
+        verdict.check(limit)?;
     }
+    Ok(())
 }
 
 /// The sheet of the errors of the levels.
 fn picture(args: &CompareArgs, bake: &Chain, levels: &[LevelErrors]) -> crate::Result<Scene> {
-    let pairs: Vec<(&LevelErrors, Level)> = (levels.iter())
-        .filter_map(|errors| {
-            let size = errors.reference.as_ref()?.size();
-            Some((errors, grid_of(&bake.levels[errors.level], size)))
-        })
-        .collect();
+    let pairs = levels.iter().filter_map(|errors| {
+        let size = errors.reference.as_ref()?.size();
+        Some((errors, grid_of(&bake.levels[errors.level], size)))
+    });
+    let pairs: Vec<(&LevelErrors, Level)> = pairs.collect();
     error_sheet(&format!("Errors of {}", file_name(&args.bake)), &file_name(&args.against[0]), &pairs)
 }

@@ -4,14 +4,13 @@ use super::args::CompareArgs;
 use super::compare_sources::Sources;
 use super::comparison::{Comparison, against_source, bake_in};
 use super::console::{self, Console};
-use super::expand::{Expansion, Found, expand};
+use super::expand::{Expansion, expand};
 use super::gate::Verdict;
-use super::input::{self, InputFiles};
+use super::input::{InputFiles, named_sources};
 use super::look_ups::channel;
 use super::measures::Measures;
-use super::outcome::{Failure, Outcome, print, usage};
+use super::outcome::{Failure, Outcome, failed, print, usage};
 use crate::targets::Target;
-use anyhow::anyhow;
 use octagloss_core::files::io;
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -19,13 +18,6 @@ use std::path::{Path, PathBuf};
 
 /// Extensions of bakes in one file.
 const FILES: [&str; 4] = ["ktx2", "ktx", "dds", "exr"];
-
-/// A source and its bakes.
-struct Pair {
-    source: InputFiles,
-    /// Name of the bakes in the folder, without extension.
-    name: PathBuf,
-}
 
 /// Whether `path` is a folder that holds bakes but is none.
 pub(super) fn is_folder_of_bakes(path: &Path) -> bool {
@@ -43,29 +35,13 @@ pub(super) fn run(args: &CompareArgs, console: &Console) -> Outcome {
         return usage(format!("{} is a folder of bakes; {option} is for one bake", args.bake.display()));
     }
     let Expansion { found, failures, .. } = expand(args.against.clone(), args.recursive, Some(&args.bake));
-    let (paths, withins): (Vec<_>, Vec<_>) =
-        found.into_iter().map(|Found { path, within }| (path, within)).unzip();
-    let sources = input::sources(paths, &args.input)?;
-    let pairs: Vec<Pair> = sources
-        .into_iter()
-        .zip(withins)
-        .map(|(source, within)| Pair { name: within.join(source.stem()), source })
-        .collect();
-    let mut by_name = BTreeMap::new();
-    for Pair { source, name } in &pairs {
-        if let Some(other) = by_name.insert(name, source.path()) {
-            return usage(format!(
-                "{} and {} have one name, {}; compare them separately",
-                other.display(),
-                source.path().display(),
-                name.display()
-            ));
-        }
-    }
+    // By the names of their bakes in the folder, without extension.
+    let alike = ("have one name,", "compare them separately");
+    let named = named_sources(found, &args.input, "", alike)?;
     failures.iter().for_each(|error| console::error(&error.to_string()));
     let mut run = Run {
         args,
-        width: pairs.iter().map(|pair| pair.name.as_os_str().len() + 5).max().unwrap_or(0).max(4),
+        width: named.iter().map(|(_, name)| name.as_os_str().len() + 5).max().unwrap_or(0).max(4),
         done: 0,
         failed: failures.len(),
         not_judged: BTreeMap::new(),
@@ -73,16 +49,14 @@ pub(super) fn run(args: &CompareArgs, console: &Console) -> Outcome {
     if !args.json {
         print(&format!("{:<1$}     error   worst channel  verdict\n", "bake", run.width))?;
     }
-    for pair in &pairs {
-        let one = pairs.len() == 1;
-        match bakes_of(&args.bake, pair, one) {
+    for (source, name) in &named {
+        let base = args.bake.join(name);
+        match bakes_of(&args.bake, source, &base, named.len() == 1) {
             Ok(bakes) => {
-                let sources = Sources::new(pair.source.clone(), &args.input, args.lobe, console);
-                for bake in bakes {
-                    run.judge(&bake, &sources, console)?;
-                }
+                let sources = Sources::new(source.clone(), &args.input, args.lobe, console);
+                bakes.iter().try_for_each(|bake| run.judge(bake, &sources))?;
             }
-            Err(failure) => run.fail(&args.bake.join(&pair.name), pair.source.path(), failure)?,
+            Err(failure) => run.fail(&base, source.path(), failure)?,
         }
     }
     run.finish(console)
@@ -100,11 +74,10 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn judge(&mut self, path: &Path, sources: &Sources<'_>, console: &Console) -> Outcome {
+    fn judge(&mut self, path: &Path, sources: &Sources<'_>) -> Outcome {
         let measures = Measures::new(self.args, Some(self.args.from.unwrap_or(0.0)));
-        let compared =
-            bake_in(path, console).and_then(|bake| against_source(&measures, path, &bake, sources, console));
-        let comparison = match compared {
+        let bake = bake_in(path, sources.console);
+        let comparison = match bake.and_then(|bake| against_source(&measures, path, &bake, sources)) {
             Ok(comparison) => comparison,
             Err(failure) => return self.fail(path, sources.path(), failure),
         };
@@ -115,20 +88,16 @@ impl Run<'_> {
         }
         let failure = self.args.fail_above.and_then(|limit| verdict.check(limit).err());
         let line = match self.args.json {
-            true => serde_json::to_string(&comparison).map_err(anyhow::Error::from)?,
+            true => serde_json::to_string(&comparison)?,
             false => self.line(&name, &comparison, verdict, failure.is_some()),
         };
         print(&(line + "\n"))?;
         self.done += 1;
-        match failure {
-            None => Ok(()),
-            Some(Failure::Failed(error)) => {
-                self.failed += 1;
-                console::error(&format!("{}: {error:#}", path.display()));
-                Ok(())
-            }
-            Some(other) => Err(other),
+        if let Some(error) = failure {
+            self.failed += 1;
+            console::error(&format!("{}: {error:#}", path.display()));
         }
+        Ok(())
     }
 
     /// A row of the table.
@@ -148,7 +117,6 @@ impl Run<'_> {
 
     /// Reports that `path` could not be compared; failures of another kind end the program.
     fn fail(&mut self, path: &Path, source: &Path, failure: Failure) -> Outcome {
-        let (Failure::Failed(_) | Failure::Usage(_)) = &failure else { return Err(failure) };
         let message = match failure {
             Failure::Failed(error) => format!("{error:#}"),
             Failure::Usage(message) => message,
@@ -181,22 +149,21 @@ impl Run<'_> {
     }
 }
 
-/// The bakes of a source in `folder`, named as `bake` names the outputs for several inputs: a file or folder,
-/// or one for each target. With `one` source, `folder` can be that of its targets.
-fn bakes_of(folder: &Path, Pair { source, name }: &Pair, one: bool) -> Outcome<Vec<PathBuf>> {
-    let base = folder.join(name);
+/// The bakes of `source` in `folder`, called `base`, as `bake` names the outputs for several inputs: a file or
+/// folder, or one for each target. With `one` source, `folder` can be that of its targets.
+fn bakes_of(folder: &Path, source: &InputFiles, base: &Path, one: bool) -> Outcome<Vec<PathBuf>> {
     let mut found: Vec<PathBuf> = FILES
         .into_iter()
         .map(|extension| PathBuf::from(format!("{}.{extension}", base.display())))
         .filter(|path| path.is_file() && !is_same(path, source.path()))
         .collect();
-    if base.is_dir() && (found.is_empty() || io::is_bake_folder(&base)) {
-        let targets = targets_in(&base)?;
+    if base.is_dir() && (found.is_empty() || io::is_bake_folder(base)) {
+        let targets = targets_in(base)?;
         if !targets.is_empty() {
             found.extend(targets);
             return Ok(found);
         }
-        found.push(base.clone());
+        found.push(base.to_owned());
     }
     if found.is_empty() && one {
         found = targets_in(folder)?;
@@ -205,21 +172,18 @@ fn bakes_of(folder: &Path, Pair { source, name }: &Pair, one: bool) -> Outcome<V
         }
     }
     match &found[..] {
-        [] => Err(anyhow!(
-            "{}: its bake is missing: no {} (.ktx, .dds, .exr) and no folder {}",
+        [] => failed(format!(
+            "{}: its bake is missing: no {1}.ktx2 (.ktx, .dds, .exr) and no folder {1}",
             source.path().display(),
-            format_args!("{}.ktx2", base.display()),
             base.display()
-        )
-        .into()),
+        )),
         [_] => Ok(found),
-        [a, b, ..] => Err(anyhow!(
+        [a, b, ..] => failed(format!(
             "{} and {} are both named for {}; remove one",
             a.display(),
             b.display(),
             source.path().display()
-        )
-        .into()),
+        )),
     }
 }
 

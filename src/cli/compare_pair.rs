@@ -62,12 +62,10 @@ pub(super) fn run(args: &CompareArgs, existing: Existing, console: &Console) -> 
     let measures = Measures { delivered: Some(columns.clone()), ..Measures::default() };
     let [a, b] = loaded;
     let side = |path: &PathBuf, bake: LoadedChain| -> Outcome<Side> {
-        let LoadedChain { chain, provenance, .. } = bake;
-        let (lobe, source) = sources.lobe_and_source(path, &provenance)?;
-        let ladder = provenance.ladder.as_deref();
-        let delivered = look_ups::measure(&measures, path, &chain, lobe, ladder, &source, console)?;
-        let ladder = look_ups::ladder(path, &chain, ladder)?;
-        Ok(Side { name: path.display().to_string(), chain, ladder, source, delivered })
+        let (lobe, source) = sources.lobe_and_source(path, &bake.provenance)?;
+        let delivered = look_ups::measure(&measures, path, &bake, lobe, &source, console)?;
+        let ladder = look_ups::ladder(path, &bake)?;
+        Ok(Side { name: path.display().to_string(), chain: bake.chain, ladder, source, delivered })
     };
     let sides = [side(&args.bake, a)?, side(other, b)?];
     let unturned = |side: &Side| InputOptions { rotate_y: None, mirror: false, ..side.source.input.clone() };

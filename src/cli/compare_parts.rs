@@ -8,7 +8,7 @@ use super::outcome::Outcome;
 use crate::harmonics::{MAX_ORDER, ShScale, ShWindow, scaled, spherical_harmonics};
 use crate::maps::Face;
 use crate::read::ReadOptions;
-use crate::targets::{Content, Target};
+use crate::targets::{Content as FileContent, Target};
 use crate::{Environment, Error, Level, Lobe};
 use octagloss_core::analysis::channels::{Relative, relative_to};
 use octagloss_core::analysis::compare::{
@@ -39,23 +39,20 @@ pub(super) struct Part {
 #[serde(untagged)]
 pub(super) enum PartErrors {
     Texels(Box<LevelErrors>),
-    Harmonics(HarmonicsErrors),
+    /// Of spherical harmonics as a function over the sphere.
+    Harmonics {
+        /// Number of coefficients.
+        coefficients: usize,
+        /// Root mean square errors over the mean.
+        #[serde(flatten)]
+        rmse: Relative,
+    },
 }
 
-impl PartErrors {
-    fn of_texels(errors: LevelErrors) -> Self {
+impl From<LevelErrors> for PartErrors {
+    fn from(errors: LevelErrors) -> Self {
         Self::Texels(Box::new(errors))
     }
-}
-
-/// Errors of spherical harmonics as a function over the sphere.
-#[derive(Debug, Serialize)]
-pub(super) struct HarmonicsErrors {
-    /// Number of coefficients.
-    coefficients: usize,
-    /// Root mean square errors over the mean.
-    #[serde(flatten)]
-    pub(super) rmse: Relative,
 }
 
 impl Part {
@@ -72,22 +69,21 @@ impl Part {
 
 /// A part in a file.
 #[derive(Debug)]
-pub(super) struct Found {
+struct Found {
     part: &'static str,
     path: PathBuf,
-    content: FoundContent,
+    content: Content,
 }
 
 #[derive(Debug)]
-enum FoundContent {
-    /// A map of its own.
-    Map(Level),
-    Sheen(Vec<Level>),
+enum Content {
+    /// The levels of sheen, or the one of a map of its own.
+    Levels(Vec<Level>),
     Harmonics(Harmonics),
 }
 
 /// Coefficients in one of the scalings that bakes write.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct Harmonics {
     coefficients: Vec<[f64; 3]>,
     scale: ShScale,
@@ -111,8 +107,10 @@ struct ReportText {
 /// Parts found beside a chain, and what cannot be judged.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
-    pub(super) found: Vec<Found>,
+    found: Vec<Found>,
     pub(super) unjudged: Vec<String>,
+    /// The window of the first harmonics, the report's; that of harmonics without a record of their own.
+    window: Option<ShWindow>,
 }
 
 impl Parts {
@@ -134,15 +132,13 @@ impl Parts {
         if target.is_some_and(Target::has_pyramid)
             && let Some(level) = io::pyramid_irradiance(&bake.path)?
         {
-            let content = FoundContent::Map(level);
-            parts.found.push(Found { part: "irradiance", path: bake.path.clone(), content });
+            parts.add_levels("irradiance", bake.path.clone(), vec![level]);
         }
         if bake.path.is_file()
             && let Some(text) = io::filament_harmonics(&bake.path)?
         {
             let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-            let window = parts.window();
-            parts.add_filament(&bake.path, &numbers, window)?;
+            parts.add_filament(&bake.path, &numbers)?;
         }
         Ok(parts)
     }
@@ -168,19 +164,19 @@ impl Parts {
         for name in files_in(folder)? {
             let path = folder.join(&name);
             match target.content_of(&name) {
-                Some(Content::Irradiance) => self.map("irradiance", path)?,
-                Some(Content::Skybox | Content::SkyboxPanorama) => self.map("skybox", path)?,
-                Some(Content::Sheen) => {
+                Some(FileContent::Irradiance) => self.map("irradiance", path)?,
+                Some(FileContent::Skybox | FileContent::SkyboxPanorama) => self.map("skybox", path)?,
+                Some(FileContent::Sheen) => {
                     let levels = io::read_chain(&path)?.levels;
-                    self.found.push(Found { part: "sheen", path, content: FoundContent::Sheen(levels) });
+                    self.add_levels("sheen", path, levels);
                 }
-                Some(Content::ShJson) => {
+                Some(FileContent::ShJson) => {
                     let bytes = read_regular(&path, MAX_REPORT_BYTES)?;
                     let text =
                         serde_json::from_slice(&bytes).map_err(|e| Error::input(&path, e.to_string()))?;
                     self.add_harmonics(path, text)?;
                 }
-                Some(Content::ShText) => {
+                Some(FileContent::ShText) => {
                     let bytes = read_regular(&path, MAX_REPORT_BYTES)?;
                     let text = String::from_utf8_lossy(&bytes);
                     let numbers: Vec<f64> = text
@@ -189,8 +185,7 @@ impl Parts {
                         .flat_map(|(numbers, _)| numbers.split(',').map(|word| word.trim().parse()))
                         .filter_map(Result::ok)
                         .collect();
-                    let window = self.window();
-                    self.add_filament(&path, &numbers, window)?;
+                    self.add_filament(&path, &numbers)?;
                 }
                 _ if name == "sun.json" => self.lamp(&path),
                 _ => {}
@@ -227,7 +222,11 @@ impl Parts {
     fn add_map(&mut self, part: &'static str, path: PathBuf, map: Environment) {
         let roughness = if part == "irradiance" { 1.0 } else { 0.0 };
         let level = Level { layout: map.layout(), roughness, texels: map.texels().to_vec(), bounds: None };
-        self.found.push(Found { part, path, content: FoundContent::Map(level) });
+        self.add_levels(part, path, vec![level]);
+    }
+
+    fn add_levels(&mut self, part: &'static str, path: PathBuf, levels: Vec<Level>) {
+        self.found.push(Found { part, path, content: Content::Levels(levels) });
     }
 
     /// Adds the harmonics of the report `path`, unless it is that of another file than `of`.
@@ -270,31 +269,22 @@ impl Parts {
             let message = format!("{} coefficients; 1, 4, 9, 16 or 25 are needed", coefficients.len());
             return Err(Error::input(&path, message).into());
         }
-        let content = FoundContent::Harmonics(Harmonics { coefficients, scale, window });
+        self.window.get_or_insert(window);
+        let content = Content::Harmonics(Harmonics { coefficients, scale, window });
         self.found.push(Found { part: "harmonics", path, content });
         Ok(())
     }
 
     /// Adds Filament's nine coefficients.
-    fn add_filament(&mut self, path: &Path, numbers: &[f64], window: ShWindow) -> Outcome {
-        let coefficients: Vec<[f64; 3]> =
-            numbers.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
+    fn add_filament(&mut self, path: &Path, numbers: &[f64]) -> Outcome {
         if numbers.len() != 27 {
             let message = format!("its spherical harmonics have {} numbers; 27 are needed", numbers.len());
             return Err(Error::input(path, message).into());
         }
-        let content = FoundContent::Harmonics(Harmonics { coefficients, scale: ShScale::Filament, window });
+        let (coefficients, window) = (numbers.as_chunks().0.to_vec(), *self.window.get_or_insert_default());
+        let content = Content::Harmonics(Harmonics { coefficients, scale: ShScale::Filament, window });
         self.found.push(Found { part: "harmonics", path: path.to_owned(), content });
         Ok(())
-    }
-
-    /// The window of harmonics without a record of their own: the report's.
-    fn window(&self) -> ShWindow {
-        let of = |found: &Found| match &found.content {
-            FoundContent::Harmonics(harmonics) => Some(harmonics.window),
-            _ => None,
-        };
-        self.found.iter().find_map(of).unwrap_or_default()
     }
 
     /// Measures the parts against `source`.
@@ -308,19 +298,20 @@ impl Parts {
         let progress = |done, total| bar.at(done, total);
         let mut parts = Vec::new();
         for Found { part, path, content } in &self.found {
-            let texels = |levels: &[Level], lobe| -> Vec<PartErrors> {
-                let errors = errors_against_source(levels, source, lobe, sampling, &progress);
-                errors.into_iter().map(PartErrors::of_texels).collect()
-            };
-            let errors = match content {
-                FoundContent::Map(level) if *part == "irradiance" => {
-                    texels(std::slice::from_ref(level), Lobe::Cosine)
+            let errors: Vec<PartErrors> = match content {
+                Content::Levels(levels) if *part == "skybox" => {
+                    vec![errors_against_footprints(0, &levels[0], source)?.into()]
                 }
-                FoundContent::Map(level) => {
-                    vec![PartErrors::of_texels(errors_against_footprints(0, level, source)?)]
+                Content::Levels(levels) => {
+                    let lobe = if *part == "sheen" { Lobe::Charlie } else { Lobe::Cosine };
+                    let errors = errors_against_source(levels, source, lobe, sampling, &progress);
+                    errors.into_iter().map(PartErrors::from).collect()
                 }
-                FoundContent::Sheen(levels) => texels(levels, Lobe::Charlie),
-                FoundContent::Harmonics(harmonics) => vec![harmonics.errors_against(source)?],
+                Content::Harmonics(harmonics) => {
+                    let order = harmonics.coefficients.len().isqrt() as u32 - 1;
+                    let exact = harmonics.window.apply(&spherical_harmonics(source, order)?)?;
+                    vec![harmonics_errors(harmonics, &scaled(&exact, harmonics.scale))]
+                }
             };
             let file = Some(file_name(path));
             parts.extend(errors.into_iter().map(|errors| Part { part, file: file.clone(), errors }));
@@ -333,31 +324,27 @@ impl Parts {
         let mut parts = Vec::new();
         for Found { part, path, content } in &self.found {
             let like = other.found.iter().filter(|found| found.part == *part);
-            let errors: Option<Vec<PartErrors>> = like.into_iter().find_map(|found| {
-                let pairs: Vec<(&Level, &Level)> = match (content, &found.content) {
-                    (FoundContent::Map(a), FoundContent::Map(b)) => vec![(a, b)],
-                    (FoundContent::Sheen(a), FoundContent::Sheen(b)) if a.len() == b.len() => {
-                        a.iter().zip(b).collect()
+            let errors: Option<Vec<PartErrors>> =
+                like.into_iter().find_map(|found| match (content, &found.content) {
+                    (Content::Levels(a), Content::Levels(b)) => {
+                        let is_like =
+                            a.iter().map(|level| level.layout).eq(b.iter().map(|level| level.layout));
+                        let pairs = a.iter().zip(b).enumerate();
+                        let errors = pairs.map(|(k, (a, b))| errors_against_texels(k, a, b).into());
+                        is_like.then(|| errors.collect())
                     }
-                    (FoundContent::Harmonics(a), FoundContent::Harmonics(b)) => {
+                    (Content::Harmonics(a), Content::Harmonics(b)) => {
                         let is_like = a.scale == b.scale && a.coefficients.len() == b.coefficients.len();
-                        return is_like.then(|| vec![harmonics_errors(a, &b.coefficients)]);
+                        is_like.then(|| vec![harmonics_errors(a, &b.coefficients)])
                     }
-                    _ => return None,
-                };
-                let is_like = pairs.iter().all(|(a, b)| a.layout == b.layout);
-                let errors = pairs.iter().enumerate().map(|(k, (a, b))| errors_against_texels(k, a, b));
-                is_like.then(|| errors.map(PartErrors::of_texels).collect())
-            });
+                    _ => None,
+                });
             let file = file_name(path);
-            match errors {
-                Some(errors) => parts.extend(errors.into_iter().map(|errors| Part {
-                    part,
-                    file: Some(file.clone()),
-                    errors,
-                })),
-                None => self.unjudged.push(format!("{part} ({file}; the other bake has none like it)")),
-            }
+            let Some(errors) = errors else {
+                self.unjudged.push(format!("{part} ({file}; the other bake has none like it)"));
+                continue;
+            };
+            parts.extend(errors.into_iter().map(|errors| Part { part, file: Some(file.clone()), errors }));
         }
         parts
     }
@@ -365,17 +352,8 @@ impl Parts {
 
 /// The mirror level of a chain, the first one, against the mean of `source` over each texel.
 pub(super) fn mirror(level: &Level, source: &Environment) -> crate::Result<Part> {
-    let errors = PartErrors::of_texels(errors_against_footprints(0, level, source)?);
+    let errors = errors_against_footprints(0, level, source)?.into();
     Ok(Part { part: "mirror", file: None, errors })
-}
-
-impl Harmonics {
-    fn errors_against(&self, source: &Environment) -> crate::Result<PartErrors> {
-        let order = self.coefficients.len().isqrt() as u32 - 1;
-        let exact = spherical_harmonics(source, order)?;
-        let exact = self.window.apply(&exact)?;
-        Ok(harmonics_errors(self, &scaled(&exact, self.scale)))
-    }
 }
 
 /// Errors of `got` against `expected` in the same scale.
@@ -398,7 +376,7 @@ fn harmonics_errors(got: &Harmonics, expected: &[[f64; 3]]) -> PartErrors {
     }
     let mean = expected[0].map(|c| (orthonormal[0] * c).max(0.0));
     let rmse = relative_to(squares.map(f64::sqrt), mean);
-    PartErrors::Harmonics(HarmonicsErrors { coefficients: expected.len(), rmse })
+    PartErrors::Harmonics { coefficients: expected.len(), rmse }
 }
 
 /// Files in `folder` and the folders in it, by relative path, sorted.
@@ -424,7 +402,7 @@ pub(super) fn text(parts: &[Part]) -> String {
     for part in parts {
         let (size, texels, rmse, mean) = match &part.errors {
             PartErrors::Texels(e) => (e.size.to_string(), e.texels, e.rmse, Some(e.mean())),
-            PartErrors::Harmonics(e) => ("-".to_owned(), e.coefficients, e.rmse, None),
+            PartErrors::Harmonics { coefficients, rmse } => ("-".to_owned(), *coefficients, *rmse, None),
         };
         let file = part.file.as_deref().unwrap_or("level 0");
         let columns = |errors: Option<Relative>| {

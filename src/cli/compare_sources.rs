@@ -24,7 +24,7 @@ pub(super) struct Sources<'a> {
     input: &'a InputOptions,
     /// The lobe of all bakes, whatever they record.
     lobe: Option<Lobe>,
-    console: &'a Console,
+    pub(super) console: &'a Console,
     prepared: RefCell<Vec<Rc<PreparedSource>>>,
 }
 

@@ -8,19 +8,18 @@ use super::gate::{Verdict, levels};
 use super::input::read_bake;
 use super::look_ups::{self, Delivered, Overlay, channel};
 use super::measures::{Measures, is_from};
-use super::outcome::{Outcome, usage};
-use crate::{ChainKind, Environment, Level, Lobe};
-use anyhow::anyhow;
+use super::outcome::{Outcome, failed, usage};
+use crate::ChainKind;
 use octagloss_core::analysis::compare::{
     LevelErrors, Sampling, errors_against_bake, errors_against_source, is_measurable,
 };
 use octagloss_core::files::io::regular::open_regular;
 use octagloss_core::files::io::{self, LoadedChain};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The output of `--json`.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub(super) struct Comparison {
     pub(super) bake: String,
     pub(super) against: String,
@@ -48,12 +47,6 @@ pub(super) struct Comparison {
 }
 
 impl Comparison {
-    /// Judges from the roughness `from` on; the levels `sharp` are sharper, and `not_judged` was not
-    /// measured.
-    fn verdict(&self, from: f64, sharp: Vec<usize>, not_judged: Vec<String>) -> Verdict {
-        Verdict::new((&self.levels, self.delivered.as_ref(), &self.parts), from, sharp, not_judged)
-    }
-
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         if !self.levels.is_empty() {
@@ -113,11 +106,10 @@ pub(super) fn bake_in(path: &Path, console: &Console) -> Outcome<LoadedChain> {
         io::read_chain(path)?;
     }
     open_regular(path)?;
-    Err(anyhow!(
+    failed(format!(
         "{}: not a bake; name a .ktx2, .ktx, .dds or .exr cube of octagloss bake, or a folder of levels",
         path.display()
-    )
-    .into())
+    ))
 }
 
 pub(super) fn against_bake(
@@ -135,18 +127,11 @@ pub(super) fn against_bake(
         bake: args.bake.display().to_string(),
         against: args.against[0].display().to_string(),
         reference: "bake",
-        lobe: None,
-        skipped: Vec::new(),
-        chain: None,
         levels: errors_against_bake(&bake.chain, &reference.chain)?,
         parts: errors,
-        delivered: None,
-        overlays: Vec::new(),
-        verdict: None,
+        ..Comparison::default()
     };
-    if let Some(from) = from {
-        comparison.verdict = Some(comparison.verdict(from, Vec::new(), parts.unjudged));
-    }
+    comparison.verdict = from.map(|from| Verdict::new(&comparison, from, Vec::new(), parts.unjudged));
     Ok(comparison)
 }
 
@@ -156,8 +141,8 @@ pub(super) fn against_source(
     path: &Path,
     bake: &LoadedChain,
     sources: &Sources<'_>,
-    console: &Console,
 ) -> Outcome<Comparison> {
+    let console = sources.console;
     let LoadedChain { chain, provenance, .. } = bake;
     let (lobe, source) = sources.lobe_and_source(path, provenance)?;
     let kind = provenance.chain.unwrap_or(ChainKind::Sampled);
@@ -180,33 +165,32 @@ pub(super) fn against_source(
     }
     let is_delivered =
         measures.delivered.is_some() || (has_solved && (!has_lobes || measures.from.is_some()));
-    let delivered = if is_delivered {
-        let ladder = provenance.ladder.as_deref();
-        Some(look_ups::measure(measures, path, chain, lobe, ladder, &source, console)?)
-    } else {
-        None
+    let measured = || look_ups::measure(measures, path, bake, lobe, &source, console);
+    let delivered = is_delivered.then(measured).transpose()?;
+    let overlay = |path: &PathBuf| -> Outcome<Overlay> {
+        let bake = bake_in(path, console)?;
+        let (lobe, source) = sources.lobe_and_source(path, &bake.provenance)?;
+        let unjudged = Measures { from: None, ..measures.clone() };
+        let delivered = look_ups::measure(&unjudged, path, &bake, lobe, &source, console)?;
+        Ok(Overlay { bake: path.display().to_string(), delivered })
     };
-    let overlays = measures
-        .overlays
-        .iter()
-        .map(|path| overlay(measures, path, sources, console))
-        .collect::<Outcome<_>>()?;
+    let overlays = measures.overlays.iter().map(overlay).collect::<Outcome<_>>()?;
+    let sampling = measures.sampling(lobe);
     let mut parts = Vec::new();
     if is_mirror {
         parts.push(compare_parts::mirror(&chain.levels[0], &source.environment)?);
     }
     let found = Parts::read(path, bake)?;
-    parts.extend(found.errors(&source.environment, measures.sampling(lobe), console)?);
+    parts.extend(found.errors(&source.environment, sampling, console)?);
     let narrow: Vec<usize> = (usize::from(is_mirror)..solved)
         .filter(|level| !is_measurable(&sampled[*level], lobe, source.environment.layout()))
         .collect();
     if !has_lobes && !has_solved && !is_mirror {
-        return Err(anyhow!(
+        return failed(format!(
             "no level of {} has a lobe at least two texels of {} wide; bake rougher levels to compare",
             path.display(),
             sources.path().display()
-        )
-        .into());
+        ));
     }
     if !narrow.is_empty() && measures.from.is_none() {
         let their =
@@ -219,7 +203,15 @@ pub(super) fn against_source(
              --delivered measures look-ups",
         ));
     }
-    let levels = texel_errors(measures, sampled, lobe, &source.environment, console);
+    if let Sampling::Grid(count) = sampling {
+        console.note(&format!(
+            "the picture shows a grid of at most {count} texels per level; --texels all shows all"
+        ));
+    }
+    let bar = console.bar("integrating");
+    let progress = |done, total| bar.at(done, total);
+    let levels = errors_against_source(sampled, &source.environment, lobe, sampling, &progress);
+    drop(bar);
     let is_compared = |level: &usize| levels.iter().any(|errors| errors.level == *level);
     let mut comparison = Comparison {
         bake: path.display().to_string(),
@@ -239,7 +231,7 @@ pub(super) fn against_source(
             narrow.iter().partition(|level| is_from(from, chain.levels[**level].roughness));
         let mut unjudged = unmeasured(measures, &comparison, &narrow, from);
         unjudged.extend(found.unjudged);
-        comparison.verdict = Some(comparison.verdict(from, sharp, unjudged));
+        comparison.verdict = Some(Verdict::new(&comparison, from, sharp, unjudged));
     }
     Ok(comparison)
 }
@@ -267,33 +259,4 @@ fn unmeasured(measures: &Measures, comparison: &Comparison, narrow: &[usize], fr
         all.push("overlays".to_owned());
     }
     all
-}
-
-/// Measures the look-ups of a further bake.
-fn overlay(measures: &Measures, path: &Path, sources: &Sources<'_>, console: &Console) -> Outcome<Overlay> {
-    let LoadedChain { chain, provenance, .. } = bake_in(path, console)?;
-    let (lobe, source) = sources.lobe_and_source(path, &provenance)?;
-    let ladder = provenance.ladder.as_deref();
-    let unjudged = Measures { from: None, ..measures.clone() };
-    let delivered = look_ups::measure(&unjudged, path, &chain, lobe, ladder, &source, console)?;
-    Ok(Overlay { bake: path.display().to_string(), delivered })
-}
-
-/// The errors of the texels of those `sampled` levels that can be measured.
-fn texel_errors(
-    measures: &Measures,
-    sampled: &[Level],
-    lobe: Lobe,
-    source: &Environment,
-    console: &Console,
-) -> Vec<LevelErrors> {
-    let sampling = measures.sampling(lobe);
-    if let (Sampling::Grid(count), true) = (sampling, measures.is_drawn) {
-        console.note(&format!(
-            "the picture shows a grid of at most {count} texels per level; --texels all shows all"
-        ));
-    }
-    let bar = console.bar("integrating");
-    let progress = |done, total| bar.at(done, total);
-    errors_against_source(sampled, source, lobe, sampling, &progress)
 }

@@ -1,6 +1,5 @@
 //! Messages and progress on standard error.
 
-use crate::Progress;
 use crate::recipes::with_settings;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::collections::BTreeSet;
@@ -46,16 +45,16 @@ impl Console {
 
     /// Progress of one task: an estimate for long work, and on a terminal a bar that appears after a delay.
     pub fn bar(&self, name: &str) -> Bar {
-        self.bar_like(name, None, "{prefix} {wide_bar} {percent:>3} %, {eta} left")
+        self.bar_of(name, None)
     }
 
-    /// Progress of one of several files: on a terminal a bar with an estimate for all files; otherwise
-    /// nothing.
-    pub(super) fn bar_of(&self, name: &str, files: Files) -> Bar {
-        self.bar_like(name, Some(files), "{prefix} {wide_bar} {percent:>3} %{msg}")
-    }
-
-    fn bar_like(&self, name: &str, files: Option<Files>, template: &str) -> Bar {
+    /// [`Self::bar`], or the progress of one of several files: on a terminal a bar with an estimate for all
+    /// files; otherwise nothing.
+    pub(super) fn bar_of(&self, name: &str, files: Option<Files>) -> Bar {
+        let template = match files {
+            None => "{prefix} {wide_bar} {percent:>3} %, {eta} left",
+            Some(_) => "{prefix} {wide_bar} {percent:>3} %{msg}",
+        };
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::hidden());
         bar.set_style(ProgressStyle::with_template(template).expect("the template is a literal"));
         bar.set_prefix(printable(name));
@@ -64,7 +63,7 @@ impl Console {
             start: (!self.quiet).then(Instant::now),
             files,
             is_terminal: std::io::stderr().is_terminal(),
-            said: Mutex::new(Said::default()),
+            is_estimated: Mutex::new(false),
         }
     }
 }
@@ -86,30 +85,24 @@ pub struct Bar {
     start: Option<Instant>,
     files: Option<Files>,
     is_terminal: bool,
-    said: Mutex<Said>,
-}
-
-#[derive(Default)]
-struct Said {
-    bar: bool,
-    estimate: bool,
+    /// Whether the estimate was due; locked while one thread updates the bar.
+    is_estimated: Mutex<bool>,
 }
 
 impl Bar {
     /// `done` of `total`; from any thread, in any order.
     pub fn at(&self, done: u64, total: u64) {
         let Some(start) = self.start else { return };
-        if let Some(files) = self.files {
-            return self.at_file(files, done, total);
-        }
-        let elapsed = start.elapsed();
+        let elapsed = self.files.map_or(start, |files| files.start).elapsed();
         if elapsed < PATIENCE {
             return;
         }
         // Skip the update if another thread holds the lock.
-        let Ok(mut said) = self.said.try_lock() else { return };
-        if elapsed >= ESTIMATE_AFTER && !said.estimate && done > 0 {
-            said.estimate = true;
+        let Ok(mut is_estimated) = self.is_estimated.try_lock() else { return };
+        if let Some(files) = self.files {
+            self.bar.set_message(files.left(elapsed, done as f64 / total.max(1) as f64));
+        } else if elapsed >= ESTIMATE_AFTER && !*is_estimated && done > 0 {
+            *is_estimated = true;
             if let Some(estimate) = estimate(elapsed, done, total) {
                 // The bar is locked while it is suspended.
                 let prefix = self.bar.prefix();
@@ -117,32 +110,12 @@ impl Bar {
             }
         }
         if self.is_terminal {
-            self.show(&mut said, done, total);
+            if self.bar.is_hidden() {
+                self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            }
+            self.bar.set_length(total);
+            self.bar.set_position(done.max(self.bar.position()));
         }
-    }
-
-    /// [`Self::at`] of one of several files.
-    fn at_file(&self, files: Files, done: u64, total: u64) {
-        let elapsed = files.start.elapsed();
-        if !self.is_terminal || elapsed < PATIENCE {
-            return;
-        }
-        let Ok(mut said) = self.said.try_lock() else { return };
-        self.bar.set_message(files.left(elapsed, done as f64 / total.max(1) as f64));
-        self.show(&mut said, done, total);
-    }
-
-    fn show(&self, said: &mut Said, done: u64, total: u64) {
-        if !said.bar {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-            said.bar = true;
-        }
-        self.bar.set_length(total);
-        self.bar.set_position(done.max(self.bar.position()));
-    }
-
-    pub(super) fn bake(&self, progress: Progress) {
-        self.at(progress.done, progress.total);
     }
 }
 

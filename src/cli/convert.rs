@@ -1,10 +1,10 @@
 //! `octagloss convert`: converts environments between maps of the sphere.
 
 use super::console::{self, Console};
+use super::engine::MAX_THREADS;
 use super::outcome::{
     Outcome, check_not_input, check_output, on_threads, or_usage, renamed, usage, write_output,
 };
-use super::shared_args::MAX_THREADS;
 use super::values::{scale, turn};
 use crate::files::Pixel;
 use crate::maps::{MAPS, NamedMap, named};

@@ -4,8 +4,6 @@ use super::console::Console;
 #[cfg(feature = "gpu")]
 use super::console::with_options;
 use super::outcome::{Outcome, usage};
-use super::shared_args::EngineArgs;
-use super::values::EngineArg;
 #[cfg(feature = "gpu")]
 use crate::Error;
 use crate::queries::Query;
@@ -13,8 +11,43 @@ use crate::recipes::Baked;
 #[cfg(feature = "gpu")]
 use crate::wgpu;
 use crate::{Answer, BakeSettings, Environment, OnProgress, Reflector, ReflectorSettings, bake_all};
+use clap::{Args as ClapArgs, ValueEnum};
 use octagloss_core::bake::memory;
-use std::cell::OnceCell;
+
+/// Maximum of --threads.
+pub(super) const MAX_THREADS: i64 = 256;
+
+/// Options of the engine.
+#[derive(Clone, Debug, ClapArgs)]
+#[command(next_help_heading = "Engine")]
+pub(super) struct EngineArgs {
+    /// Engine: auto, cpu or gpu [default: auto]
+    ///
+    /// auto uses a hardware GPU if there is one, else the CPU, and prints the choice.
+    #[arg(long, value_name = "ENGINE", default_value = "auto")]
+    #[arg(hide_default_value = true, hide_possible_values = true)]
+    pub(super) engine: EngineArg,
+    /// GPU, by a part of its name
+    ///
+    /// octagloss info --adapters lists them.
+    #[arg(long, value_name = "NAME")]
+    pub(super) adapter: Option<String>,
+    /// Threads, 1 to 256 [default: one per core]
+    ///
+    /// Does not affect the result.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_THREADS))]
+    pub(super) threads: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum EngineArg {
+    /// A hardware GPU if there is one, else the CPU
+    Auto,
+    /// The CPU, all cores
+    Cpu,
+    /// A GPU or a software adapter
+    Gpu,
+}
 
 /// The chosen engine.
 pub(super) enum Engine {
@@ -35,32 +68,29 @@ fn fallback(error: &Error, may_fall_back: bool) -> Option<String> {
     (may_fall_back && is_lack).then(|| with_options(&format!("{error}; falling back to the CPU")))
 }
 
-/// The first of `adapters` whose name contains `name`.
+/// The first of `adapters` whose name contains `name`, or the best one; `remedy` is for none.
 #[cfg(feature = "gpu")]
-fn adapter_called<'a>(adapters: &'a [wgpu::Adapter], name: &str) -> crate::Result<&'a wgpu::Adapter> {
+fn adapter_called<'a>(
+    adapters: &'a [wgpu::Adapter],
+    name: Option<&str>,
+    remedy: &str,
+) -> crate::Result<&'a wgpu::Adapter> {
     let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
-    let place = names.iter().position(|other| other.to_lowercase().contains(&name.to_lowercase()));
-    place.map(|place| &adapters[place]).ok_or_else(|| {
-        let there = if names.is_empty() {
-            "no adapters found".to_owned()
-        } else {
-            format!("choose one of: {}", names.join(", "))
-        };
-        Error::Gpu(format!("unknown adapter {name}; {there}"))
-    })
+    let wanted = name.unwrap_or_default().to_lowercase();
+    let place = names.iter().position(|other| other.to_lowercase().contains(&wanted));
+    let absent = || match name {
+        None => format!("no adapter found; {remedy}"),
+        Some(name) if names.is_empty() => format!("unknown adapter {name}; no adapters found"),
+        Some(name) => format!("unknown adapter {name}; choose one of: {}", names.join(", ")),
+    };
+    place.map(|place| &adapters[place]).ok_or_else(|| Error::Gpu(absent()))
 }
 
 /// The adapter called `name`, or the best one.
 #[cfg(feature = "gpu")]
 pub(super) fn any_adapter(name: Option<&str>) -> Outcome<wgpu::Adapter> {
     let adapters = octagloss_gpu::block_on(None, octagloss_gpu::adapters())?;
-    let adapter = match name {
-        Some(name) => adapter_called(&adapters, name)?,
-        None => adapters.first().ok_or_else(|| {
-            Error::Gpu("no adapter found; install a Vulkan driver, such as Mesa's".to_owned())
-        })?,
-    };
-    Ok(adapter.clone())
+    Ok(adapter_called(&adapters, name, "install a Vulkan driver, such as Mesa's")?.clone())
 }
 
 impl EngineArgs {
@@ -70,16 +100,6 @@ impl EngineArgs {
             (EngineArg::Cpu, Some(_)) => usage("--adapter names a GPU; omit --engine cpu"),
             _ => Ok(()),
         }
-    }
-
-    /// The engine in `engine`, or the requested one. Chosen after an input was read, so an unreadable input
-    /// prints only its own error.
-    pub(super) fn chosen<'a>(&self, engine: &'a OnceCell<Engine>, console: &Console) -> Outcome<&'a Engine> {
-        if let Some(engine) = engine.get() {
-            return Ok(engine);
-        }
-        let chosen = self.choose(console)?;
-        Ok(engine.get_or_init(|| chosen))
     }
 
     /// The requested engine. `auto` selects a hardware GPU if there is one, and prints the choice.
@@ -99,17 +119,16 @@ impl EngineArgs {
             return on_cpu();
         }
         let adapters = block_on(None, adapters())?;
-        let adapter = match (&self.adapter, self.engine) {
-            (Some(name), _) => adapter_called(&adapters, name)?,
-            (None, EngineArg::Gpu) => adapters.first().ok_or_else(|| {
-                Error::Gpu("no adapter found; use --engine cpu or install a Vulkan driver".to_owned())
-            })?,
-            (None, _) => match adapters.iter().find(|adapter| is_hardware(&adapter.get_info())) {
+        let may_fall_back = self.engine == EngineArg::Auto;
+        let adapter = if may_fall_back && self.adapter.is_none() {
+            match adapters.iter().find(|adapter| is_hardware(&adapter.get_info())) {
                 Some(adapter) => adapter,
                 None => return on_cpu(),
-            },
+            }
+        } else {
+            let remedy = "use --engine cpu or install a Vulkan driver";
+            adapter_called(&adapters, self.adapter.as_deref(), remedy)?
         };
-        let may_fall_back = self.engine == EngineArg::Auto;
         let opened =
             block_on(None, Context::new(adapter)).and_then(|context| context).and_then(engine::Engine::new);
         match opened {

@@ -11,16 +11,11 @@ use octagloss_core::files::io::{has_readable_name, is_bake_folder, levels_path, 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// An input.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Found {
-    pub(super) path: PathBuf,
-    /// Folders between the given folder or pattern and the file; empty for a file given by name.
-    pub(super) within: PathBuf,
-}
+/// An input, and the folders between the given folder or pattern and it; none for a file given by name.
+pub(super) type Found = (PathBuf, PathBuf);
 
 /// All inputs.
 #[derive(Debug, Default)]
@@ -68,7 +63,7 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
         } else {
             if !met.contains(&path) {
                 named.insert(path.clone());
-                all.found.push(Found { path, within: PathBuf::new() });
+                all.found.push((path, PathBuf::new()));
             }
             continue;
         };
@@ -81,7 +76,7 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
         all.is_open = true;
         all.failures.extend(failures);
         let mut is_new = |path: &PathBuf| !named.contains(path) && met.insert(path.clone());
-        all.found.extend(found.into_iter().filter(|found| is_new(&found.path)));
+        all.found.extend(found.into_iter().filter(|(path, _)| is_new(path)));
     }
     all
 }
@@ -155,15 +150,17 @@ impl Walk<'_> {
     /// Adds the file `path` if its extension is readable. Other errors are reported when it is read.
     fn take(&mut self, path: PathBuf, within: &Path) {
         if has_readable_name(&path) && !path.is_dir() {
-            self.found.push(Found { path, within: within.to_owned() });
+            self.found.push((path, within.to_owned()));
         }
     }
 
     /// Possible inputs in `folder`, in name order.
     fn names(&mut self, folder: &Path) -> Vec<OsString> {
         let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        let entries = match fs::read_dir(here) {
-            Ok(entries) => entries,
+        let read = fs::read_dir(here)
+            .and_then(|entries| entries.map(|entry| Ok(entry?.file_name())).collect::<io::Result<Vec<_>>>());
+        let mut names = match read {
+            Ok(names) => names,
             // A pattern may miss in some folders.
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
                 return Vec::new();
@@ -173,21 +170,14 @@ impl Walk<'_> {
                 return Vec::new();
             }
         };
-        let mut names = Vec::new();
-        for entry in entries {
-            match entry {
-                Ok(entry) => names.push(entry.file_name()),
-                Err(error) => {
-                    self.failures.push(Error::io(here, error));
-                    break;
-                }
-            }
-        }
         names.sort();
-        let reported = reported(&names);
+        // The files that have reports next to them.
+        let suffix = format!(".{REPORT}");
+        let bakes: Vec<String> =
+            names.iter().filter_map(|name| Some(name.to_str()?.strip_suffix(&suffix)?.to_owned())).collect();
         names.retain(|name| {
             let name = name.to_string_lossy();
-            !name.starts_with('.') && !reported.iter().any(|bake| bake.wrote(&name))
+            !name.starts_with('.') && !bakes.iter().any(|bake| is_of_bake(&name, bake))
         });
         names
     }
@@ -202,32 +192,12 @@ impl Walk<'_> {
     }
 }
 
-/// A file that a bake wrote, according to the report next to it.
-struct Reported {
-    name: String,
-    stem: String,
-}
-
-impl Reported {
-    /// Whether `name` is that file or was written with it.
-    fn wrote(&self, name: &str) -> bool {
-        let after = |start: &str| name.strip_prefix(start);
-        after(&self.name).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-            || after(&self.stem).is_some_and(|rest| {
-                [".irradiance.", ".skybox."].into_iter().any(|kind| rest.starts_with(kind))
-            })
-    }
-}
-
-/// The files among a folder's `names` that have reports.
-fn reported(names: &[OsString]) -> Vec<Reported> {
-    let suffix = format!(".{REPORT}");
-    let of = |name: &OsString| {
-        let name = name.to_str()?.strip_suffix(&suffix)?.to_owned();
-        let stem = name.rsplit_once('.').map_or(name.clone(), |(stem, _)| stem.to_owned());
-        Some(Reported { name, stem })
-    };
-    names.iter().filter_map(of).collect()
+/// Whether `name` is the file `bake` of a bake, or was written with it.
+fn is_of_bake(name: &str, bake: &str) -> bool {
+    let stem = bake.rsplit_once('.').map_or(bake, |(stem, _)| stem);
+    let is_cube = |rest: &str| rest.starts_with(".irradiance.") || rest.starts_with(".skybox.");
+    name.strip_prefix(bake).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        || name.strip_prefix(stem).is_some_and(is_cube)
 }
 
 /// Whether `path` is a folder and not a link to one, since links may form cycles.

@@ -1,8 +1,8 @@
 //! Detects up-to-date outputs by the request and output hashes in the report.
 
+use super::engine::EngineArgs;
 use super::input::InputFiles;
 use super::outcome::Outcome;
-use super::shared_args::EngineArgs;
 use crate::recipes::{BakePlan, FingerprintReport, InputFileReport, Recipe};
 use crate::targets::{LevelName, Shown};
 use crate::{Error, Result};
@@ -20,15 +20,11 @@ use std::path::{Path, PathBuf};
 pub(super) fn options(plans: &[BakePlan], engine: &EngineArgs) -> Outcome<String> {
     let recipes: Vec<&Recipe> = plans.iter().map(|plan| &plan.recipe).collect();
     let options = (recipes, format!("{:?} {:?}", engine.engine, engine.adapter));
-    Ok(serde_json::to_string(&options).map_err(anyhow::Error::from)?)
+    Ok(serde_json::to_string(&options)?)
 }
 
-/// Hashes the content of `source`, `options` and the program's version.
-pub(super) fn request(source: &InputFiles, options: &str) -> Result<Hash> {
-    requested(source, options).map(|(hash, _)| hash)
-}
-
-/// [`request`], with the hashes of the files of `source`.
+/// Hash of the content of `source`, `options` and the program's version, and the hashes of the files of
+/// `source`.
 pub(super) fn requested(source: &InputFiles, options: &str) -> Result<(Hash, Vec<InputFileReport>)> {
     let mut files = Vec::new();
     let mut hasher = Hasher::new();

@@ -1,13 +1,11 @@
 //! Verdicts of `octagloss compare --fail-above` and `bake --verify`: what was judged, and what was not.
 
-use super::compare_parts::{Part, PartErrors};
+use super::compare_parts::PartErrors;
+use super::comparison::Comparison;
 use super::console;
-use super::look_ups::Delivered;
 use super::measures::is_from;
-use super::outcome::Outcome;
-use anyhow::anyhow;
+use anyhow::{Context as _, bail};
 use octagloss_core::analysis::channels::{Greatest, Relative};
-use octagloss_core::analysis::compare::LevelErrors;
 use octagloss_core::common::finite::finite;
 use serde::Serialize;
 
@@ -41,55 +39,47 @@ impl Judged {
     fn new(what: String, errors: Relative) -> Self {
         Self { what, measure: "relRMSE", luminance: errors.luminance, greatest: errors.greatest() }
     }
-
-    /// Says what the error is.
-    pub(super) fn text(&self) -> String {
-        let Greatest { error, of } = self.greatest;
-        format!("{} {error:.6} ({of}) of {}", self.measure, self.what)
-    }
 }
 
 impl Verdict {
     /// Judges errors of levels, look-ups and parts, from the roughness `from` on. Not measured were the
     /// levels `sharp`, which are sharper than that, and `not_judged`.
     pub(super) fn new(
-        (levels, delivered, parts): (&[LevelErrors], Option<&Delivered>, &[Part]),
+        comparison: &Comparison,
         from: f64,
         mut sharp: Vec<usize>,
         mut not_judged: Vec<String>,
     ) -> Self {
         let mut judged = Vec::new();
         let is_judged = |roughness: f64| is_from(from, roughness);
-        for errors in levels {
+        for errors in &comparison.levels {
             if is_judged(errors.roughness) {
                 judged.push(Judged::new(format!("level {}", errors.level), errors.rmse));
             } else {
                 sharp.push(errors.level);
             }
         }
-        for error in delivered.into_iter().flat_map(|delivered| &delivered.roughnesses) {
+        let look_ups = comparison.delivered.iter().flat_map(|delivered| &delivered.roughnesses);
+        for error in look_ups.filter(|error| is_judged(error.roughness)) {
             let at = format!("roughness {:.4}", error.roughness);
-            if !is_judged(error.roughness) {
-                continue;
-            }
             judged.push(Judged::new(format!("look-ups at {at}"), error.rmse));
             if let Some(near) = error.near_sun {
                 judged.push(Judged::new(format!("look-ups near the sun at {at}"), near));
             }
         }
-        for part in parts {
+        for part in &comparison.parts {
             match &part.errors {
                 PartErrors::Texels(errors) if part.part == "sheen" && !is_judged(errors.roughness) => {}
                 PartErrors::Texels(errors) if ["mirror", "skybox"].contains(&part.part) => {
                     judged.push(Judged { measure: "L1", ..Judged::new(part.name(), errors.mean()) });
                 }
                 PartErrors::Texels(errors) => judged.push(Judged::new(part.name(), errors.rmse)),
-                PartErrors::Harmonics(errors) => judged.push(Judged::new(part.name(), errors.rmse)),
+                PartErrors::Harmonics { rmse, .. } => judged.push(Judged::new(part.name(), *rmse)),
             }
         }
         if !sharp.is_empty() {
             sharp.sort_unstable();
-            not_judged.insert(0, format!("{} (sharper than --from {from})", self::levels(&sharp)));
+            not_judged.insert(0, format!("{} (sharper than --from {from})", levels(&sharp)));
         }
         Self { from, judged, not_judged }
     }
@@ -104,20 +94,17 @@ impl Verdict {
     }
 
     /// Fails if an error is above `limit`, or nothing was judged.
-    pub(super) fn check(&self, limit: f64) -> Outcome {
-        let Some(worst) = self.worst() else {
-            return Err(anyhow!("nothing could be judged").into());
-        };
+    pub(super) fn check(&self, limit: f64) -> anyhow::Result<()> {
+        let worst = self.worst().context("nothing could be judged")?;
         // NaN fails, too.
         let fails = |judged: &&Judged| judged.greatest.error.is_nan() || judged.greatest.error > limit;
-        match self.judged.iter().filter(fails).count() {
-            0 => Ok(()),
-            1 => Err(anyhow!("{} is above {limit}", worst.text()).into()),
-            count => {
-                let (more, others) = (count - 1, self.judged.len() - 1);
-                Err(anyhow!("{} is above {limit}, and {more} of {others} others are", worst.text()).into())
-            }
-        }
+        let more = match self.judged.iter().filter(fails).count() {
+            0 => return Ok(()),
+            1 => String::new(),
+            count => format!(", and {} of {} others are", count - 1, self.judged.len() - 1),
+        };
+        let (Judged { what, measure, .. }, Greatest { error, of }) = (worst, worst.greatest);
+        bail!("{measure} {error:.6} ({of}) of {what} is above {limit}{more}")
     }
 
     /// Says in one line what was not judged, also when only errors are printed.

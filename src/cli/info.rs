@@ -4,7 +4,7 @@ use super::args::InfoArgs;
 use super::console::{self, Console};
 use super::engine::list_adapters;
 use super::info_other;
-use super::input::{self, InputFiles, layout_name, read_bake};
+use super::input::{self, InputFiles, read_bake};
 use super::outcome::{Failure, Outcome, print};
 use crate::read::{InputLayout, Provenance, Repairs};
 use crate::recipes::{InputOptions, Source, SunReport};
@@ -14,7 +14,6 @@ use octagloss_core::common::percent::percent;
 use octagloss_core::light::environment::exact_luminance;
 use serde::{Serialize, Serializer};
 use serde_json::json;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -190,7 +189,7 @@ fn environment_info(input: String, bytes: u64, opened: Source) -> EnvironmentInf
         bytes,
         origin: Some(opened.origin).filter(|origin| !origin.is_empty()),
         layout: opened.layout,
-        covers: layout_name(opened.environment.layout()),
+        covers: opened.environment.layout().map().name(),
         width: opened.width,
         height: opened.height,
         min: statistics.min,
@@ -230,19 +229,22 @@ fn origin<S: Serializer>(origin: &Option<Provenance>, serializer: S) -> Result<S
     json.serialize(serializer)
 }
 
+/// Text of rows of names and values below a title.
+pub(super) fn listed(title: &str, rows: impl IntoIterator<Item = (&'static str, String)>) -> String {
+    let row = |(name, value): (&str, String)| format!("  {name:<11} {value}\n");
+    format!("{title}\n") + &rows.into_iter().map(row).collect::<String>()
+}
+
 /// Names and values of `origin` as text.
-fn rows(origin: &Provenance) -> Vec<(&'static str, String)> {
+fn origin_rows(origin: &Provenance) -> Vec<(&'static str, String)> {
     let unknown = || "not recorded".to_owned();
-    let mut rows = Vec::new();
-    rows.push(("target", origin.target.clone().unwrap_or_else(|| "none".to_owned())));
+    let mut rows = vec![("target", origin.target.clone().unwrap_or_else(|| "none".to_owned()))];
     rows.extend(origin.content.clone().map(|content| ("content", content)));
     rows.push(("flip", origin.flip.unwrap_or_default().name().to_owned()));
     let moved = origin.quarter_turns.filter(|turns| *turns > 0);
     rows.extend(moved.map(|turns| ("columns", format!("moved by {turns} quarters of the width"))));
-    rows.push((
-        "rotation",
-        origin.rotate_y.map_or_else(unknown, |degrees| format!("{degrees} degrees about +Y")),
-    ));
+    let rotation = origin.rotate_y.map(|degrees| format!("{degrees} degrees about +Y"));
+    rows.push(("rotation", rotation.unwrap_or_else(unknown)));
     rows.push(("mirrored", origin.mirror.map_or_else(unknown, |m| if m { "yes" } else { "no" }.to_owned())));
     rows.extend(origin.suns.iter().map(|sun| {
         let [x, y, z] = sun.direction;
@@ -261,15 +263,11 @@ fn rows(origin: &Provenance) -> Vec<(&'static str, String)> {
 
 impl BakeInfo {
     fn text(&self) -> String {
-        let mut text = format!("{}: bake, {} levels\n", self.input, self.levels.len());
-        let mut all = Vec::new();
-        all.extend(self.file.clone().map(|file| ("file", file)));
-        all.push(("format", self.format.clone()));
-        all.push(("size", console::bytes(self.bytes)));
-        all.extend(self.origin.iter().flat_map(rows));
-        for (name, value) in all {
-            writeln!(text, "  {name:<11} {value}").expect("writing to a string cannot fail");
-        }
+        let mut rows = Vec::new();
+        rows.extend(self.file.clone().map(|file| ("file", file)));
+        rows.extend([("format", self.format.clone()), ("size", console::bytes(self.bytes))]);
+        rows.extend(self.origin.iter().flat_map(origin_rows));
+        let mut text = listed(&format!("{}: bake, {} levels", self.input, self.levels.len()), rows);
         text.push_str("  level   size  roughness      least   greatest       mean  (luminance)\n");
         for level in &self.levels {
             text += &format!(
@@ -288,65 +286,44 @@ impl BakeInfo {
 
 impl EnvironmentInfo {
     fn text(&self) -> String {
-        let mut text = format!(
-            "{}: {}\n  layout      {}, {}x{}\n",
-            self.input, self.format, self.layout, self.width, self.height
-        );
-        let mut row = |name: &str, value: String| {
-            text += &format!("  {name:<11} {value}\n");
-        };
-        row("size", console::bytes(self.bytes));
-        self.origin.iter().flat_map(rows).for_each(|(name, value)| row(name, value));
+        let mut rows = vec![
+            ("layout", format!("{}, {}x{}", self.layout, self.width, self.height)),
+            ("size", console::bytes(self.bytes)),
+        ];
+        rows.extend(self.origin.iter().flat_map(origin_rows));
         let [r, g, b] = [0, 1, 2]
             .map(|c| format!("{} to {}", figure(f64::from(self.min[c])), figure(f64::from(self.max[c]))));
-        row("range", format!("R {r}, G {g}, B {b}"));
-        row("mean", format!("{} (radiance over the sphere)", triple(self.mean)));
-        let region = self.brightest_region.as_ref();
-        match self.sun.as_ref().map(|sun| (Brightest::Sun, sun)).or(region.map(|r| (Brightest::Region, r))) {
-            None => row("sun", "none detected".to_owned()),
-            Some((kind, sun)) => {
-                if kind == Brightest::Region {
-                    row("sun", "none".to_owned());
-                    row("brightest", "a region larger or dimmer than a sun".to_owned());
-                }
+        rows.push(("range", format!("R {r}, G {g}, B {b}")));
+        rows.push(("mean", format!("{} (radiance over the sphere)", triple(self.mean))));
+        let mut name = "sun";
+        if self.brightest_region.is_some() {
+            rows.push(("sun", "none".to_owned()));
+            rows.push(("brightest", "a region larger or dimmer than a sun".to_owned()));
+            name = "";
+        }
+        match self.sun.as_ref().or(self.brightest_region.as_ref()) {
+            None => rows.push(("sun", "none detected".to_owned())),
+            Some(sun) => {
                 let [x, y, z] = sun.direction;
-                let name = if kind == Brightest::Sun { "sun" } else { "" };
-                row(name, format!("direction {x:.4} {y:.4} {z:.4}"));
-                row(
-                    "",
-                    format!(
-                        "azimuth {:.2} degrees from +X to +Z, elevation {:.2}",
-                        sun.azimuth_degrees, sun.elevation_degrees
-                    ),
-                );
-                row("", format!("peak radiance {}", triple(sun.peak.map(f64::from))));
-                row(
-                    "",
-                    format!(
-                        "irradiance {} from {} sr ({} texels)",
-                        triple(sun.irradiance),
-                        figure(sun.solid_angle),
-                        sun.texels
-                    ),
-                );
-                row("", format!("{} of all energy", percent(sun.energy_share)));
+                let (azimuth, elevation) = (sun.azimuth_degrees, sun.elevation_degrees);
+                let (irradiance, angle) = (triple(sun.irradiance), figure(sun.solid_angle));
+                rows.extend([
+                    (name, format!("direction {x:.4} {y:.4} {z:.4}")),
+                    ("", format!("azimuth {azimuth:.2} degrees from +X to +Z, elevation {elevation:.2}")),
+                    ("", format!("peak radiance {}", triple(sun.peak.map(f64::from)))),
+                    ("", format!("irradiance {irradiance} from {angle} sr ({} texels)", sun.texels)),
+                    ("", format!("{} of all energy", percent(sun.energy_share))),
+                ]);
             }
         }
-        let half = &self.half_float;
-        row(
-            "half float",
-            match half.texels {
-                0 => "clips nothing".to_owned(),
-                count => {
-                    let share = percent(half.energy_share);
-                    format!("clips {count} texels above 65504, {share} of all energy")
-                }
-            },
-        );
-        for warning in &self.warnings {
-            row("note", warning.clone());
-        }
-        text
+        let share = percent(self.half_float.energy_share);
+        let half = match self.half_float.texels {
+            0 => "clips nothing".to_owned(),
+            count => format!("clips {count} texels above 65504, {share} of all energy"),
+        };
+        rows.push(("half float", half));
+        rows.extend(self.warnings.iter().map(|warning| ("note", warning.clone())));
+        listed(&format!("{}: {}", self.input, self.format), rows)
     }
 }
 

@@ -2,6 +2,7 @@
 //! pictures without light, and files of data.
 
 use super::console;
+use super::info::listed;
 use crate::Rgb;
 use crate::read::ReadOptions;
 use octagloss_core::files::format::container::ENV_MAGIC;
@@ -14,7 +15,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// `--json` output.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub(super) struct OtherInfo {
     /// `map`, `picture` or `data`.
     kind: &'static str,
@@ -39,24 +40,15 @@ pub(super) fn described(path: &Path, bytes: u64, error: &crate::Error) -> Option
     // A target's folder is described by its file.
     let file = levels_path(path).ok().filter(|file| file.is_file())?;
     let path = &file;
-    let input = path.display().to_string();
-    let data = |(format, content): (&str, String)| OtherInfo {
-        kind: "data",
-        input: input.clone(),
-        format: format.to_owned(),
-        bytes,
-        content,
-        width: None,
-        height: None,
-        range: None,
-    };
-    if let Some(known) = known_data(path) {
-        return Some(data(known));
+    let content = read_regular(path, DEFAULT_MEMORY_LIMIT).ok()?;
+    let other = OtherInfo { input: path.display().to_string(), bytes, ..OtherInfo::default() };
+    if let Some((format, content)) = known_data(path, &content) {
+        return Some(OtherInfo { kind: "data", format: format.to_owned(), content, ..other });
     }
     let Ok(picture) = read_plain(path, DEFAULT_MEMORY_LIMIT) else {
-        let (format, content, [width, height]) = known_texture(path)?;
-        let (width, height) = (Some(width), Some(height));
-        return Some(OtherInfo { kind: "picture", width, height, ..data((format, content)) });
+        let (format, content, [width, height]) = known_texture(&content)?;
+        let (format, width, height) = (format.to_owned(), Some(width), Some(height));
+        return Some(OtherInfo { kind: "picture", format, content, width, height, ..other });
     };
     let (kind, content) = match read_map(path, None, &ReadOptions::default()) {
         Ok(LoadedMap { light: MapLight::Components(grid, _), map, .. }) => {
@@ -78,21 +70,21 @@ pub(super) fn described(path: &Path, bytes: u64, error: &crate::Error) -> Option
     Some(OtherInfo {
         kind,
         format: picture.format,
+        content,
         width: Some(picture.width),
         height: Some(picture.height),
         range,
-        ..data(("", content))
+        ..other
     })
 }
 
 /// Format, content and size of a picture or texture that holds no radiance.
-fn known_texture(path: &Path) -> Option<(&'static str, String, [u32; 2])> {
-    let bytes = read_regular(path, DEFAULT_MEMORY_LIMIT).ok()?;
+fn known_texture(bytes: &[u8]) -> Option<(&'static str, String, [u32; 2])> {
     let at = |place: usize| Some(u32::from_be_bytes(bytes.get(place..place + 4)?.try_into().ok()?));
-    if Format::sniff(&bytes) == Some(Format::Png) {
+    if Format::sniff(bytes) == Some(Format::Png) {
         return Some(("PNG", "a picture".to_owned(), [at(16)?, at(20)?]));
     }
-    let header = ktx2::Reader::new(&bytes[..]).ok()?.header();
+    let header = ktx2::Reader::new(bytes).ok()?.header();
     let pixels = header.format.map_or_else(|| "unnamed".to_owned(), |format| format!("{format:?}"));
     let content = match header.layer_count {
         0 | 1 => format!("a table or texture of pixels {pixels}"),
@@ -102,8 +94,7 @@ fn known_texture(path: &Path) -> Option<(&'static str, String, [u32; 2])> {
 }
 
 /// Format and content of a file of data.
-fn known_data(path: &Path) -> Option<(&'static str, String)> {
-    let bytes = read_regular(path, DEFAULT_MEMORY_LIMIT).ok()?;
+fn known_data(path: &Path, bytes: &[u8]) -> Option<(&'static str, String)> {
     if bytes.starts_with(&ENV_MAGIC) {
         let end = bytes.iter().position(|byte| *byte == 0)?;
         let manifest: Value = serde_json::from_slice(bytes.get(8..end)?).ok()?;
@@ -120,25 +111,21 @@ fn known_data(path: &Path) -> Option<(&'static str, String)> {
         return Some(("binary glTF", if levels > 0 { content } else { "a scene".to_owned() }));
     }
     if bytes.starts_with(&npy::MAGIC) {
-        let table = npy::read_table(&bytes[..], &[1, 2, 3, 4], usize::MAX >> 8).ok()?;
+        let table = npy::read_table(bytes, &[1, 2, 3, 4], usize::MAX >> 8).ok()?;
         let (rows, columns) = (table.values.len() / table.columns, table.columns);
         return Some(("NumPy array", format!("{rows} rows of {columns} numbers")));
     }
     let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
-    let text = || std::str::from_utf8(&bytes).ok().filter(|text| !text.contains('\0'));
+    let text = || std::str::from_utf8(bytes).ok().filter(|text| !text.contains('\0'));
     match extension.as_str() {
         "gltf" => {
-            let root: Value = serde_json::from_slice(&bytes).ok()?;
+            let root: Value = serde_json::from_slice(bytes).ok()?;
             let lights = root["extensions"]["KHR_lights_punctual"]["lights"].as_array().map_or(0, Vec::len);
-            let content = if lights > 0 {
-                format!("{lights} lights by KHR_lights_punctual")
-            } else {
-                "a scene".to_owned()
-            };
-            Some(("glTF", content))
+            let content = format!("{lights} lights by KHR_lights_punctual");
+            Some(("glTF", if lights > 0 { content } else { "a scene".to_owned() }))
         }
         "json" => {
-            let value: Value = serde_json::from_slice(&bytes).ok()?;
+            let value: Value = serde_json::from_slice(bytes).ok()?;
             if value.is_null() {
                 return Some(("JSON", "no sun was found".to_owned()));
             }
@@ -171,19 +158,14 @@ fn known_data(path: &Path) -> Option<(&'static str, String)> {
 
 impl OtherInfo {
     pub(super) fn text(&self) -> String {
-        let mut text = format!("{}: {}\n", self.input, self.format);
-        let mut row = |name: &str, value: String| {
-            text += &format!("  {name:<11} {value}\n");
-        };
-        row("content", console::escaped(&self.content));
-        if let (Some(width), Some(height)) = (self.width, self.height) {
-            row("pixels", format!("{width}x{height}"));
-        }
-        row("size", console::bytes(self.bytes));
-        if let Some([least, most]) = self.range {
+        let mut rows = vec![("content", console::escaped(&self.content))];
+        let pixels = self.width.zip(self.height);
+        rows.extend(pixels.map(|(width, height)| ("pixels", format!("{width}x{height}"))));
+        rows.push(("size", console::bytes(self.bytes)));
+        rows.extend(self.range.map(|[least, most]| {
             let [r, g, b] = [0, 1, 2].map(|c| format!("{:.4} to {:.4}", least[c], most[c]));
-            row("range", format!("R {r}, G {g}, B {b}"));
-        }
-        text
+            ("range", format!("R {r}, G {g}, B {b}"))
+        }));
+        listed(&format!("{}: {}", self.input, self.format), rows)
     }
 }

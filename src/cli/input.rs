@@ -1,11 +1,13 @@
 //! Groups input files into environments and reads them.
 
 use super::console::Console;
+use super::expand::Found;
 use super::outcome::{Outcome, or_usage, usage};
-use crate::Layout;
 use crate::read::InputLayout;
 use crate::recipes::{InputOptions, Source};
+use octagloss_core::files::io::file_name::path_key;
 use octagloss_core::files::io::{self, LoadedChain, regular};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Files of one environment: one file, or the six faces of a cube.
@@ -24,6 +26,30 @@ pub(super) fn sources(paths: Vec<PathBuf>, args: &InputOptions) -> Outcome<Vec<I
         )),
         _ => Ok(paths.into_iter().map(|path| InputFiles(vec![path])).collect()),
     }
+}
+
+/// [`sources`] of `found`, with their names: their stems and `suffix`, in their folders. Refuses two of one
+/// name in these words and with this remedy.
+pub(super) fn named_sources(
+    found: Vec<Found>,
+    args: &InputOptions,
+    suffix: &str,
+    (words, remedy): (&str, &str),
+) -> Outcome<Vec<(InputFiles, PathBuf)>> {
+    let (paths, withins): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+    let name = |(source, within): (InputFiles, PathBuf)| {
+        let name = within.join(source.stem() + suffix);
+        (source, name)
+    };
+    let named: Vec<_> = sources(paths, args)?.into_iter().zip(withins).map(name).collect();
+    let mut by_name = BTreeMap::new();
+    for (source, name) in &named {
+        if let Some(other) = by_name.insert(path_key(name), source.path()) {
+            let (other, path, name) = (other.display(), source.path().display(), name.display());
+            return usage(format!("{other} and {path} {words} {name}; {remedy}"));
+        }
+    }
+    Ok(named)
 }
 
 /// [`sources`] for subcommands that take one environment.
@@ -53,15 +79,10 @@ impl InputFiles {
     pub(super) fn stem(&self) -> String {
         let stem = |path: &Path| {
             let name = if path.is_dir() { path.file_name() } else { path.file_stem() };
-            match name {
-                Some(name) => name.to_string_lossy().into_owned(),
-                // Resolve `.` and `..` to get a name.
-                None => path
-                    .canonicalize()
-                    .ok()
-                    .and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
-                    .unwrap_or_else(|| "environment".to_owned()),
-            }
+            // Resolve `.` and `..` to get a name.
+            let resolved = || Some(path.canonicalize().ok()?.file_name()?.to_owned());
+            let name = name.map(ToOwned::to_owned).or_else(resolved);
+            name.map_or_else(|| "environment".to_owned(), |name| name.to_string_lossy().into_owned())
         };
         let first = stem(self.path());
         if self.0.len() == 1 {
@@ -72,13 +93,11 @@ impl InputFiles {
             same.map(|(a, _)| a).collect()
         });
         let shared = shared.trim_end_matches(['_', '-', '.', ' ', '+']);
-        if shared.is_empty() {
-            self.path()
-                .parent()
-                .and_then(Path::file_name)
-                .map_or_else(|| "cube".to_owned(), |name| name.to_string_lossy().into_owned())
-        } else {
-            shared.to_owned()
+        let folder = self.path().parent().and_then(Path::file_name);
+        match (shared, folder) {
+            ("", Some(folder)) => folder.to_string_lossy().into_owned(),
+            ("", None) => "cube".to_owned(),
+            _ => shared.to_owned(),
         }
     }
 
@@ -98,15 +117,6 @@ impl InputFiles {
 /// The last part of `path`, or all of it.
 pub(super) fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-}
-
-/// Formats a layout as in `--layout`, with its size.
-pub(super) fn layout_name(layout: Layout) -> &'static str {
-    match layout {
-        Layout::Panorama { .. } => "panorama",
-        Layout::Cube { .. } => "cube",
-        Layout::Octahedral { .. } => "octahedral",
-    }
 }
 
 /// Reads the bake in `path`: a folder of levels or of a target, a KTX, KTX2 or EXR file that records its

@@ -3,16 +3,18 @@
 use super::compare_sources::PreparedSource;
 use super::console::Console;
 use super::measures::{Measures, is_from};
-use super::outcome::{Outcome, usage};
+use super::outcome::{Outcome, failed, usage};
+#[cfg(feature = "plot")]
 use crate::files::Existing;
-use crate::{Chain, Ladder, Level, Lobe};
-use anyhow::anyhow;
+use crate::{Ladder, Level, Lobe};
+use anyhow::Context as _;
 use glam::DVec3;
 use octagloss_core::analysis::channels::{Greatest, Relative};
 use octagloss_core::analysis::compare::is_measurable;
 use octagloss_core::analysis::delivered::{
     DIRECTIONS, DeliveredError, default_roughnesses, delivered_errors,
 };
+use octagloss_core::files::io::LoadedChain;
 use serde::Serialize;
 use std::cell::Cell;
 use std::path::Path;
@@ -42,9 +44,8 @@ const CHART_STEP: f64 = 0.02;
 pub(super) fn measure(
     measures: &Measures,
     path: &Path,
-    bake: &Chain,
+    bake: &LoadedChain,
     lobe: Lobe,
-    ladder: Option<&str>,
     source: &PreparedSource,
     console: &Console,
 ) -> Outcome<Delivered> {
@@ -52,7 +53,8 @@ pub(super) fn measure(
     if lobe != Lobe::Ggx {
         return usage(format!("--delivered needs lobes of ggx; those of {name} are {}", lobe.name()));
     }
-    let ladder = self::ladder(path, bake, ladder)?;
+    let ladder = ladder(path, bake)?;
+    let bake = &bake.chain;
     let asked = measures.delivered.clone().unwrap_or_default();
     let roughnesses = if asked.is_empty() {
         let mut roughnesses = default_roughnesses(bake);
@@ -69,12 +71,11 @@ pub(super) fn measure(
         roughnesses
             .retain(|r| is_measurable(&Level::cube(1, *r, Vec::new()), lobe, source.environment.layout()));
         if roughnesses.is_empty() {
-            return Err(anyhow!(
+            return failed(format!(
                 "no roughness of {name} has a lobe at least two texels of {} wide; bake rougher levels to \
                  compare",
                 source.path.display()
-            )
-            .into());
+            ));
         }
         roughnesses
     } else {
@@ -96,20 +97,17 @@ pub(super) fn measure(
 }
 
 /// The ladder of `bake` in `path`: the one that it records, or else the one that matches its roughnesses.
-pub(super) fn ladder(path: &Path, bake: &Chain, recorded: Option<&str>) -> Outcome<Ladder> {
-    let ladder = recorded.and_then(Ladder::named).or_else(|| ladder_of(bake));
-    ladder
-        .ok_or_else(|| anyhow!("{} records no ladder, and its roughnesses match none", path.display()).into())
-}
-
-/// The ladder that matches the roughnesses of `bake`.
-fn ladder_of(bake: &Chain) -> Option<Ladder> {
-    let (levels, size) = (bake.levels.len() as u32, bake.levels[0].size());
+pub(super) fn ladder(path: &Path, bake: &LoadedChain) -> Outcome<Ladder> {
+    let levels = &bake.chain.levels;
+    let (count, size) = (levels.len() as u32, levels[0].size());
     let fits = |ladder: &Ladder| {
-        let mut pairs = (0..levels).zip(&bake.levels);
-        pairs.all(|(k, level)| (ladder.roughness(k, levels, size) - level.roughness).abs() < 1e-3)
+        let mut pairs = (0..count).zip(levels);
+        pairs.all(|(k, level)| (ladder.roughness(k, count, size) - level.roughness).abs() < 1e-3)
     };
-    Ladder::ALL.into_iter().find(fits)
+    let recorded = bake.provenance.ladder.as_deref().and_then(Ladder::named);
+    let ladder = recorded.or_else(|| Ladder::ALL.into_iter().find(fits));
+    let none = || format!("{} records no ladder, and its roughnesses match none", path.display());
+    Ok(ladder.with_context(none)?)
 }
 
 /// An error and its channel, as a column of text.
@@ -142,19 +140,15 @@ impl Delivered {
 
 /// Checks that the chart `path` can be drawn and written.
 #[cfg(feature = "plot")]
-pub(super) fn check_chart(path: &Path, existing: Existing) -> Outcome {
-    use octagloss_core::files::io::output::{check_file, recover};
-    use octagloss_plot::figure::Form;
-
-    if let Err(error) = Form::from_path(path) {
+pub(super) fn check_chart(path: &Path, force: bool) -> Outcome {
+    if let Err(error) = octagloss_plot::figure::Form::from_path(path) {
         return usage(format!("--chart {error}"));
     }
-    recover(path);
-    Ok(check_file(path, existing)?)
+    super::outcome::check_output(path, force).map(drop)
 }
 
 #[cfg(not(feature = "plot"))]
-pub(super) fn check_chart(_: &Path, _: Existing) -> Outcome {
+pub(super) fn check_chart(_: &Path, _: bool) -> Outcome {
     usage(format!(
         "charts are not part of this build; run: cargo run --release --features plot --{}",
         super::shell::own_arguments()
@@ -204,9 +198,4 @@ pub(super) fn draw_chart(
         series: series.collect(),
     };
     Ok(chart.write(path, existing)?)
-}
-
-#[cfg(not(feature = "plot"))]
-pub(super) fn draw_chart(path: &Path, existing: Existing, _: &[(&str, &Delivered)], _: &Path) -> Outcome {
-    check_chart(path, existing)
 }

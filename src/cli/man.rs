@@ -8,7 +8,7 @@ use clap::{Args as ClapArgs, Command};
 use clap_mangen::Man;
 use octagloss_core::files::io::output::{self, Output};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct ManArgs {
@@ -37,7 +37,9 @@ pub(super) fn run(args: &ManArgs, mut program: Command) -> Outcome {
             Ok((folder.join(format!("{name}.1")), page(command)?))
         })
         .collect::<Outcome<Vec<(PathBuf, Vec<u8>)>>>()?;
-    write(folder, &pages, args.force)?;
+    fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+    let outputs: Vec<_> = pages.iter().map(|(path, page)| (path.clone(), Output::File(&page[..]))).collect();
+    output::commit(output::stage_all(&outputs, Existing::by_force(args.force))?)?;
     let (count, folder) = (pages.len(), folder.display());
     Console::new(args.quiet).note(&format!("{folder}: {count} manual pages; man -l shows one"));
     Ok(())
@@ -48,14 +50,6 @@ fn page(command: &Command) -> Outcome<Vec<u8>> {
     let mut page = Vec::new();
     // The page footer shows the version, which only the root command has.
     let command = command.clone().version(env!("CARGO_PKG_VERSION"));
-    Man::new(command).render(&mut page).map_err(anyhow::Error::new)?;
+    Man::new(command).render(&mut page)?;
     Ok(page)
-}
-
-/// Writes `pages` into `folder` in one step.
-fn write(folder: &Path, pages: &[(PathBuf, Vec<u8>)], force: bool) -> Outcome {
-    let existing = Existing::by_force(force);
-    fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
-    let outputs: Vec<_> = pages.iter().map(|(path, page)| (path.clone(), Output::File(&page[..]))).collect();
-    Ok(output::commit(output::stage_all(&outputs, existing)?)?)
 }

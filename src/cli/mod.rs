@@ -40,7 +40,6 @@ pub mod output;
 mod query;
 mod reader;
 pub mod rows;
-mod shared_args;
 mod shell;
 mod signals;
 mod summary;
@@ -55,6 +54,7 @@ mod view_args;
 #[cfg(feature = "view")]
 mod view_scene;
 
+use anyhow::Context as _;
 use args::{Args, Command};
 use clap::error::ErrorKind;
 use clap::{Arg, CommandFactory as _, Parser};
@@ -73,7 +73,8 @@ pub fn main(licenses: Option<&str>) -> ExitCode {
 /// Parses the process's arguments and runs them; prints what fails.
 pub fn execute<A: Parser>(run: impl FnOnce(A) -> Outcome) -> ExitCode {
     signals::watch();
-    let outcome = match parsed::<A>() {
+    let matches = with_negative_numbers(A::command()).try_get_matches();
+    let outcome = match matches.and_then(|mut matches| A::from_arg_matches_mut(&mut matches)) {
         Ok(args) => run(args),
         Err(error) => refuse(&error, &A::command()),
     };
@@ -89,12 +90,6 @@ pub fn execute<A: Parser>(run: impl FnOnce(A) -> Outcome) -> ExitCode {
             ExitCode::from(2)
         }
     }
-}
-
-/// Parses the process's arguments.
-fn parsed<A: Parser>() -> Result<A, clap::Error> {
-    let mut matches = with_negative_numbers(A::command()).try_get_matches()?;
-    A::from_arg_matches_mut(&mut matches)
 }
 
 /// Takes negative numbers for values of options, so that the refusal of one names its option. Names of files
@@ -186,7 +181,7 @@ fn cap_environment_threads() -> Outcome {
         return Ok(());
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-    pool.map_err(|error| anyhow::Error::new(error).context(format!("{threads} threads")).into())
+    Ok(pool.with_context(|| format!("{threads} threads"))?)
 }
 
 /// The number of threads to set if a value in `asked` exceeds `cores`.

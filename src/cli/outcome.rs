@@ -1,7 +1,7 @@
 //! Outcomes and output of subcommands.
 
 use crate::files::Existing;
-use anyhow::anyhow;
+use anyhow::{Context as _, anyhow};
 use octagloss_core::files::io::output as output_file;
 use serde::Serialize;
 use std::io::{IsTerminal as _, Write as _};
@@ -22,14 +22,8 @@ pub enum Failure {
 
 pub type Outcome<T = ()> = Result<T, Failure>;
 
-impl From<anyhow::Error> for Failure {
-    fn from(error: anyhow::Error) -> Self {
-        Self::Failed(error)
-    }
-}
-
-impl From<crate::Error> for Failure {
-    fn from(error: crate::Error) -> Self {
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
         Self::Failed(error.into())
     }
 }
@@ -37,6 +31,11 @@ impl From<crate::Error> for Failure {
 /// Returns a usage error.
 pub fn usage<T>(message: impl Into<String>) -> Outcome<T> {
     Err(Failure::Usage(message.into()))
+}
+
+/// Returns a failure of valid options.
+pub fn failed<T>(message: impl Into<String>) -> Outcome<T> {
+    Err(Failure::Failed(anyhow::Error::msg(message.into())))
 }
 
 /// `error` of reading, with this subcommand's own words for some of the reader's settings.
@@ -52,21 +51,20 @@ pub fn print(text: &str) -> Outcome {
 
 /// Writes data to standard output. A closed pipe is not an error.
 pub fn print_bytes(bytes: &[u8]) -> Outcome {
-    match write_stdout(bytes) {
-        Ok(()) => Ok(()),
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Err(Failure::Closed),
-        Err(error) => Err(anyhow::Error::new(error).context("standard output").into()),
-    }
+    write_stdout(bytes).map_err(|error| match error.kind() {
+        std::io::ErrorKind::BrokenPipe => Failure::Closed,
+        _ => anyhow::Error::new(error).context("standard output").into(),
+    })
 }
 
 /// Prints `value` as JSON on one line.
 pub fn print_json(value: &impl Serialize) -> Outcome {
-    print(&(serde_json::to_string(value).map_err(anyhow::Error::from)? + "\n"))
+    print(&(serde_json::to_string(value)? + "\n"))
 }
 
 /// Prints `value` as indented JSON.
 pub fn print_pretty(value: &impl Serialize) -> Outcome {
-    print(&(serde_json::to_string_pretty(value).map_err(anyhow::Error::from)? + "\n"))
+    print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
 /// A table as CSV, headed by the names of its columns.
@@ -74,10 +72,9 @@ pub fn csv_text(header: &str, rows: impl IntoIterator<Item = Vec<String>>) -> Ou
     let mut csv = csv::Writer::from_writer(Vec::new());
     let records = std::iter::once(header.split(',').map(str::to_owned).collect()).chain(rows);
     for record in records {
-        csv.write_record(&record).map_err(anyhow::Error::new)?;
+        csv.write_record(&record)?;
     }
-    let bytes = csv.into_inner().map_err(|error| anyhow::anyhow!("{error}"))?;
-    Ok(String::from_utf8(bytes).map_err(anyhow::Error::new)?)
+    Ok(String::from_utf8(csv.into_inner().expect("written to memory"))?)
 }
 
 /// Writes to the descriptor directly: the standard library silently ignores an unwritable one.
@@ -119,7 +116,7 @@ pub fn is_stdout(path: &Path) -> Outcome<bool> {
         );
     }
     if is_stdout && stdout_was_closed() {
-        return Err(anyhow!("-o - needs standard output, which is closed; name a file with -o").into());
+        return failed("-o - needs standard output, which is closed; name a file with -o");
     }
     Ok(is_stdout)
 }
@@ -163,7 +160,7 @@ pub fn on_threads<T: Send>(threads: Option<u32>, work: impl FnOnce() -> Outcome<
         Some(count) => rayon::ThreadPoolBuilder::new()
             .num_threads(count as usize)
             .build()
-            .map_err(|error| anyhow::Error::new(error).context(format!("--threads {count}")))?
+            .with_context(|| format!("--threads {count}"))?
             .install(work),
     }
 }

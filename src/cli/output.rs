@@ -3,12 +3,11 @@
 use super::console::{Console, escaped};
 use super::fingerprint::{self, fingerprint};
 use super::input::InputFiles;
-use super::outcome::{Outcome, print_bytes, usage};
+use super::outcome::{Outcome, failed, print_bytes, usage};
 use crate::files::{Container, Existing, Made, Pixel};
 use crate::recipes::{BakePlan, OutputFileReport, Products, Report, SunFile, json_bytes, report_path};
 use crate::targets::{Content, LevelName, Naming, Shown};
-use crate::{Error, Layout, Result};
-use anyhow::anyhow;
+use crate::{Error, Layout, LevelSpec, Result};
 use blake3::Hash;
 use octagloss_core::files::export::produce::{beside, within};
 use octagloss_core::files::export::write::outputs;
@@ -33,6 +32,8 @@ pub(super) struct Outputs {
     pub(super) place: Destination,
     /// Base name of the files: the environment's, or `main` if that is a file.
     pub(super) name: String,
+    /// The folder of `main` that is created if missing.
+    pub(super) folder: Option<PathBuf>,
     pub(super) preview: Option<PathBuf>,
 }
 
@@ -46,17 +47,6 @@ pub(super) enum Destination {
 }
 
 impl Outputs {
-    pub(super) fn new(
-        main: PathBuf,
-        place: Destination,
-        environment: String,
-        preview: Option<PathBuf>,
-    ) -> Self {
-        let file_name = || main.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let name = if place == Destination::Folder { environment } else { file_name() };
-        Self { main, place, name, preview }
-    }
-
     /// The place of the file `path` of the output.
     fn at(&self, path: &str) -> PathBuf {
         match self.place {
@@ -88,14 +78,12 @@ impl Outputs {
             // Mirror levels have no bounds.
             let bounded =
                 |roughness: f64| settings.bounds && !(roughness == 0.0 && settings.lobe.has_mirror());
-            let bounded: Vec<u32> = (0..)
-                .zip(&specs)
-                .filter(|(_, spec)| bounded(spec.roughness))
-                .map(|(level, _)| level)
-                .collect();
+            let levels = (0..).zip(&specs).filter(|(_, spec)| bounded(spec.roughness));
+            let bounded: Vec<u32> = levels.map(|(level, _)| level).collect();
             let shape = Naming { name: &self.name, levels: specs.len() as u32, bounded: &bounded };
             for (path, content) in files.files(&shape) {
-                planned.push((within(common.plans.len() > 1, plan, &path), description(plan, content)?));
+                let description = description(plan, &specs, content);
+                planned.push((within(common.plans.len() > 1, plan, &path), description));
             }
         }
         let first = &common.plans[0];
@@ -159,16 +147,15 @@ impl Outputs {
         Ok(())
     }
 
-    /// Fails where writing would, before it begins. Outputs in `folder`, which is created if missing, then
-    /// replace nothing.
-    pub(super) fn check(&self, common: &Common, folder: Option<&Path>) -> Outcome {
-        let is_made = |path: &Path| folder.is_some() && path.parent() == folder;
+    /// Fails where writing would, before it begins. Outputs in a folder that is created replace nothing.
+    pub(super) fn check(&self, common: &Common) -> Outcome {
+        let is_made = |path: &Path| self.folder.is_some() && path.parent() == self.folder.as_deref();
         for (path, output) in self.places(common, true)? {
             if is_made(&path) {
                 let mut above = path.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
                 let there = above.find(|folder| folder.symlink_metadata().is_ok());
                 if let Some(there) = there.filter(|there| !there.is_dir()) {
-                    return Err(anyhow!("{}: is a file, but a folder is needed", there.display()).into());
+                    return failed(format!("{}: is a file, but a folder is needed", there.display()));
                 }
                 if there != path.parent() {
                     continue;
@@ -207,6 +194,9 @@ impl Outputs {
         products: &Products,
         request: Hash,
     ) -> Outcome<(Vec<Report>, u64)> {
+        if let Some(folder) = &self.folder {
+            fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+        }
         let (files, preview) = (products.files().collect::<Vec<_>>(), products.preview.as_deref());
         if self.place == Destination::Stdout {
             print_bytes(files[0].1)?;
@@ -268,59 +258,44 @@ impl Outputs {
     }
 }
 
-/// Describes a file of `plan`.
-fn description(BakePlan { plan, settings, .. }: &BakePlan, content: Content) -> Result<String> {
-    let pixel = plan.pixel.name();
-    let skybox = settings.skybox.unwrap_or(settings.size);
-    let specs = settings.level_specs()?;
-    Ok(match content {
-        Content::Specular => cube_words(pixel, settings.size, specs.len()),
-        Content::Sheen => cube_words(&format!("{pixel} sheen"), settings.size, specs.len()),
+/// Describes a file of `plan`, whose levels are `specs`.
+fn description(BakePlan { plan, settings, .. }: &BakePlan, specs: &[LevelSpec], content: Content) -> String {
+    let (pixel, size, levels) = (plan.pixel.name(), settings.size, specs.len());
+    let skybox = settings.skybox.unwrap_or(size);
+    let irradiance = settings.irradiance.unwrap_or(plan.target.irradiance_size);
+    match content {
+        Content::Specular => cube_words(pixel, size, levels),
+        Content::Sheen => cube_words(&format!("{pixel} sheen"), size, levels),
         Content::Skybox if !plan.target.has_container() => cube_words(Pixel::F16.name(), skybox, 1),
         Content::Skybox => cube_words(pixel, skybox, 1),
         Content::SkyboxPanorama => format!("panorama {}x{}", 4 * skybox, 2 * skybox),
-        Content::Irradiance => {
-            let size = settings.irradiance.unwrap_or(plan.target.irradiance_size);
-            cube_words(&format!("{pixel} irradiance"), size, 1)
-        }
+        Content::Irradiance => cube_words(&format!("{pixel} irradiance"), irradiance, 1),
         Content::ShJson | Content::ShText => "spherical harmonics".to_owned(),
-        Content::Oem => {
-            format!("{pixel} octahedral map {}, {} levels, with borders", settings.size, specs.len())
-        }
-        Content::Pyramid => {
-            let levels = settings.level_specs()?.len();
-            format!("{pixel} pyramid {}, {levels} levels, with borders", settings.size)
-        }
-        Content::PyramidCube => {
-            let levels = settings.level_specs()?.len() + 2;
-            cube_words(&format!("{pixel} pyramid on a"), settings.size, levels)
-        }
+        Content::Oem => format!("{pixel} octahedral map {size}, {levels} levels, with borders"),
+        Content::Pyramid => format!("{pixel} pyramid {size}, {levels} levels, with borders"),
+        Content::PyramidCube => cube_words(&format!("{pixel} pyramid on a"), size, levels + 2),
         Content::PyramidLight => "suns and harmonics".to_owned(),
         Content::PyramidTables => "tables of the look-ups".to_owned(),
         Content::Reader => "shader code".to_owned(),
-        Content::Panorama => format!("panorama {}x{}", 2 * settings.size, settings.size),
-        Content::Mips => {
-            format!("{pixel} panorama {}, {} levels", settings.size, specs.len())
-        }
+        Content::Panorama => format!("panorama {}x{size}", 2 * size),
+        Content::Mips => format!("{pixel} panorama {size}, {levels} levels"),
         Content::Image(LevelName { shown, face, is_bound }) => {
             let (size, what) = match shown {
                 Shown::Level(level) => (specs[level as usize].layout.sides().1, ""),
-                Shown::Irradiance => (settings.irradiance.unwrap_or(0), "irradiance "),
+                Shown::Irradiance => (irradiance, "irradiance "),
                 Shown::Skybox => (skybox, "skybox "),
             };
-            if is_bound {
-                return Ok(format!("f32 error bounds {size}"));
+            match face {
+                _ if is_bound => format!("f32 error bounds {size}"),
+                Some(_) => format!("{pixel} {what}face {size}"),
+                None => format!("{pixel} {what}{} {size}", plan.layout.name()),
             }
-            let layout = if face.is_some() { "face" } else { plan.layout.name() };
-            format!("{pixel} {what}{layout} {size}")
         }
-        Content::Atlas => {
-            format!("{pixel} atlas {}, {} levels", 2 * settings.size, specs.len())
-        }
+        Content::Atlas => format!("{pixel} atlas {}, {levels} levels", 2 * size),
         Content::Env | Content::Glb => {
-            format!("{pixel} cube {}, {} levels, and spherical harmonics", settings.size, specs.len())
+            format!("{pixel} cube {size}, {levels} levels, and spherical harmonics")
         }
-    })
+    }
 }
 
 /// Describes a cube in a few words.

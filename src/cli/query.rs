@@ -3,6 +3,7 @@
 use super::args::QueryArgs;
 use super::console::{self, Console};
 use super::directions::{DIRECTIONS, Direction};
+use super::engine::EngineArg;
 use super::frames::FRAMES;
 use super::input::{self, InputFiles};
 use super::outcome::{
@@ -10,7 +11,6 @@ use super::outcome::{
 };
 use super::output::extension;
 use super::rows::Rows;
-use super::values::EngineArg;
 use crate::queries::{Query, sharpest};
 use crate::{Answer, Bound, Filter, Lobe, Oracle, Reflector, ReflectorSettings, Rgb};
 use glam::DVec3;
@@ -20,7 +20,6 @@ use octagloss_core::common::parallel;
 use octagloss_core::cpu::reflection::{LEAST_ROUGHNESS, ReflectedLight};
 use octagloss_core::files::io::npy;
 use std::fmt::Write as _;
-use std::path::Path;
 
 pub(super) fn run(args: QueryArgs) -> Outcome {
     args.engine.check()?;
@@ -36,9 +35,14 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
     let source = input::single_source(args.inputs.clone(), &args.input)?;
     let output = match &args.output {
         Some(path) => {
-            let form = Form::from_path(path)?;
+            let is_array = match extension(path).as_deref() {
+                Some("csv") => false,
+                Some("npy") => true,
+                _ if path.as_os_str() == "-" => return usage("omit -o to write CSV to standard output"),
+                _ => return usage(format!("-o {} must end in .csv or .npy", path.display())),
+            };
             check_not_input(path, source.files().iter().chain(&args.directions).chain(&args.frames))?;
-            Some((path, check_output(path, args.force)?, form))
+            Some((path, check_output(path, args.force)?, is_array))
         }
         None => None,
     };
@@ -58,11 +62,8 @@ pub(super) fn run(args: QueryArgs) -> Outcome {
             }
         };
         let csv = || csv(&header, &typed, &answers, args.bound);
-        let Some((path, existing, form)) = output else { return print(&csv()) };
-        let bytes = match form {
-            Form::Csv => csv().into_bytes(),
-            Form::Array => array(&answers, args.bound),
-        };
+        let Some((path, existing, is_array)) = output else { return print(&csv()) };
+        let bytes = if is_array { array(&answers, args.bound) } else { csv().into_bytes() };
         write_output(path, existing, &bytes)?;
         let (count, size) = (answers.len(), console::bytes(bytes.len() as u64));
         console.note(&format!("{}: {count} {asked}, {size}", path.display()));
@@ -166,25 +167,6 @@ fn reflected(
     }
 }
 
-/// Form of an output file.
-#[derive(Clone, Copy)]
-enum Form {
-    Csv,
-    Array,
-}
-
-impl Form {
-    /// The form of the extension of `path`.
-    fn from_path(path: &Path) -> Outcome<Self> {
-        match extension(path).as_deref() {
-            Some("csv") => Ok(Self::Csv),
-            Some("npy") => Ok(Self::Array),
-            _ if path.as_os_str() == "-" => usage("omit -o to write CSV to standard output"),
-            _ => usage(format!("-o {} must end in .csv or .npy", path.display())),
-        }
-    }
-}
-
 /// Names of the columns of `--bound`: the luminance's, then the channels'.
 const BOUNDS: &str = ",bound,bound_r,bound_g,bound_b";
 
@@ -193,31 +175,23 @@ fn csv(header: &str, rows: &[String], answers: &[Answer], bound: bool) -> String
     let more = if bound { BOUNDS } else { "" };
     let mut text = format!("{header},r,g,b{more}\n");
     for (typed, answer) in rows.iter().zip(answers) {
-        let [r, g, b] = answer.radiance;
-        write!(text, "{typed},{r:?},{g:?},{b:?}").expect("writing to a string cannot fail");
-        if bound {
-            // Mirrors are look-ups without bounds; leave the fields empty.
-            match answer.bound {
-                Some(bound) => {
-                    let [luminance, r, g, b] = bound.values();
-                    write!(text, ",{luminance:?},{r:?},{g:?},{b:?}")
-                        .expect("writing to a string cannot fail");
-                }
-                None => text.push_str(",,,,"),
-            }
+        text += typed;
+        let bounds = answer.bound.filter(|_| bound).map(Bound::values);
+        for value in answer.radiance.iter().chain(bounds.iter().flatten()) {
+            write!(text, ",{value:?}").expect("writing to a string cannot fail");
         }
-        text.push('\n');
+        // Mirrors are look-ups without bounds; leave the fields empty.
+        text += if bound && bounds.is_none() { ",,,,\n" } else { "\n" };
     }
     text
 }
 
 /// The answers as a .npy file, a row each.
 fn array(answers: &[Answer], bound: bool) -> Vec<u8> {
-    let bounds = |answer: &Answer| {
+    let row = |answer: &Answer| {
         let bounds = bound.then(|| answer.bound.unwrap_or(Bound::NONE).values());
-        bounds.into_iter().flatten()
+        answer.radiance.into_iter().chain(bounds.into_iter().flatten())
     };
-    let row = |answer: &Answer| answer.radiance.into_iter().chain(bounds(answer));
     let values: Vec<f32> = answers.iter().flat_map(row).collect();
     npy::table_bytes(if bound { 7 } else { 3 }, &values)
 }

@@ -5,7 +5,7 @@ use anyhow::{Context as _, anyhow, bail};
 use octagloss_core::common::error::quoted;
 use octagloss_core::files::io::npy::{self, Precision};
 use octagloss_core::files::io::regular::open_regular;
-use std::io::{Cursor, Read};
+use std::io::{BufRead as _, BufReader, Cursor, Read};
 use std::path::Path;
 
 /// Limits for a file or standard input, which may be endless.
@@ -146,28 +146,23 @@ fn csv_reader(text: &[u8]) -> csv::Reader<&[u8]> {
 }
 
 /// Reads all of `from`, lines of `columns`; stops at the first exceeded limit.
-fn read_text(mut from: impl Read, limits: Limits, columns: &str) -> anyhow::Result<Vec<u8>> {
+fn read_text(from: impl Read, limits: Limits, columns: &str) -> anyhow::Result<Vec<u8>> {
+    let mut from = BufReader::with_capacity(64 << 10, from);
     let mut text = Vec::new();
-    let mut chunk = vec![0; 64 << 10];
-    let (mut line, mut length) = (1, 0);
-    loop {
-        let count = match from.read(&mut chunk) {
-            Ok(0) => return Ok(text),
-            Ok(count) => count,
-            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
-            Err(error) => return Err(error.into()),
-        };
-        for byte in &chunk[..count] {
-            (line, length) = if *byte == b'\n' { (line + 1, 0) } else { (line, length + 1) };
-            if length > limits.line {
-                bail!("line {line} is longer than {} bytes; a line is {columns}", limits.line);
-            }
+    for line in 1_u64.. {
+        let most = limits.line as u64 + 1;
+        let count = from.by_ref().take(most).read_until(b'\n', &mut text)?;
+        if count > limits.line && !text.ends_with(b"\n") {
+            bail!("line {line} is longer than {} bytes; a line is {columns}", limits.line);
         }
-        if count > limits.bytes - text.len() {
+        if text.len() > limits.bytes {
             bail!("more than {} bytes, at line {line}; split the file", limits.bytes);
         }
-        text.extend_from_slice(&chunk[..count]);
+        if count == 0 {
+            break;
+        }
     }
+    Ok(text)
 }
 
 /// The line of a record; its position is that of the empty lines before it.

@@ -8,58 +8,49 @@ use crate::recipes::{BakePlan, Report};
 use octagloss_core::common::percent::percent;
 use std::path::Path;
 
-/// Outputs of a bake.
-pub(super) struct Written<'a> {
-    /// The output file or folder; `None` for standard output.
-    pub(super) main: Option<&'a Path>,
-    pub(super) input: &'a Path,
-    pub(super) plans: &'a [BakePlan],
-    pub(super) reports: &'a [Report],
-    /// Size of the written files, without pictures.
-    pub(super) bytes: u64,
-    pub(super) seconds: f64,
+/// Outputs, their size, the time, and the typical error of reflections. `main` is the output file or folder,
+/// `None` for standard output; `bytes` are those of the written files, without pictures.
+pub(super) fn written(
+    main: Option<&Path>,
+    plans: &[BakePlan],
+    reports: &[Report],
+    bytes: u64,
+    seconds: f64,
+) -> String {
+    let main = main.map_or_else(|| "standard output".to_owned(), |path| path.display().to_string());
+    let what = match plans {
+        [plan] if !plan.plan.is_targeted() => levels(plan, &reports[0]),
+        [plan] => format!("files for {}, {}", plan.plan.target.name, levels(plan, &reports[0])),
+        plans => {
+            let names: Vec<_> = plans.iter().map(|plan| plan.plan.target.name).collect();
+            format!("files for {}", names.join(", "))
+        }
+    };
+    let errors = reports.iter().filter_map(|report| report.typical_error);
+    let error = errors.reduce(f64::max).map_or_else(String::new, |error| {
+        let typical = if plans.len() == 1 { "typical error" } else { "typical error at most" };
+        format!(", {typical} {}", percent(error))
+    });
+    let (engine, bytes) = (&reports[0].engine, console::bytes(bytes));
+    format!("{main}: {what}, {bytes}, in {seconds:.2} s on {engine}{error}")
 }
 
-impl Written<'_> {
-    /// Outputs, their size, the time, and the typical error of reflections.
-    pub(super) fn text(&self) -> String {
-        let Self { main, plans, reports, bytes, seconds, .. } = self;
-        let main = main.map_or_else(|| "standard output".to_owned(), |path| path.display().to_string());
-        let what = match plans {
-            [plan] if !plan.plan.is_targeted() => levels(plan, &reports[0]),
-            [plan] => format!("files for {}, {}", plan.plan.target.name, levels(plan, &reports[0])),
-            plans => {
-                let names: Vec<_> = plans.iter().map(|plan| plan.plan.target.name).collect();
-                format!("files for {}", names.join(", "))
-            }
-        };
-        let errors = reports.iter().filter_map(|report| report.typical_error);
-        let error = errors.reduce(f64::max).map_or_else(String::new, |error| {
-            let typical = if plans.len() == 1 { "typical error" } else { "typical error at most" };
-            format!(", {typical} {}", percent(error))
-        });
-        let engine = reports.first().map_or("cpu", |report| &report.engine);
-        format!("{main}: {what}, {}, in {seconds:.2} s on {engine}{error}", console::bytes(*bytes))
+/// Suggested next command, for the input and the output `main`, which is the input for standard output.
+pub(super) fn next(main: &Path, input: &Path, plans: &[BakePlan]) -> String {
+    let mut steps = Vec::new();
+    if cfg!(feature = "view") {
+        // A bake that this program reads is shown as engines show it.
+        let shown = if is_readable(plans) { main } else { input };
+        steps.push(format!("octagloss view{}", listed([shown])));
     }
-
-    /// Suggested next command.
-    pub(super) fn next(&self) -> String {
-        let Self { main, input, plans, .. } = self;
-        let mut steps = Vec::new();
-        if cfg!(feature = "view") {
-            // A bake that this program reads is shown as engines show it.
-            let shown = if is_readable(plans) { main.unwrap_or(input) } else { input };
-            steps.push(format!("octagloss view{}", listed([shown])));
+    steps.push(
+        match plans {
+            [plan] if !plan.plan.is_targeted() => "bake with --target ENGINE for an engine's own files",
+            _ => concat!("load it as in ", env!("CARGO_PKG_REPOSITORY"), "/blob/main/docs/engines.md"),
         }
-        steps.push(match plans {
-            [plan] if !plan.plan.is_targeted() => {
-                "bake with --target ENGINE for an engine's own files".to_owned()
-            }
-            _ => concat!("load it as in ", env!("CARGO_PKG_REPOSITORY"), "/blob/main/docs/engines.md")
-                .to_owned(),
-        });
-        format!("next: {}", steps.join(", or "))
-    }
+        .to_owned(),
+    );
+    format!("next: {}", steps.join(", or "))
 }
 
 /// The levels of a plan's bake in a few words.

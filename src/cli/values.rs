@@ -1,19 +1,8 @@
 //! Option values: choices, their meanings, and parsers.
 
 use crate::MAX_DEGREES;
-use clap::ValueEnum;
 use octagloss_core::files::recipe::text::number;
 pub(super) use octagloss_core::lobe::filter::parsed as filter;
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum EngineArg {
-    /// A hardware GPU if there is one, else the CPU
-    Auto,
-    /// The CPU, all cores
-    Cpu,
-    /// A GPU or a software adapter
-    Gpu,
-}
 
 /// Number of texels to compare per level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -301,8 +301,8 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with_all = WITHOUT)]
     pub(super) scene: Option<Option<PathBuf>>,
     /// Time of the scene at the beginning, in seconds
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds)]
-    #[arg(requires = "scene")]
+    #[arg(long, value_name = "S", default_value_t = 0.0, requires = "scene")]
+    #[arg(value_parser = within([0.0, 1e6]))]
     pub(super) scene_time: f64,
     /// Probes, 1 to 8 [default: one per glossy object]
     ///
@@ -314,7 +314,8 @@ pub(super) struct SceneArgs {
     ///
     /// Updates as many as fit, in turns, and at least one. By default all are updated in every frame.
     /// Pictures by --screenshot have all up to date.
-    #[arg(long, value_name = "MS", value_parser = budget, requires = "scene", conflicts_with = "screenshot")]
+    #[arg(long, value_name = "MS", requires = "scene", conflicts_with = "screenshot")]
+    #[arg(value_parser = within([0.0, MAX_BUDGET]))]
     pub(super) probe_budget: Option<f64>,
     /// Correction of parallax: none, box or sphere
     ///
@@ -330,15 +331,4 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "METHOD", default_value = "octants", requires = "scene")]
     #[arg(hide_default_value = true, hide_possible_values = true)]
     pub(super) direct: Method,
-}
-
-/// Parses a time; later ones move in steps.
-fn seconds(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|seconds: &f64| (0.0..=1e6).contains(seconds));
-    number.ok_or_else(|| "must be 0 to 1000000 seconds".to_owned())
-}
-
-fn budget(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|ms: &f64| (0.0..=MAX_BUDGET).contains(ms));
-    number.ok_or_else(|| format!("must be 0 to {MAX_BUDGET} milliseconds"))
 }
