@@ -116,7 +116,7 @@ pub use octagloss_core::cpu::reflector::{Lobes, Reflector, ReflectorSettings, Wo
 pub use octagloss_core::files::export::write::WriteOptions;
 pub use octagloss_core::light::chain::{Chain, ChainKind, Level, LevelSpec};
 pub use octagloss_core::light::environment::{
-    Environment, LUMINANCE, Layout, MAX_DEGREES, Map, Rgb, luminance,
+    Environment, LUMINANCE, Layout, MAX_DEGREES, Map, Rgb, exact_luminance, luminance,
 };
 pub use octagloss_core::light::oem::OemSize;
 pub use octagloss_core::light::sat::Scan;

@@ -4,7 +4,7 @@ use crate::options::wrong;
 use glam::DVec3;
 use octagloss::queries::{Query as Directions, sharpest};
 use octagloss::recipes::{InputOptions, TableOptions};
-use octagloss::{Answer, Bound, Environment, Filter, Lobe, Reflector, ReflectorSettings, Result};
+use octagloss::{Answer, Bound, Environment, Filter, Lobe, Reflector, Result};
 use serde::{Deserialize, Serialize};
 
 /// Options of a query other than directions and roughness.
@@ -48,13 +48,7 @@ impl Query {
         let directions: Vec<DVec3> = directions.iter().copied().map(DVec3::from_array).collect();
         let each = self.roughness(roughness, directions.len())?;
         self.filter.check(self.lobe, self.table.oem_size)?;
-        let settings = ReflectorSettings {
-            oem_size: self.table.oem_size,
-            border: self.table.border,
-            scan: self.table.scan.unwrap_or_default(),
-            sharpest: sharpest(self.lobe, &each).unwrap_or(1.0),
-            pyramid: self.filter == Filter::Pyramid,
-        };
+        let settings = self.table.reflector(self.filter, sharpest(self.lobe, &each).unwrap_or(1.0));
         let reflector = Reflector::new(environment, &settings)?;
         let query =
             Directions { lobe: self.lobe, filter: self.filter, directions: &directions, roughness: &each };

@@ -10,11 +10,10 @@ use crate::work::run;
 use numpy::PyArrayDyn;
 use octagloss::harmonics::{MAX_ORDER, scaled, spherical_harmonics};
 use octagloss::read::Repairs;
-use octagloss::recipes::Source;
+use octagloss::recipes::{Source, TableOptions};
 use octagloss::suns::{Sun as FoundSun, Suns};
 use octagloss::{
-    Environment as Light, Filter, LUMINANCE, Layout, Lobe, MAX_DEGREES, Map, ReflectorSettings, Rgb,
-    luminance,
+    Environment as Light, Layout, Lobe, MAX_DEGREES, Map, ReflectorSettings, Rgb, exact_luminance, luminance,
 };
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -256,13 +255,8 @@ impl Environment {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (lobe, filter) = (choices::lobe(lobe)?, choices::filter(filter)?);
         let asked = Asked::of(lobe, directions, roughness)?;
-        let settings = ReflectorSettings {
-            oem_size,
-            border,
-            sharpest: sharpest_of(lobe, &asked.roughness, sharpest)?,
-            pyramid: filter == Filter::Pyramid,
-            ..ReflectorSettings::default()
-        };
+        let sharpest = sharpest_of(lobe, &asked.roughness, sharpest)?;
+        let settings = TableOptions { oem_size, border, scan: None }.reflector(filter, sharpest);
         answers(py, (self.light(), Arc::clone(&self.tables)), asked, (lobe, filter), settings, (bounds, 1.0))
     }
 
@@ -373,8 +367,4 @@ fn check_degrees(name: &str, value: f64) -> PyResult<()> {
         return Ok(());
     }
     Err(wrong(format!("`{name}` is {value}; it must be finite and at most {MAX_DEGREES} either way")))
-}
-
-fn exact_luminance(rgb: [f64; 3]) -> f64 {
-    LUMINANCE.iter().zip(rgb).map(|(weight, value)| f64::from(*weight) * value).sum()
 }

@@ -25,19 +25,11 @@ fn vectors<const N: usize>(
 
 /// Rejects points outside the rectangle from `low` to `high`.
 fn check_inside(uv: &[DVec2], shape: &[usize], low: DVec2, high: DVec2) -> PyResult<()> {
-    match uv.iter().position(|p| p.cmplt(low).any() || p.cmpgt(high).any()) {
-        None => Ok(()),
-        Some(at) => Err(wrong(format!(
-            "{} is {}, {}; it must be from {}, {} to {}, {}",
-            element("uv", shape, at),
-            uv[at].x,
-            uv[at].y,
-            low.x,
-            low.y,
-            high.x,
-            high.y
-        ))),
-    }
+    let outside = uv.iter().position(|p| p.cmplt(low).any() || p.cmpgt(high).any());
+    let Some(at) = outside else { return Ok(()) };
+    let [given, low, high] = [uv[at], low, high].map(|p| format!("{}, {}", p.x, p.y));
+    let place = element("uv", shape, at);
+    Err(wrong(format!("{place} is {given}; it must be from {low} to {high}")))
 }
 
 /// The map that the package has a name of its own for.

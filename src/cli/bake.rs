@@ -65,8 +65,7 @@ impl Work {
         let Expansion { found, is_open, failures } = expand(typed, args.recursive, args.output.as_deref());
         if found.is_empty() && args.recipe.input.layout == InputLayout::Faces {
             // Six files are counted below.
-            failures.into_iter().next().map_or(Ok(()), |error| Err(Failure::from(error)))?;
-            return usage("--layout faces takes the six files of one cube");
+            return Err(failures.into_iter().next().expect("why nothing was found").into());
         }
         let several = !found.is_empty()
             && (is_open || found.len() > 1)
@@ -307,9 +306,7 @@ impl Work {
         if let Some(why) = &baked.fallback {
             console.note(why);
         }
-        for warning in baked.bakes.iter().flat_map(|bake| &bake.warnings) {
-            console.warn(&format!("{}: {warning}", job.source.path().display()));
-        }
+        console.warn_of(job.source.path(), baked.bakes.iter().flat_map(|bake| &bake.warnings));
         let main = job.outputs.main.display();
         let mut products =
             products(&plans, &source, baked, &job.outputs.name, start).with_context(|| main.to_string())?;

@@ -4,13 +4,12 @@ use super::args::BenchArgs;
 use super::engine::EngineArg;
 use super::outcome::{Outcome, on_threads, print_pretty};
 use super::timing::{TimedLight, Timing, timing};
-use crate::{BakeSettings, Environment, Filter, Ladder, OemSize, Scan, bake};
+use crate::{BakeSettings, Filter, Ladder, OemSize, Scan, bake};
 use octagloss_core::analysis::sat_f32::sat_f32;
 use octagloss_core::bake::memory;
 use octagloss_core::common::parallel;
 use octagloss_core::cpu::reparameterise::oem_from_environment;
 use octagloss_core::cpu::sat_scan;
-use octagloss_core::light::oem::Oem;
 use octagloss_core::light::sat::FixedPoint;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -46,7 +45,8 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
     memory::check_square("this bench", "--size", size, BYTES_A_TEXEL)?;
     let light = TimedLight::new(&args)?;
     let environment = &*light.environment(size)?;
-    let oem = oem_from_environment(environment, OemSize { inner: size, border: 0 })?;
+    let make_oem = || oem_from_environment(environment, OemSize { inner: size, border: 0 });
+    let oem = make_oem()?;
 
     let count = size as usize * size as usize;
     let from: Vec<[u64; 4]> = (0..count as u64).map(|k| [k; 4]).collect();
@@ -59,7 +59,7 @@ pub(super) fn run(args: BenchArgs) -> Outcome {
     let sat_serial = on_threads(Some(1), || Ok(scan(Scan::Serial)))?;
     let sat_hensley_radix_4 = on_threads(Some(1), || Ok(scan(Scan::Hensley { radix: 4 })))?;
     let sat_f32 = on_threads(Some(1), || Ok(time(runs, || sat_f32(&oem))))?;
-    let oem = by_threads(|| time_oem(environment, size, runs))?;
+    let oem = by_threads(|| time(runs, make_oem))?;
     let bake = on_threads(args.engine.threads, || time_bake(&light, size.min(512), runs))?;
 
     let ratio = |a: Timing, b: Timing| a.median_seconds / b.median_seconds;
@@ -121,14 +121,6 @@ fn time<T>(runs: u32, mut work: impl FnMut() -> T) -> Timing {
 fn copy(from: &[[u64; 4]], to: &mut [[u64; 4]]) {
     let share = from.len().div_ceil(rayon::current_num_threads());
     parallel::for_each(to.chunks_mut(share).zip(from.chunks(share)), |(to, from)| to.copy_from_slice(from));
-}
-
-fn time_oem(environment: &Environment, size: u32, runs: u32) -> Timing {
-    let make = || -> Oem {
-        oem_from_environment(environment, OemSize { inner: size, border: 0 })
-            .expect("the same map was built before")
-    };
-    time(runs, make)
 }
 
 fn time_bake(light: &TimedLight, width: u32, runs: u32) -> Outcome<Value> {

@@ -36,9 +36,9 @@ const PASSES: u32 = 8;
 type Picture = Vec<[u16; 4]>;
 
 /// A way to fill a map.
-struct Way {
+struct Way<'a> {
     name: &'static str,
-    map: DirectMap,
+    target: &'a DirectTarget,
     frame: Frame,
     /// Cube to octahedral map.
     then: Option<Stage>,
@@ -69,15 +69,14 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let layout = Layout::Cube { size: CUBE.size() };
     let resample = reparameterise::stage(context, layout, &cube.colour, &planes)?;
 
-    let way = |name, target: &DirectTarget, method, then, paper| -> Outcome<Way> {
+    let way = |name, target, method, then, paper| -> Outcome<Way<'_>> {
         let frame = Frame::Direct(direct.frame(method, &mesh, target, NEAREST)?);
-        let (map, seconds, list_seconds) = (target.map(), Vec::new(), Vec::new());
-        Ok(Way { name, map, frame, then, paper, seconds, list_seconds })
+        Ok(Way { name, target, frame, then, paper, seconds: Vec::new(), list_seconds: Vec::new() })
     };
-    let unwrapped = |name, remedy| -> Outcome<Way> {
+    let unwrapped = |name, remedy| -> Outcome<Way<'_>> {
         let frame = Frame::Unwrap(unwrap.frame(remedy, &mesh, ball, NEAREST)?);
-        let (seconds, list_seconds) = (Vec::new(), Vec::new());
-        Ok(Way { name, map: TENNIS_BALL, frame, then: None, paper: None, seconds, list_seconds })
+        let (target, seconds, list_seconds) = (ball, Vec::new(), Vec::new());
+        Ok(Way { name, target, frame, then: None, paper: None, seconds, list_seconds })
     };
     let mut ways = vec![
         way("octants", square, Method::Octants, None, None)?,
@@ -111,22 +110,19 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         timing(way.seconds.clone()).median_seconds
     };
     let (over_cube, over_whole_cube) = (median("cube"), median("whole cube"));
-    let picture = |way: &Way| -> Outcome<Option<Picture>> {
-        let target = match way.map {
-            QUADRATIC => square,
-            RECTANGULAR => rectangle,
-            TENNIS_BALL => ball,
-            _ => return Ok(None),
-        };
+    let picture = |way: &Way<'_>| -> Outcome<Option<Picture>> {
+        if way.target.map() == CUBE {
+            return Ok(None);
+        }
         context.submit(|encoder| way.frame.record(encoder, None));
-        Ok(Some(block_on(Some(context), readback::read_texture(context, &target.colour))??))
+        Ok(Some(block_on(Some(context), readback::read_texture(context, &way.target.colour))??))
     };
     // The first method of each layout.
     let mut exact: Option<(DirectMap, Picture)> = None;
     let methods = ways.iter().map(|way| {
-        let own = picture(way)?;
-        if let Some(own) = own.as_ref().filter(|_| exact.as_ref().is_none_or(|(map, _)| *map != way.map)) {
-            exact = Some((way.map, own.clone()));
+        let (map, own) = (way.target.map(), picture(way)?);
+        if let Some(own) = own.as_ref().filter(|_| exact.as_ref().is_none_or(|(other, _)| *other != map)) {
+            exact = Some((map, own.clone()));
         }
         let differing = own.as_ref().zip(exact.as_ref()).map(|(own, (_, exact))| differing(exact, own));
         let drawn = way.frame.triangles(context)?;
@@ -134,13 +130,13 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         Ok(json!({
             "method": way.name,
             // Of the octahedral map, or another map.
-            "layout": match way.map {
+            "layout": match map {
                 QUADRATIC => "quadratic",
                 RECTANGULAR => "rectangular",
                 TENNIS_BALL => "tennis ball",
                 _ => "cube",
             },
-            "pixels": way.map.pixels(),
+            "pixels": map.pixels(),
             // Triangles of all draws, or pieces of triangles.
             "drawn": drawn,
             "time": time,
@@ -216,7 +212,7 @@ impl Frame {
 
 /// Timestamps for `ways`, if the adapter has them and they agree with the time from submission to completion.
 /// Draws each of the ways by both clocks.
-fn timer(context: &Context, ways: &[Way]) -> Outcome<Option<Timer>> {
+fn timer(context: &Context, ways: &[Way<'_>]) -> Outcome<Option<Timer>> {
     let Ok(timer) = Timer::new(context, PASSES) else { return Ok(None) };
     for way in ways {
         let (_, seconds) = way.time(context, Some(&timer))?;
@@ -232,7 +228,7 @@ fn timer(context: &Context, ways: &[Way]) -> Outcome<Option<Timer>> {
     Ok(Some(timer))
 }
 
-impl Way {
+impl Way<'_> {
     /// Seconds of a frame's list, if known, and from the beginning of its first pass to the end of its last;
     /// without a `timer` from submission to completion.
     fn time(&self, context: &Context, timer: Option<&Timer>) -> Outcome<(Option<f64>, f64)> {

@@ -70,35 +70,34 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
     let light = TimedLight::new(args)?;
     let source = cube(&light, size / 2)?;
     let texture = upload(context, &source)?;
-    let mut stages = vec![
-        reparameterise::stage(context, source.layout(), &texture, &planes)?,
-        fixed_point::stage(context, &planes, &sat),
-        sat_scan::stage(context, &planes, &sat),
-    ];
-    let mut names = vec!["reparameterise".to_owned(), "fixed_point".to_owned(), "sat_scan".to_owned()];
+    let mut names = Vec::new();
+    let mut stages = Vec::new();
+    let mut add = |name: &str, stage: Stage| {
+        names.push(name.to_owned());
+        stages.push(stage);
+    };
+    add("reparameterise", reparameterise::stage(context, source.layout(), &texture, &planes)?);
+    add("fixed_point", fixed_point::stage(context, &planes, &sat));
+    add("sat_scan", sat_scan::stage(context, &planes, &sat));
     for radix in [2, 4, 8, 16] {
-        stages.push(sat_hensley::stage(context, radix, &planes, &sat));
-        names.push(format!("sat_hensley_radix_{radix}"));
+        let stage = sat_hensley::stage(context, radix, &planes, &sat);
+        add(&format!("sat_hensley_radix_{radix}"), stage);
     }
     // Skip passes that exceed the adapter's limits.
     if let Ok((stage, ..)) = sat_f32::stage(context, &planes) {
-        stages.push(stage);
-        names.push("sat_f32".to_owned());
+        add("sat_f32", stage);
     }
     if let Ok(textures) = box_filter::SatTextures::new(context, &sat) {
-        stages.push(box_filter::pack(context, &sat, &textures));
-        names.push("pack".to_owned());
+        add("pack", box_filter::pack(context, &sat, &textures));
     }
     if let Ok((stage, _)) = cells::stage(context, &planes, 2, Reconstruction::Constant) {
-        stages.push(stage);
-        names.push("cells_block_2".to_owned());
+        add("cells_block_2", stage);
     }
     if let Ok(maps) = PyramidMaps::new(context, size) {
-        let rebuild = build_pyramid::stages(context, &planes, &maps);
-        names.extend(rebuild.iter().map(|stage| format!("pyramid_{}", stage.label())));
-        stages.extend(rebuild);
-        stages.push(pyramid::stage(context, &maps, &frame()).0);
-        names.push("pyramid_1920x1080".to_owned());
+        for stage in build_pyramid::stages(context, &planes, &maps) {
+            add(&format!("pyramid_{}", stage.label()), stage);
+        }
+        add("pyramid_1920x1080", pyramid::stage(context, &maps, &frame()).0);
     }
     stages.push(copy::stage(context, &sat));
 

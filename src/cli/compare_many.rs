@@ -149,8 +149,8 @@ impl Run<'_> {
     }
 }
 
-/// The bakes of `source` in `folder`, called `base`, as `bake` names the outputs for several inputs: a file or
-/// folder, or one for each target. With `one` source, `folder` can be that of its targets.
+/// The bakes of `source` in `folder`, called `base`, as `bake` names the outputs for several inputs: a file
+/// or folder, or one for each target. With `one` source, `folder` can be that of its targets.
 fn bakes_of(folder: &Path, source: &InputFiles, base: &Path, one: bool) -> Outcome<Vec<PathBuf>> {
     let mut found: Vec<PathBuf> = FILES
         .into_iter()

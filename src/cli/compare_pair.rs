@@ -113,21 +113,20 @@ fn drawn(sides: &[Side; 2], roughnesses: &[f64]) -> crate::Result<Vec<Column>> {
         directions.iter().map(|direction| turn * *direction).collect()
     });
     let sharpest = roughnesses.iter().copied().filter(|r| *r > 0.0).fold(1.0, f64::min);
-    sides[0].source.with_lobes(sharpest, |lobes| {
-        let column = |(k, roughness): (usize, &f64)| {
-            let read = |side: usize| -> Vec<[f64; 3]> {
-                let Side { chain, ladder, .. } = &sides[side];
-                let lookup = ChainLookup::new(&chain.levels);
-                let lod = ladder.lod(*roughness, chain.levels.len() as u32, chain.levels[0].size());
-                parallel::values(seen[side].len(), |k| lookup.read(seen[side][k], lod))
-            };
-            Ok(Column {
-                roughness: *roughness,
-                reference: lobes(*roughness, &seen[0])?,
-                bakes: [read(0), read(1)],
-                errors: [0, 1].map(|side| sides[side].delivered.roughnesses[k].rmse),
-            })
+    let lobes = sides[0].source.lobes(sharpest)?;
+    let column = |(k, roughness): (usize, &f64)| {
+        let read = |side: usize| -> Vec<[f64; 3]> {
+            let Side { chain, ladder, .. } = &sides[side];
+            let lookup = ChainLookup::new(&chain.levels);
+            let lod = ladder.lod(*roughness, chain.levels.len() as u32, chain.levels[0].size());
+            parallel::values(seen[side].len(), |k| lookup.read(seen[side][k], lod))
         };
-        roughnesses.iter().enumerate().map(column).collect()
-    })
+        Ok(Column {
+            roughness: *roughness,
+            reference: lobes(*roughness, &seen[0])?,
+            bakes: [read(0), read(1)],
+            errors: [0, 1].map(|side| sides[side].delivered.roughnesses[k].rmse),
+        })
+    };
+    roughnesses.iter().enumerate().map(column).collect()
 }

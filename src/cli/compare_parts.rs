@@ -18,8 +18,8 @@ use octagloss_core::files::io::regular::read_regular;
 use octagloss_core::files::io::side_report::{MAX_REPORT_BYTES, REPORT};
 use octagloss_core::files::io::{self, DEFAULT_MEMORY_LIMIT, LoadedChain};
 use octagloss_core::light::environment::exact_luminance;
-use octagloss_core::light::sh::{count, window};
-use serde::{Deserialize, Serialize};
+use octagloss_core::light::sh::count;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Errors of a part.
@@ -82,26 +82,28 @@ enum Content {
     Harmonics(Harmonics),
 }
 
-/// Coefficients in one of the scalings that bakes write.
-#[derive(Debug)]
+/// Coefficients in one of the scalings that bakes write: `sh.json`, and `sh` in reports.
+#[derive(Debug, Deserialize)]
 struct Harmonics {
     coefficients: Vec<[f64; 3]>,
+    #[serde(deserialize_with = "scale")]
     scale: ShScale,
-    window: ShWindow,
-}
-
-/// The keys of `sh.json`, and of `sh` in reports.
-#[derive(Deserialize)]
-struct HarmonicsText {
-    coefficients: Vec<[f64; 3]>,
-    scale: String,
     #[serde(default)]
-    window: String,
+    window: ShWindow,
 }
 
 #[derive(Deserialize)]
 struct ReportText {
-    sh: HarmonicsText,
+    sh: Harmonics,
+}
+
+/// The scale that a text describes.
+fn scale<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ShScale, D::Error> {
+    Ok(match &String::deserialize(deserializer)? {
+        text if text.starts_with("irradiance over pi") => ShScale::Filament,
+        text if text.starts_with("irradiance") => ShScale::Irradiance,
+        _ => ShScale::Radiance,
+    })
 }
 
 /// Parts found beside a chain, and what cannot be judged.
@@ -257,21 +259,14 @@ impl Parts {
         }
     }
 
-    fn add_harmonics(&mut self, path: PathBuf, text: HarmonicsText) -> Outcome {
-        let HarmonicsText { coefficients, scale, window } = text;
-        let scale = match &scale {
-            scale if scale.starts_with("irradiance over pi") => ShScale::Filament,
-            scale if scale.starts_with("irradiance") => ShScale::Irradiance,
-            _ => ShScale::Radiance,
-        };
-        let window = window::parsed(&window).unwrap_or_default();
-        if !(0..=MAX_ORDER).any(|order| count(order) == coefficients.len()) {
-            let message = format!("{} coefficients; 1, 4, 9, 16 or 25 are needed", coefficients.len());
+    fn add_harmonics(&mut self, path: PathBuf, harmonics: Harmonics) -> Outcome {
+        let given = harmonics.coefficients.len();
+        if !(0..=MAX_ORDER).any(|order| count(order) == given) {
+            let message = format!("{given} coefficients; 1, 4, 9, 16 or 25 are needed");
             return Err(Error::input(&path, message).into());
         }
-        self.window.get_or_insert(window);
-        let content = Content::Harmonics(Harmonics { coefficients, scale, window });
-        self.found.push(Found { part: "harmonics", path, content });
+        self.window.get_or_insert(harmonics.window);
+        self.found.push(Found { part: "harmonics", path, content: Content::Harmonics(harmonics) });
         Ok(())
     }
 
@@ -281,10 +276,8 @@ impl Parts {
             let message = format!("its spherical harmonics have {} numbers; 27 are needed", numbers.len());
             return Err(Error::input(path, message).into());
         }
-        let (coefficients, window) = (numbers.as_chunks().0.to_vec(), *self.window.get_or_insert_default());
-        let content = Content::Harmonics(Harmonics { coefficients, scale: ShScale::Filament, window });
-        self.found.push(Found { part: "harmonics", path: path.to_owned(), content });
-        Ok(())
+        let (coefficients, window) = (numbers.as_chunks().0.to_vec(), self.window.unwrap_or_default());
+        self.add_harmonics(path.to_owned(), Harmonics { coefficients, scale: ShScale::Filament, window })
     }
 
     /// Measures the parts against `source`.

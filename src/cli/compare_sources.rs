@@ -119,16 +119,12 @@ fn taken(provenance: &Provenance) -> Option<Suns> {
 }
 
 impl PreparedSource {
-    /// Calls `measure` with the reference lobes of GGX along directions, always the same ones for their
-    /// number and a roughness of at least `sharpest` or 0.
-    pub(super) fn with_lobes<T>(
-        &self,
-        sharpest: f64,
-        measure: impl FnOnce(&dyn Fn(f64, &[DVec3]) -> Result<Vec<Rgb>>) -> Result<T>,
-    ) -> Result<T> {
+    /// The reference lobes of GGX along directions, always the same ones for their number and a roughness of
+    /// at least `sharpest` or 0.
+    pub(super) fn lobes(&self, sharpest: f64) -> Result<impl Fn(f64, &[DVec3]) -> Result<Vec<Rgb>>> {
         let settings = ReflectorSettings { sharpest, ..ReflectorSettings::default() };
         let reflector = Reflector::new(&self.environment, &settings)?;
-        measure(&|roughness, directions| {
+        Ok(move |roughness: f64, directions: &[DVec3]| {
             let key = [sharpest.to_bits(), roughness.to_bits(), directions.len() as u64];
             if let Some(known) = self.lobes.borrow().get(&key) {
                 return Ok(known.clone());

@@ -93,9 +93,7 @@ impl Comparison {
 /// Reads the bake in `path`.
 pub(super) fn bake_in(path: &Path, console: &Console) -> Outcome<LoadedChain> {
     if let Some(bake) = read_bake(path)? {
-        for warning in &bake.warnings {
-            console.warn(&format!("{}: {warning}", path.display()));
-        }
+        console.warn_of(path, &bake.warnings);
         return Ok(bake);
     }
     if let Some(panorama) = io::target_panorama(path)? {

@@ -4,6 +4,7 @@ use crate::recipes::with_settings;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::collections::BTreeSet;
 use std::io::{IsTerminal as _, Write as _};
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -41,6 +42,11 @@ impl Console {
         if fresh && !self.quiet {
             line("warning: ", text);
         }
+    }
+
+    /// [`Self::warn`] of `warnings` about the file `path`.
+    pub(super) fn warn_of<'a>(&self, path: &Path, warnings: impl IntoIterator<Item = &'a String>) {
+        warnings.into_iter().for_each(|warning| self.warn(&format!("{}: {warning}", path.display())));
     }
 
     /// Progress of one task: an estimate for long work, and on a terminal a bar that appears after a delay.

@@ -121,9 +121,7 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         let from = args.from.as_deref().map(known);
         let LoadedMap { light, warnings, .. } = io::read_map(&args.input, from, &options)
             .map_err(|error| renamed(&error, &[("`layout`", "--from")]))?;
-        for warning in &warnings {
-            console.warn(&format!("{}: {warning}", args.input.display()));
-        }
+        console.warn_of(&args.input, &warnings);
         let source = turned(light, args.rotate_y.unwrap_or(0.0))?;
         let size = args.size.unwrap_or_else(|| equal_size(source.grid(), map));
         if args.border > size {
@@ -138,9 +136,7 @@ pub(super) fn run(args: &ConvertArgs) -> Outcome {
         drop(source);
         let [width, height] = Grid::new(map.map(), size)?.picture_sides(args.border);
         let remedy = if pixel == Pixel::Rgbe { ".exr keeps them" } else { "`pixel` f32 keeps them" };
-        for warning in losses(&picture, pixel, remedy) {
-            console.warn(&format!("{}: {warning}", path.display()));
-        }
+        console.warn_of(path, &losses(&picture, pixel, remedy));
         let comment = format!("{} of {size} texels a side, border {}", map.title, args.border);
         let bytes = picture_bytes(width, height, &picture, pixel, &comment, &map_pairs(map, args.border))?;
         write_output(path, existing, &bytes)?;

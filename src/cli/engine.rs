@@ -60,12 +60,18 @@ pub(super) enum Engine {
     },
 }
 
-/// The reason to fall back to the CPU after `error`: a feature or memory that the GPU lacks. `None` if not
-/// allowed.
+/// The reason to fall back to the CPU after `error`: a feature or memory that the GPU lacks.
+///
+/// # Errors
+/// Any other error, and every one if falling back is not allowed.
 #[cfg(feature = "gpu")]
-fn fallback(error: &Error, may_fall_back: bool) -> Option<String> {
-    let is_lack = matches!(error, Error::Limit { .. } | Error::Unsupported { .. });
-    (may_fall_back && is_lack).then(|| with_options(&format!("{error}; falling back to the CPU")))
+fn fallback(error: Error, may_fall_back: bool) -> crate::Result<String> {
+    match error {
+        Error::Limit { .. } | Error::Unsupported { .. } if may_fall_back => {
+            Ok(with_options(&format!("{error}; falling back to the CPU")))
+        }
+        _ => Err(error),
+    }
 }
 
 /// The first of `adapters` whose name contains `name`, or the best one; `remedy` is for none.
@@ -179,10 +185,7 @@ impl Engine {
                         let adapter = Some(context.describe());
                         Ok(Baked { bakes, engine: "gpu", adapter, fallback: None })
                     }
-                    Err(error) => match fallback(&error, *may_fall_back) {
-                        Some(why) => on_cpu(Some(why)),
-                        None => Err(error),
-                    },
+                    Err(error) => on_cpu(Some(fallback(error, *may_fall_back)?)),
                 }
             }
         }
@@ -213,8 +216,7 @@ impl Engine {
                 match octagloss_gpu::block_on(Some(engine.context()), on_gpu)? {
                     Ok(answers) => Ok(answers),
                     Err(error) => {
-                        let Some(why) = fallback(&error, *may_fall_back) else { return Err(error) };
-                        console.note(&why);
+                        console.note(&fallback(error, *may_fall_back)?);
                         on_cpu()
                     }
                 }

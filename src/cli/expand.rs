@@ -71,7 +71,11 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
         if found.is_empty() && failures.is_empty() {
             // A folder of several bakes has its own error.
             let own = if path.is_dir() { levels_path(&path).err() } else { None };
-            all.failures.push(own.unwrap_or_else(|| nothing(&path, what, recursive)));
+            let shallow = what == "holds" && !recursive;
+            let more = if shallow { "; --recursive also searches subfolders" } else { "" };
+            let extensions: Vec<_> = readable_extensions().map(|extension| format!(".{extension}")).collect();
+            let nothing = format!("{what} no readable file: {}{more}", extensions.join(" "));
+            all.failures.push(own.unwrap_or_else(|| Error::input(&path, nothing)));
         }
         all.is_open = true;
         all.failures.extend(failures);
@@ -79,12 +83,6 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
         all.found.extend(found.into_iter().filter(|(path, _)| is_new(path)));
     }
     all
-}
-
-fn nothing(path: &Path, what: &str, recursive: bool) -> Error {
-    let more = if what == "holds" && !recursive { "; --recursive also searches subfolders" } else { "" };
-    let extensions: Vec<_> = readable_extensions().map(|extension| format!(".{extension}")).collect();
-    Error::input(path, format!("{what} no readable file: {}{more}", extensions.join(" ")))
 }
 
 impl Walk<'_> {
@@ -132,10 +130,8 @@ impl Walk<'_> {
                     require_literal_leading_dot: true,
                     ..MatchOptions::new()
                 };
-                for name in self.names(folder) {
-                    if !pattern.matches_with(&name.to_string_lossy(), options) {
-                        continue;
-                    }
+                let is_match = |name: &OsString| pattern.matches_with(&name.to_string_lossy(), options);
+                for name in self.names(folder).into_iter().filter(is_match) {
                     let path = folder.join(&name);
                     if rest.is_empty() {
                         self.take(path, within);

@@ -56,12 +56,8 @@ pub(super) fn requested(source: &InputFiles, options: &str) -> Result<(Hash, Vec
     Ok((hasher.finalize(), files))
 }
 
-/// Hashes an output file or folder without reports.
-pub(super) fn hash_of(output: &Path) -> Result<Hash> {
-    Ok(hash_where(output, &|name| name != REPORT)?.0)
-}
-
-/// [`hash_of`] for a folder of `files`, by relative paths with `/` separators.
+/// Hash of a folder of `files`, by relative paths with `/` separators, without reports: that of
+/// [`hash_where`].
 pub(super) fn hash_of_files(files: &[(String, &[u8])]) -> Hash {
     let mut entries: BTreeMap<&str, Vec<(String, &[u8])>> = BTreeMap::new();
     let mut hashes = BTreeMap::new();
@@ -169,9 +165,8 @@ pub(super) fn recorded(path: &Path) -> Option<(Vec<u8>, Option<FingerprintReport
 /// Whether `outputs` match the hashes in `report` for `request`.
 pub(super) fn holds(report: &Path, request: Hash, outputs: impl IntoIterator<Item = PathBuf>) -> bool {
     let Some((text, Some(stored))) = recorded(report) else { return false };
+    let hash = |output: PathBuf| Ok(hash_where(&output, &|name| name != REPORT)?.0);
     is_signed(&text, stored.report.as_deref())
-        && joined(outputs.into_iter().map(|output| hash_of(&output))).is_ok_and(|outputs| {
-            let FingerprintReport { report, files, .. } = stored.clone();
-            stored == FingerprintReport { report, files, ..fingerprint(request, outputs, []) }
-        })
+        && stored.request == request.to_hex().as_str()
+        && joined(outputs.into_iter().map(hash)).is_ok_and(|own| stored.outputs == own.to_hex().as_str())
 }

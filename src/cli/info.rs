@@ -69,8 +69,6 @@ struct LevelInfo {
 }
 
 pub(super) fn run(mut args: InfoArgs) -> Outcome {
-    // Here, warnings are part of the output.
-    let console = Console::new(true);
     if args.adapters {
         let adapters = list_adapters()?;
         return print(&if args.json {
@@ -84,7 +82,7 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
     args.input.sanitize = !args.input.strict;
     let mut failed = false;
     for source in sources {
-        match describe(&source, &args.input, args.json, &console) {
+        match describe(&source, &args.input, args.json) {
             Ok(text) => print(&text)?,
             Err(error) => {
                 console::error(&error.to_string());
@@ -95,18 +93,10 @@ pub(super) fn run(mut args: InfoArgs) -> Outcome {
     if failed { Err(Failure::Reported) } else { Ok(()) }
 }
 
-fn describe(
-    source: &InputFiles,
-    args: &InputOptions,
-    json: bool,
-    console: &Console,
-) -> crate::Result<String> {
+fn describe(source: &InputFiles, args: &InputOptions, json: bool) -> crate::Result<String> {
     let input = source.path().display().to_string();
     let bytes = source.files().iter().map(|file| bytes_in(file)).sum();
     if let Some(bake) = read_bake(source.path())? {
-        for warning in &bake.warnings {
-            console.warn(&format!("{}: {warning}", source.path().display()));
-        }
         let file = (bake.path != source.path()).then(|| bake.path.display().to_string());
         let info = BakeInfo {
             kind: "bake",
@@ -119,7 +109,8 @@ fn describe(
         };
         return Ok(if json { json_line(&info) } else { info.text() });
     }
-    let opened = match source.open(args, console) {
+    // Here, warnings are part of the output.
+    let opened = match source.open(args, &Console::new(true)) {
         Ok(opened) => opened,
         Err(error) => {
             // Options of environments have errors of their own.

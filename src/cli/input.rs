@@ -107,9 +107,7 @@ impl InputFiles {
         for note in &source.notes {
             console.note(&format!("{}: {note}", self.path().display()));
         }
-        for warning in &source.warnings {
-            console.warn(&format!("{}: {warning}", self.path().display()));
-        }
+        console.warn_of(self.path(), &source.warnings);
         Ok(source)
     }
 }

@@ -84,15 +84,14 @@ pub(super) fn measure(
     let sharpest = roughnesses.iter().copied().filter(|r| *r > 0.0).fold(1.0, f64::min);
     let bar = console.bar("look-ups");
     let done = Cell::new(0);
-    let errors = source.with_lobes(sharpest, |lobes| {
-        let truth = |roughness: f64, directions: &[DVec3]| {
-            let radiance = lobes(roughness, directions)?;
-            done.set(done.get() + 1);
-            bar.at(done.get(), roughnesses.len() as u64);
-            Ok(radiance)
-        };
-        delivered_errors(bake, ladder, &roughnesses, source.sun, &truth)
-    })?;
+    let lobes = source.lobes(sharpest)?;
+    let truth = |roughness: f64, directions: &[DVec3]| {
+        let radiance = lobes(roughness, directions)?;
+        done.set(done.get() + 1);
+        bar.at(done.get(), roughnesses.len() as u64);
+        Ok(radiance)
+    };
+    let errors = delivered_errors(bake, ladder, &roughnesses, source.sun, &truth)?;
     Ok(Delivered { ladder: ladder.name(), directions: DIRECTIONS, roughnesses: errors })
 }
 

@@ -2,17 +2,15 @@
 
 use super::args::QueryArgs;
 use super::console::{self, Console};
-use super::directions::{DIRECTIONS, Direction};
 use super::engine::EngineArg;
-use super::frames::FRAMES;
 use super::input::{self, InputFiles};
 use super::outcome::{
     Outcome, check_not_input, check_output, on_threads, or_usage, print, usage, write_output,
 };
 use super::output::extension;
-use super::rows::Rows;
+use super::rows::{DIRECTIONS, Direction, FRAMES, Rows};
 use crate::queries::{Query, sharpest};
-use crate::{Answer, Bound, Filter, Lobe, Oracle, Reflector, ReflectorSettings, Rgb};
+use crate::{Answer, Bound, Filter, Lobe, Oracle, Reflector, Rgb};
 use glam::DVec3;
 use octagloss_core::analysis::oracle::reflection::reflection;
 use octagloss_core::common::frame::Frame;
@@ -98,13 +96,8 @@ fn lobes(
         rows.values.iter().map(|(direction, roughness)| (*direction, roughness.unwrap_or(shared))).unzip();
     let opened = source.open(&args.input, console)?;
     let engine = args.engine.choose(console)?;
-    let settings = ReflectorSettings {
-        oem_size: args.table.oem_size,
-        border: args.table.border,
-        scan: args.table.scan.unwrap_or_default(),
-        sharpest: sharpest(lobe, &roughness).unwrap_or_else(|| lobe.served_roughness(shared)),
-        pyramid: args.filter == Filter::Pyramid,
-    };
+    let sharpest = sharpest(lobe, &roughness).unwrap_or_else(|| lobe.served_roughness(shared));
+    let settings = args.table.reflector(args.filter, sharpest);
     let query = Query { lobe, filter: args.filter, directions: &directions, roughness: &roughness };
     Ok(engine.query(&opened.environment, &settings, &query, console)?)
 }
@@ -131,14 +124,8 @@ fn reflected(
     match args.filter {
         Filter::Pyramid => {
             let environment = source.open(&args.input, console)?.environment;
-            let settings = ReflectorSettings {
-                oem_size: args.table.oem_size,
-                border: args.table.border,
-                // Reads are narrower than lobes, and a map holds the suns apart.
-                sharpest: roughness.min(0.2),
-                pyramid: true,
-                ..ReflectorSettings::default()
-            };
+            // Reads are narrower than lobes, and a map holds the suns apart.
+            let settings = args.table.reflector(args.filter, roughness.min(0.2));
             let reflector = Reflector::new(&environment, &settings)?;
             let reflect = |frame: &Frame| {
                 unbounded(reflector.reflect(frame, roughness as f32, anisotropy as f32, f0 as f32))

@@ -8,7 +8,7 @@ use clap::{Args as ClapArgs, ValueEnum};
 use octagloss_core::files::io::pyramid_write::check_size;
 use octagloss_core::files::target::PyramidMap;
 use octagloss_shaders::reader;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Debug, ClapArgs)]
 pub(super) struct ReaderArgs {
@@ -62,14 +62,9 @@ enum Language {
 const DEFAULT_SIZE: u32 = 512;
 
 pub(super) fn run(args: &ReaderArgs) -> Outcome {
-    match (args.language, &args.rows) {
-        (Some(language), _) => print_reader(args, language),
-        (None, Some(path)) => write_rows(args, path),
-        (None, None) => usage("choose a --language, or a file for --rows"),
-    }
-}
-
-fn write_rows(args: &ReaderArgs, path: &Path) -> Outcome {
+    let Some(path) = &args.rows else {
+        return print_reader(args, args.language.expect("required without --rows"));
+    };
     if matches!(args.target, Readable::Oem) {
         return usage("the target oem has no table of reflections; --rows is for pyramids");
     }
@@ -83,11 +78,8 @@ fn write_rows(args: &ReaderArgs, path: &Path) -> Outcome {
     let existing = check_output(path, args.force)?;
     let bytes = anisotropic_table(size)?;
     write_output(path, existing, &bytes)?;
-    Console::new(args.quiet).note(&format!(
-        "{}: {} bytes for pyramids of {size}",
-        path.display(),
-        bytes.len()
-    ));
+    let (path, count) = (path.display(), bytes.len());
+    Console::new(args.quiet).note(&format!("{path}: {count} bytes for pyramids of {size}"));
     Ok(())
 }
 

@@ -1,8 +1,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use octagloss::cli::directions::DIRECTIONS;
-use octagloss::cli::rows::{LIMITS, Limits};
+use octagloss::cli::rows::{DIRECTIONS, LIMITS, Limits};
 use octagloss_fuzz::assert_plain;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -9,6 +9,7 @@ pub mod text;
 use crate::analysis::extraction::Suns;
 use crate::bake::Skybox;
 use crate::common::error::{Result, wrong};
+use crate::cpu::reflector::ReflectorSettings;
 use crate::files::format::container::Container;
 use crate::files::format::overflow::Overflow;
 use crate::files::format::{OutputLayout, Pixel};
@@ -393,6 +394,18 @@ impl TableOptions {
                 "`scan` {scan} is for the filter over a summed-area table; use `filter` box, or omit `scan`"
             )),
             _ => Ok(()),
+        }
+    }
+
+    /// What answers queries of lobes by `filter`, of which `sharpest` is the least roughness above 0.
+    #[must_use]
+    pub fn reflector(&self, filter: Filter, sharpest: f64) -> ReflectorSettings {
+        ReflectorSettings {
+            oem_size: self.oem_size,
+            border: self.border,
+            scan: self.scan.unwrap_or_default(),
+            sharpest,
+            pyramid: filter == Filter::Pyramid,
         }
     }
 }
