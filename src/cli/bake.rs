@@ -289,11 +289,8 @@ impl Work {
         };
         if settings[0].filter == Filter::Reference {
             let seconds = reference_seconds(&source.environment, &settings[0])?;
-            console.note(&format!(
-                "{}: the reference filter will take about {}",
-                job.source.path().display(),
-                console::duration(seconds)
-            ));
+            let (path, time) = (job.source.path().display(), console::duration(seconds));
+            console.note(&format!("{path}: the reference filter will take about {time}"));
         }
         let name = format!("{}{}", job.label, job.source.stem());
         let bar = console.bar_of(&name, files);

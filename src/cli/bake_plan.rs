@@ -67,23 +67,20 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) ->
 fn container(args: &BakeArgs, several: bool) -> Outcome<Option<Container>> {
     let file = args.output.as_deref().filter(|path| !names_folder(path));
     let named = file.and_then(Container::of_path);
-    let output = || args.output.as_deref().unwrap_or(Path::new("")).display().to_string();
+    let output = args.output.as_deref().unwrap_or(Path::new("")).display();
     let foreign = file.and_then(extension).filter(|name| FOREIGN.contains(&name.as_str()));
     if let Some(foreign) = foreign {
         return usage(format!(
-            "the output {} has the unsupported extension .{foreign}; use ktx2, ktx, dds, exr or hdr",
-            output()
+            "the output {output} has the unsupported extension .{foreign}; use ktx2, ktx, dds, exr or hdr"
         ));
     }
     if let (true, Some(_)) = (several, named) {
-        return usage(format!("several inputs need an output folder; {} names a file", output()));
+        return usage(format!("several inputs need an output folder; {output} names a file"));
     }
     match (args.recipe.format, named) {
-        (Some(said), Some(named)) if said != named => usage(format!(
-            "--format {} and the output {} contradict each other; omit one",
-            said.name(),
-            output()
-        )),
+        (Some(said), Some(named)) if said != named => {
+            usage(format!("--format {said} and the output {output} contradict each other; omit one"))
+        }
         (said, named) => Ok(said.or(named)),
     }
 }

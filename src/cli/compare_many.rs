@@ -171,19 +171,16 @@ fn bakes_of(folder: &Path, source: &InputFiles, base: &Path, one: bool) -> Outco
             return Ok(found);
         }
     }
+    let (path, name) = (source.path().display(), base.display());
     match &found[..] {
         [] => failed(format!(
-            "{}: its bake is missing: no {1}.ktx2 (.ktx, .dds, .exr) and no folder {1}",
-            source.path().display(),
-            base.display()
+            "{path}: its bake is missing: no {name}.ktx2 (.ktx, .dds, .exr) and no folder {name}"
         )),
         [_] => Ok(found),
-        [a, b, ..] => failed(format!(
-            "{} and {} are both named for {}; remove one",
-            a.display(),
-            b.display(),
-            source.path().display()
-        )),
+        [a, b, ..] => {
+            let (a, b) = (a.display(), b.display());
+            failed(format!("{a} and {b} are both named for {path}; remove one"))
+        }
     }
 }
 

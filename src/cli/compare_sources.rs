@@ -64,18 +64,15 @@ impl<'a> Sources<'a> {
         provenance: &Provenance,
     ) -> Outcome<(Lobe, Rc<PreparedSource>)> {
         let Self { input: given, lobe, console, .. } = self;
+        let name = path.display();
         let lobe = lobe.or(provenance.lobe).unwrap_or_else(|| {
-            console.warn(&format!(
-                "{} does not record its lobe; assuming ggx (override with --lobe)",
-                path.display()
-            ));
+            console.warn(&format!("{name} does not record its lobe; assuming ggx (override with --lobe)"));
             Lobe::Ggx
         });
         if provenance.rotate_y.or(given.rotate_y).is_none() {
             console.warn(&format!(
-                "{} does not record its source's rotation; assuming none (override with --rotate-y, \
-                 --mirror, --extract-sun)",
-                path.display()
+                "{name} does not record its source's rotation; assuming none (override with --rotate-y, \
+                 --mirror, --extract-sun)"
             ));
         }
         let input = InputOptions {

@@ -141,6 +141,7 @@ pub(super) fn against_source(
     sources: &Sources<'_>,
 ) -> Outcome<Comparison> {
     let console = sources.console;
+    let (name, against) = (path.display(), sources.path().display());
     let LoadedChain { chain, provenance, .. } = bake;
     let (lobe, source) = sources.lobe_and_source(path, provenance)?;
     let kind = provenance.chain.unwrap_or(ChainKind::Sampled);
@@ -155,10 +156,8 @@ pub(super) fn against_source(
         && (measures.is_drawn || (measures.texels.is_some() && measures.from.is_none()))
     {
         return usage(format!(
-            "--texels and --picture compare texels with lobes, but {} is a {} chain; its texels are not \
-             lobes",
-            path.display(),
-            kind.name()
+            "--texels and --picture compare texels with lobes, but {name} is a {kind} chain; its texels are \
+             not lobes"
         ));
     }
     let is_delivered =
@@ -185,9 +184,8 @@ pub(super) fn against_source(
         .collect();
     if !has_lobes && !has_solved && !is_mirror {
         return failed(format!(
-            "no level of {} has a lobe at least two texels of {} wide; bake rougher levels to compare",
-            path.display(),
-            sources.path().display()
+            "no level of {name} has a lobe at least two texels of {against} wide; bake rougher levels to \
+             compare"
         ));
     }
     if !narrow.is_empty() && measures.from.is_none() {
@@ -212,8 +210,8 @@ pub(super) fn against_source(
     drop(bar);
     let is_compared = |level: &usize| levels.iter().any(|errors| errors.level == *level);
     let mut comparison = Comparison {
-        bake: path.display().to_string(),
-        against: sources.path().display().to_string(),
+        bake: name.to_string(),
+        against: against.to_string(),
         reference: "source",
         lobe: Some(lobe.name()),
         skipped: (0..chain.levels.len()).filter(|level| !is_compared(level)).collect(),

@@ -163,10 +163,10 @@ pub(super) fn recorded(path: &Path) -> Option<(Vec<u8>, Option<FingerprintReport
 }
 
 /// Whether `outputs` match the hashes in `report` for `request`.
-pub(super) fn holds(report: &Path, request: Hash, outputs: impl IntoIterator<Item = PathBuf>) -> bool {
+pub(super) fn holds(report: &Path, request: Hash, outputs: &[PathBuf]) -> bool {
     let Some((text, Some(stored))) = recorded(report) else { return false };
-    let hash = |output: PathBuf| Ok(hash_where(&output, &|name| name != REPORT)?.0);
+    let hash = |output: &PathBuf| Ok(hash_where(output, &|name| name != REPORT)?.0);
     is_signed(&text, stored.report.as_deref())
         && stored.request == request.to_hex().as_str()
-        && joined(outputs.into_iter().map(hash)).is_ok_and(|own| stored.outputs == own.to_hex().as_str())
+        && joined(outputs.iter().map(hash)).is_ok_and(|own| stored.outputs == own.to_hex().as_str())
 }

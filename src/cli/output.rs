@@ -106,28 +106,26 @@ impl Outputs {
         common.plans.iter().filter(|_| is_written).map(path).collect()
     }
 
-    /// Files and folders to write, with or without those of `reports`.
-    fn places(&self, common: &Common, reports: bool) -> Result<Vec<(PathBuf, Output<'static>)>> {
+    /// Files and folders to write.
+    fn places(&self, common: &Common) -> Result<Vec<(PathBuf, Output<'static>)>> {
         if self.place == Destination::Stdout {
             return Ok(Vec::new());
         }
         let files = self.planned(common, None)?.into_iter().map(|(path, _)| path);
-        let reports = self.reports(common).into_iter().filter(|_| reports);
-        Ok(self.holding(files.chain(reports).map(|path| (path, &[][..])), Some(&[])))
+        Ok(self.holding(files.chain(self.reports(common)).map(|path| (path, &[][..])), Some(&[])))
     }
 
     /// Sibling files and folders.
     pub(super) fn paths(&self, common: &Common) -> Result<Vec<PathBuf>> {
-        Ok(self.places(common, true)?.into_iter().map(|(path, _)| path).collect())
+        Ok(self.places(common)?.into_iter().map(|(path, _)| path).collect())
     }
 
     /// Whether all outputs exist as written for `request`.
     pub(super) fn holds(&self, common: &Common, request: Hash) -> bool {
-        let Ok(places) = self.places(common, false) else { return false };
-        let reports = self.reports(common);
-        reports.iter().all(|report| {
-            fingerprint::holds(&self.at(report), request, places.iter().map(|(path, _)| path.clone()))
-        })
+        let reports: Vec<PathBuf> = self.reports(common).iter().map(|report| self.at(report)).collect();
+        let Ok(mut paths) = self.paths(common) else { return false };
+        paths.retain(|path| !reports.contains(path));
+        reports.iter().all(|report| fingerprint::holds(report, request, &paths))
     }
 
     /// Cleans up after killed runs next to the outputs, except in `folders` that are done.
@@ -150,7 +148,7 @@ impl Outputs {
     /// Fails where writing would, before it begins. Outputs in a folder that is created replace nothing.
     pub(super) fn check(&self, common: &Common) -> Outcome {
         let is_made = |path: &Path| self.folder.is_some() && path.parent() == self.folder.as_deref();
-        for (path, output) in self.places(common, true)? {
+        for (path, output) in self.places(common)? {
             if is_made(&path) {
                 let mut above = path.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
                 let there = above.find(|folder| folder.symlink_metadata().is_ok());

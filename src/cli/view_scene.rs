@@ -31,17 +31,17 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
         probes: args.scene.probes.map_or(MAX_PROBES, |probes| probes as usize),
         size: args.oem_size.unwrap_or(SceneSettings::default().size),
     };
-    if let Some(probes) = args.scene.probes.filter(|probes| *probes as usize > scene.glossy_parts()) {
+    let glossy = scene.glossy_parts();
+    if let Some(probes) = args.scene.probes.filter(|probes| *probes as usize > glossy) {
         console.warn(&format!(
-            "--probes {probes}: the scene has {} glossy objects, which have a probe each",
-            scene.glossy_parts()
+            "--probes {probes}: the scene has {glossy} glossy objects, which have a probe each"
         ));
     }
     let Some(path) = &args.screenshot else {
         let name = file.as_deref().and_then(|path| path.file_stem());
         let name = name.map_or_else(|| "scene".to_owned(), |name| name.to_string_lossy().into_owned());
         let budget = args.scene.probe_budget.map(|ms| ms / 1e3);
-        let probes = settings.probes.min(scene.glossy_parts());
+        let probes = settings.probes.min(glossy);
         if budget.is_none() && probes > 1 && !may_have_hardware() {
             console.note(&format!(
                 "no hardware GPU: every frame updates {probes} probes, which takes seconds; --probes N or \
@@ -55,7 +55,7 @@ pub(super) fn run(args: ViewArgs) -> Outcome {
     let (width, height) = args.size;
     let shot = Screenshot { width, height, samples: args.samples };
     let mut renderer = SceneRenderer::new(context.clone(), scene, settings)?;
-    let wanted = settings.probes.min(renderer.scene().glossy_parts());
+    let wanted = settings.probes.min(glossy);
     if renderer.probes() < wanted {
         console.warn(&format!(
             "{} probes: one binding of the adapter holds no more tables of --oem-size {}; the other {} \
