@@ -15,7 +15,7 @@ use crate::read::InputLayout;
 use crate::{Chain, Layout, Level};
 use octagloss_core::analysis::compare::{LevelErrors, grid_of};
 use octagloss_core::files::image::error_sheet::error_sheet;
-use octagloss_core::files::io::ldr::write::write_png;
+use octagloss_core::files::io::ldr::write_png;
 use octagloss_drawing::scene::Scene;
 
 pub(super) fn run(args: CompareArgs) -> Outcome {

@@ -15,7 +15,7 @@ use glam::DVec3;
 use octagloss_core::common::parallel;
 use octagloss_core::files::image::side_by_side::{Column, directions, side_by_side};
 use octagloss_core::files::io::LoadedChain;
-use octagloss_core::files::io::ldr::write::write_png;
+use octagloss_core::files::io::ldr::write_png;
 use octagloss_core::light::chain_lookup::ChainLookup;
 use serde_json::json;
 use std::path::PathBuf;

@@ -6,7 +6,7 @@ use super::view_args::ViewArgs;
 use super::{input, view_scene};
 use crate::{Environment, Layout, ReflectorSettings};
 use octagloss_core::files::io::LoadedChain;
-use octagloss_core::files::io::ldr::write::png_bytes;
+use octagloss_core::files::io::ldr::png_bytes;
 use octagloss_core::light::synth::synth;
 use octagloss_core::pyramid::Octaves;
 use octagloss_gpu::block_on;

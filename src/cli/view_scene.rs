@@ -4,7 +4,7 @@ use super::console::Console;
 use super::outcome::{Outcome, or_usage, write_output};
 use super::view_args::ViewArgs;
 use crate::recipes::Exposure;
-use octagloss_core::files::io::ldr::write::png_bytes;
+use octagloss_core::files::io::ldr::png_bytes;
 use octagloss_gpu::block_on;
 use octagloss_gpu::device::context::may_have_hardware;
 use octagloss_view::scene::{

@@ -16,7 +16,7 @@ const LEVELS: u32 = 4;
 /// Runs `reader` for each of `queries` (direction and roughness) over the file's `levels`.
 fn read_on(context: &Context, reader: &str, levels: &[Level], queries: &[[f32; 4]]) -> Vec<[f32; 4]> {
     let file = oem_bytes(Container::Ktx2, levels, Pixel::F16, &[]).unwrap();
-    let (images, _) = read_ktx2(&file.bytes);
+    let (images, _) = read_ktx2(&file);
     let (device, queue) = (context.device(), context.queue());
     let size = wgpu::Extent3d { width: images[0].0, height: images[0].0, depth_or_array_layers: 1 };
     let texture = device.create_texture(&wgpu::TextureDescriptor {

@@ -18,7 +18,7 @@ fn bilinear_look_ups_never_wrap_and_match_the_unfolded_plane() {
     for (size, count) in [(1, 1), (8, 1), (8, 4), (48, 5), (40, 3)] {
         let levels = levels(size, count, 1);
         let file = oem_bytes(Container::Ktx2, &levels, Pixel::F16, &[]).unwrap();
-        let (found, pairs) = read_ktx2(&file.bytes);
+        let (found, pairs) = read_ktx2(&file);
         let text = |key: &str| pairs.iter().find(|(name, _)| name == key).expect(key).1.clone();
         let numbers = |key| text(key).split(',').map(|n| n.parse::<u32>().unwrap()).collect::<Vec<_>>();
         let (interior, borders) = (numbers("octaglossInterior"), numbers("octaglossBorder"));
@@ -71,9 +71,9 @@ fn a_clamped_border_is_detected() {
 fn exr_parts_are_the_levels_of_the_ktx2() {
     let levels = levels(24, 4, 3);
     let metadata = [("octaglossLobe".to_owned(), "ggx".to_owned())];
-    let (expected, _) = read_ktx2(&oem_bytes(Container::Ktx2, &levels, Pixel::F16, &metadata).unwrap().bytes);
+    let (expected, _) = read_ktx2(&oem_bytes(Container::Ktx2, &levels, Pixel::F16, &metadata).unwrap());
     for pixel in [Pixel::F16, Pixel::F32] {
-        let bytes = oem_bytes(Container::Exr, &levels, pixel, &metadata).unwrap().bytes;
+        let bytes = oem_bytes(Container::Exr, &levels, pixel, &metadata).unwrap();
         let image = exr_crate::read()
             .no_deep_data()
             .largest_resolution_level()

@@ -10,10 +10,10 @@ use octagloss_core::files::format::{
 };
 use octagloss_core::files::io::environment_write::write_environment;
 use octagloss_core::files::io::exr::write::{Attribute, Samples, exr_bytes};
-use octagloss_core::files::io::hdr::write::hdr_bytes;
+use octagloss_core::files::io::hdr::hdr_bytes;
 use octagloss_core::files::io::ktx2::write::ktx2_bytes;
 use octagloss_core::files::io::layout::CROSS_CELLS;
-use octagloss_core::files::io::ldr::write::write_png;
+use octagloss_core::files::io::ldr::write_png;
 use octagloss_core::files::io::output::Existing;
 use octagloss_core::files::target::{Diffuse, TargetPlan, UNTARGETED};
 use octagloss_core::light::chain::{Chain, Level};
@@ -184,6 +184,17 @@ fn level_folder(
 }
 
 #[test]
+fn ktx2_counts_what_it_clamps() {
+    let mut chain = chain(4, 2, false);
+    chain.levels[0].texels[5] = [65_450.0, 1.0, 1.0];
+    chain.levels[1].texels[2] = [0.0, 1e6, 1e7];
+    let clamped = |pixel| level_folder(&chain, None, Container::Ktx2, pixel)["bake"].clamped.clone();
+    assert_eq!(clamped(Pixel::F16), [0, 1]);
+    assert_eq!(clamped(Pixel::Rgb9e5), [1, 1]);
+    assert_eq!(clamped(Pixel::F32), [0, 0]);
+}
+
+#[test]
 fn an_exr_folder_holds_every_face_bound_and_the_irradiance() {
     let mut chain = chain(16, 3, true);
     chain.levels[1].texels[3][2] = 70_000.0;
@@ -226,7 +237,7 @@ fn equal_chains_give_equal_bytes_whatever_the_thread_count() {
             let mut all = level_folder(&chain, None, Container::Exr, Pixel::Auto);
             all.extend(level_folder(&chain, None, Container::Hdr, Pixel::Rgbe));
             let all: Vec<_> = all.into_iter().map(|(name, file)| (name, file.bytes)).collect();
-            let ktx2 = ktx2_bytes(&chain, Pixel::F16, &metadata()).unwrap().bytes;
+            let ktx2 = ktx2_bytes(&chain, Pixel::F16, &metadata()).unwrap();
             (all, ktx2)
         })
     };

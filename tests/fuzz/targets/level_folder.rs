@@ -3,7 +3,7 @@
 //! The input is the report of a folder with two levels of faces.
 
 use libfuzzer_sys::fuzz_target;
-use octagloss_core::files::io::hdr::write::hdr_bytes;
+use octagloss_core::files::io::hdr::hdr_bytes;
 use octagloss_core::files::io::read_chain;
 use octagloss_fuzz::assert_plain;
 use std::sync::LazyLock;

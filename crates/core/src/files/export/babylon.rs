@@ -7,10 +7,8 @@
 
 use crate::common::error::Result;
 use crate::common::parallel;
-use crate::files::format::Pixel;
 use crate::files::format::container::ENV_MAGIC;
 use crate::files::format::rgbd::rgbd_png_bytes;
-use crate::files::io::cube_file::CubeFile;
 use crate::files::target::Flip;
 use crate::files::target::sizes::check_env;
 use crate::light::chain::Chain;
@@ -24,7 +22,7 @@ use std::f64::consts::PI;
 ///
 /// # Errors
 /// [`crate::common::error::Error::Parameter`] for a size that is not a power of two, and for missing levels.
-pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<CubeFile> {
+pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<Vec<u8>> {
     let size = chain.levels.first().map_or(0, |level| level.size());
     check_env(size, chain.levels.len() as u32)?;
     let images = png_faces(chain)?;
@@ -47,7 +45,7 @@ pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<Cu
     bytes.extend(manifest.to_string().as_bytes());
     bytes.push(0);
     bytes.extend(images.concat());
-    Ok(CubeFile::new(bytes, &chain.levels, Pixel::Rgbd))
+    Ok(bytes)
 }
 
 /// Encodes every face of every level as PNG, rows upwards.

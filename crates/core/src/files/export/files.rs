@@ -6,10 +6,9 @@ use crate::common::error::{Error, Result, wrong};
 use crate::common::parallel;
 use crate::files::format::container::Container;
 use crate::files::format::{LevelName, Pixel, Shown};
-use crate::files::io::cube_file::CubeFile;
 use crate::files::io::cube_write::cube_bytes;
 use crate::files::io::exr::write::{Attribute, Samples, exr_bytes};
-use crate::files::io::hdr::write::hdr_bytes;
+use crate::files::io::hdr::hdr_bytes;
 use crate::files::io::layout::image_from_faces;
 use crate::files::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::files::io::oem_write::oem_bytes;
@@ -65,13 +64,13 @@ pub fn files(
     let bounded: Vec<u32> = (0..).zip(levels).filter(|(_, l)| l.bounds.is_some()).map(|(k, _)| k).collect();
     let shape = Naming { name, levels: levels.len() as u32, bounded: &bounded };
     let make = |(path, content): (String, Content)| {
-        let file = file_of(plan, name, bake, metadata, readers, (&path, content))?;
-        Ok(Made { path, bytes: file.bytes, clamped: file.clamped })
+        let (bytes, clamped) = file_of(plan, name, bake, metadata, readers, (&path, content))?;
+        Ok(Made { path, bytes, clamped })
     };
     parallel::map(plan.files(&shape), make).into_iter().collect()
 }
 
-/// Encodes the file at `path` of `plan` with `content`.
+/// The bytes of the file at `path` of `plan` with `content`, and its clamped texels as in [`Made`].
 fn file_of(
     plan: &TargetPlan,
     name: &str,
@@ -79,7 +78,7 @@ fn file_of(
     metadata: &[(String, String)],
     readers: Readers,
     (path, content): (&str, Content),
-) -> Result<CubeFile> {
+) -> Result<(Vec<u8>, Vec<u64>)> {
     // Targets with containers of their own have a skybox in another one.
     let own = || Container::of_path(path.as_ref());
     let container =
@@ -93,48 +92,53 @@ fn file_of(
             _ => Vec::new(),
         };
         let pairs = cube_metadata(plan, bake, &recorded(metadata, &own), sh);
-        cube_bytes(container, chain, pixel, &pairs)
+        Ok((cube_bytes(container, chain, pixel, &pairs)?, clamped(&chain.levels, pixel)))
     };
     let cubes = |chain: &Chain, sh: bool| flipped_cube(&flipped_chain(chain, plan.flip), sh);
     let cube = |level: &Level| flipped_cube(&Chain { levels: vec![flipped(level, plan.flip)] }, false);
     let levels = &bake.chain.levels[..];
-    let text = |text: String| CubeFile::plain(text.into_bytes());
+    let plain = |bytes: Vec<u8>| (bytes, Vec::new());
+    let text = |text: String| plain(text.into_bytes());
+    let whole = |bytes: Vec<u8>| (bytes, clamped(levels, plan.pixel));
     Ok(match content {
         Content::ShJson => text(sh_json(plan, bake)),
         Content::ShText => text(sh_text(bake)),
         Content::Specular => cubes(&bake.chain, plan.diffuse.has_sh())?,
         Content::Skybox => cube(skybox(bake)?)?,
-        Content::SkyboxPanorama => CubeFile::plain(panorama(plan, skybox(bake)?, path, metadata)?),
+        Content::SkyboxPanorama => plain(panorama(plan, skybox(bake)?, path, metadata)?),
         Content::Sheen => {
             let sheen = bake.sheen.as_ref().ok_or_else(|| missing("a sheen cube"))?;
             cubes(sheen, false)?
         }
         Content::Irradiance => cube(irradiance(bake)?)?,
-        Content::Oem => oem_bytes(plan.container, levels, plan.pixel, &of_target(plan, metadata))?,
+        Content::Oem => whole(oem_bytes(plan.container, levels, plan.pixel, &of_target(plan, metadata))?),
         Content::Pyramid | Content::PyramidCube => {
             let baked = baked_pyramid(bake)?;
             let encode = if content == Content::Pyramid { squares_bytes } else { cubes_bytes };
-            encode(baked, plan.pixel, &pyramid::metadata(baked, &of_target(plan, metadata)))?
+            plain(encode(baked, plan.pixel, &pyramid::metadata(baked, &of_target(plan, metadata)))?)
         }
         Content::PyramidLight => text(pyramid::light_json(baked_pyramid(bake)?)),
-        Content::PyramidTables => {
-            let bytes = tables_bytes(baked_pyramid(bake)?.octaves())?;
-            CubeFile { bytes, clamped: Vec::new() }
-        }
+        Content::PyramidTables => plain(tables_bytes(baked_pyramid(bake)?.octaves())?),
         Content::Reader => text(readers(path).expect("a reader of that name").into_owned()),
         Content::Panorama => {
             let level = levels.first().ok_or_else(|| missing("a panorama"))?;
-            CubeFile::plain(panorama(plan, level, path, metadata)?)
+            plain(panorama(plan, level, path, metadata)?)
         }
-        Content::Env => babylon::env_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, plan.flip)?,
-        Content::Glb => gltf::glb_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, name)?,
-        Content::Atlas => playcanvas::atlas_bytes(
+        Content::Env => {
+            whole(babylon::env_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, plan.flip)?)
+        }
+        Content::Glb => whole(gltf::glb_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, name)?),
+        Content::Atlas => whole(playcanvas::atlas_bytes(
             &flipped_chain(&bake.chain, plan.flip),
             &flipped(irradiance(bake)?, plan.flip),
-        )?,
-        Content::Mips => CubeFile::new(mips_bytes(levels, plan.pixel, metadata)?, levels, plan.pixel),
+        )?),
+        Content::Mips => whole(mips_bytes(levels, plan.pixel, metadata)?),
         Content::Image(image) => image_file(plan, bake, metadata, image)?,
     })
+}
+
+fn clamped(levels: &[Level], pixel: Pixel) -> Vec<u64> {
+    levels.iter().map(|level| pixel.clamped(&level.texels)).collect()
 }
 
 fn missing(what: &str) -> Error {
@@ -160,7 +164,7 @@ fn image_file(
     bake: &Bake,
     metadata: &[(String, String)],
     name: LevelName,
-) -> Result<CubeFile> {
+) -> Result<(Vec<u8>, Vec<u64>)> {
     let level = match name.shown {
         Shown::Level(level) => bake.chain.levels.get(level as usize).ok_or_else(|| missing("a level"))?,
         Shown::Irradiance => irradiance(bake)?,
@@ -184,7 +188,7 @@ fn image_file(
         } else {
             exr_bytes(size, size, samples, Pixel::F32, &[])?
         };
-        return Ok(CubeFile::plain(bytes));
+        return Ok((bytes, Vec::new()));
     }
     let (width, texels) = match name.face {
         Some(face) => (size, Cow::Borrowed(level.face(face))),
@@ -197,7 +201,7 @@ fn image_file(
     let pixel = plan.pixel.stored(&level.texels);
     let format = ImageFormat { container: plan.container, pixel, roughness, metadata };
     let bytes = image_bytes(width, Samples::Rgb(&texels), &format)?;
-    Ok(CubeFile { bytes, clamped: vec![pixel.clamped(&texels)] })
+    Ok((bytes, vec![pixel.clamped(&texels)]))
 }
 
 /// Encodes `level` as one image, with columns shifted for the engine.

@@ -10,8 +10,6 @@
 
 use super::babylon::png_faces;
 use crate::common::error::{Error, Result};
-use crate::files::format::Pixel;
-use crate::files::io::cube_file::CubeFile;
 use crate::files::io::exr::write::SOFTWARE;
 use crate::files::target::sizes::{EXTENSION, check_glb};
 use crate::light::chain::Chain;
@@ -25,7 +23,7 @@ const NINE: usize = 9;
 ///
 /// # Errors
 /// [`Error::Parameter`] for a size that is not a power of two, and for more than 4 GiB.
-pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<CubeFile> {
+pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<Vec<u8>> {
     let size = chain.levels.first().map_or(0, |level| level.size());
     check_glb(size)?;
     let images = png_faces(chain)?;
@@ -58,7 +56,7 @@ pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<Cu
         "bufferViews": views,
         "buffers": [{ "byteLength": binary.len() }],
     });
-    Ok(CubeFile::new(glb(&root, &binary)?, &chain.levels, Pixel::Rgbd))
+    glb(&root, &binary)
 }
 
 /// glTF 2.0, section 4.4: header, JSON chunk padded by spaces, binary chunk.

@@ -8,10 +8,8 @@
 
 use crate::common::error::Result;
 use crate::common::parallel;
-use crate::files::format::Pixel;
 use crate::files::format::rgbd::png_bytes;
 use crate::files::format::rgbp::rgbp_from_rgb;
-use crate::files::io::cube_file::CubeFile;
 use crate::files::target::sizes::check_atlas;
 use crate::light::chain::{Chain, Level};
 use crate::light::chain_lookup::SeamlessLevel;
@@ -51,7 +49,7 @@ const SHINY: u32 = 6;
 /// # Errors
 /// [`crate::common::error::Error::Parameter`] for a size that is not a power of two, and for another number
 /// of levels.
-pub(crate) fn atlas_bytes(chain: &Chain, irradiance: &Level) -> Result<CubeFile> {
+pub(crate) fn atlas_bytes(chain: &Chain, irradiance: &Level) -> Result<Vec<u8>> {
     let size = chain.levels.first().map_or(0, Level::size);
     check_atlas(size, chain.levels.len() as u32)?;
     let mut atlas = AtlasImage { edge: 2 * size, texels: vec![[0.0; 3]; (4 * size * size) as usize] };
@@ -64,7 +62,7 @@ pub(crate) fn atlas_bytes(chain: &Chain, irradiance: &Level) -> Result<CubeFile>
     }
     atlas.draw(AMBIENT, irradiance, 1);
     let codes: Vec<[u8; 4]> = atlas.texels.iter().map(|texel| rgbp_from_rgb(*texel)).collect();
-    Ok(CubeFile::new(png_bytes(atlas.edge, &codes)?, &chain.levels, Pixel::Rgbp))
+    png_bytes(atlas.edge, &codes)
 }
 
 struct AtlasImage {

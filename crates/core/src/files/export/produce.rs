@@ -11,7 +11,7 @@ use crate::files::format::overflow::clamped_share;
 use crate::files::format::{Pixel, RGBE_MAX};
 use crate::files::image::preview;
 use crate::files::io::environment_write::exact_exr_bytes;
-use crate::files::io::ldr::write::png_bytes;
+use crate::files::io::ldr::png_bytes;
 use crate::files::io::side_report::REPORT;
 use crate::files::recipe::Recipe;
 use crate::files::recipe::plan::BakePlan;

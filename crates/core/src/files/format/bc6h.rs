@@ -7,12 +7,7 @@ use block_compression::{BC6HSettings, CompressionVariant, encode::compress_rgba1
 use half::f16;
 
 /// Texels along an edge of a block.
-const BLOCK: usize = 4;
-
-/// Bytes of an image of `width` x `height` texels.
-pub(crate) fn image_length(width: u32, height: u32) -> usize {
-    (width as usize).div_ceil(BLOCK) * (height as usize).div_ceil(BLOCK) * 16
-}
+pub(crate) const BLOCK: usize = 4;
 
 /// Decodes an image of `width` x `height` from `blocks`, `signed` or not, to row-major texels.
 pub(crate) fn rgb_from_bc6h(width: u32, height: u32, signed: bool, blocks: &[u8]) -> Vec<Rgb> {

@@ -2,7 +2,7 @@
 
 use super::Pixel;
 use ddsfile::DxgiFormat;
-
+use ktx2::Format;
 /// OpenGL's enums of a pixel format, for a KTX 1 header.
 pub(crate) struct GlFormat {
     /// `glType`.
@@ -18,29 +18,32 @@ pub(crate) struct GlFormat {
 const GL_RGB: u32 = 0x1907;
 const GL_RGBA: u32 = 0x1908;
 
-impl Pixel {
-    /// Vulkan's format, for KTX2; `None` if it has none.
-    pub(crate) const fn vulkan(self) -> Option<ktx2::Format> {
-        match self {
-            Self::F16 => Some(ktx2::Format::R16G16B16A16_SFLOAT),
-            Self::F32 => Some(ktx2::Format::R32G32B32A32_SFLOAT),
-            Self::Rgb9e5 => Some(ktx2::Format::E5B9G9R9_UFLOAT_PACK32),
-            Self::R11g11b10 => Some(ktx2::Format::B10G11R11_UFLOAT_PACK32),
-            Self::Bc6h => Some(ktx2::Format::BC6H_UFLOAT_BLOCK),
-            Self::Rgbd | Self::Rgbp | Self::Rgbe | Self::Auto => None,
-        }
-    }
+/// A pixel format in KTX2 and DDS files.
+pub(crate) struct TextureFormat {
+    /// Its name in messages.
+    pub(crate) name: &'static str,
+    /// Bytes of a texel, or of a block of BC6H.
+    pub(crate) bytes: usize,
+    /// Vulkan's format, for KTX2.
+    pub(crate) vulkan: Format,
+    /// Direct3D's format, for DDS.
+    pub(crate) dxgi: DxgiFormat,
+}
 
-    /// Direct3D's format, for DDS; `None` if it has none.
-    pub(crate) const fn dxgi(self) -> Option<DxgiFormat> {
-        match self {
-            Self::F16 => Some(DxgiFormat::R16G16B16A16_Float),
-            Self::F32 => Some(DxgiFormat::R32G32B32A32_Float),
-            Self::Rgb9e5 => Some(DxgiFormat::R9G9B9E5_SharedExp),
-            Self::R11g11b10 => Some(DxgiFormat::R11G11B10_Float),
-            Self::Bc6h => Some(DxgiFormat::BC6H_UF16),
-            Self::Rgbd | Self::Rgbp | Self::Rgbe | Self::Auto => None,
-        }
+impl Pixel {
+    /// Its format in textures; `None` if it has none.
+    pub(crate) const fn in_textures(self) -> Option<TextureFormat> {
+        let (name, bytes, vulkan, dxgi) = match self {
+            Self::F16 => ("RGBA16F", 8, Format::R16G16B16A16_SFLOAT, DxgiFormat::R16G16B16A16_Float),
+            Self::F32 => ("RGBA32F", 16, Format::R32G32B32A32_SFLOAT, DxgiFormat::R32G32B32A32_Float),
+            Self::Rgb9e5 => ("RGB9E5", 4, Format::E5B9G9R9_UFLOAT_PACK32, DxgiFormat::R9G9B9E5_SharedExp),
+            Self::R11g11b10 => {
+                ("R11G11B10F", 4, Format::B10G11R11_UFLOAT_PACK32, DxgiFormat::R11G11B10_Float)
+            }
+            Self::Bc6h => ("BC6H", 16, Format::BC6H_UFLOAT_BLOCK, DxgiFormat::BC6H_UF16),
+            Self::Rgbd | Self::Rgbp | Self::Rgbe | Self::Auto => return None,
+        };
+        Some(TextureFormat { name, bytes, vulkan, dxgi })
     }
 
     /// OpenGL's format, for KTX 1; `None` if it has none, or none without compression.

@@ -41,8 +41,7 @@ impl Container {
     #[must_use]
     pub fn holds(self, pixel: Pixel) -> bool {
         match self {
-            Self::Ktx2 => pixel.vulkan().is_some(),
-            Self::Dds => pixel.dxgi().is_some(),
+            Self::Ktx2 | Self::Dds => pixel.in_textures().is_some(),
             Self::Ktx1 => pixel.gl().is_some(),
             Self::Exr => matches!(pixel, Pixel::F16 | Pixel::F32),
             Self::Hdr => pixel == Pixel::Rgbe,

@@ -4,7 +4,7 @@
 //! (code/255)^2.2 / (divisor/255). Divisors from 1/255 to 1 hold radiance up to 255.
 
 use crate::common::error::{Result, wrong};
-use crate::files::io::ldr::write::png_of;
+use crate::files::io::ldr::png_of;
 use crate::light::environment::Rgb;
 use png::ColorType;
 use std::sync::LazyLock;

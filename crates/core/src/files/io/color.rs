@@ -3,18 +3,12 @@
 use crate::light::environment::Rgb;
 use glam::{DMat3, DVec3};
 
-/// CIE 1931 x, y of the primaries and the white point.
+/// CIE 1931 x, y of red, green, blue and the white point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Primaries {
-    pub(super) red: [f64; 2],
-    pub(super) green: [f64; 2],
-    pub(super) blue: [f64; 2],
-    pub(super) white: [f64; 2],
-}
+pub(super) struct Primaries(pub(super) [[f64; 2]; 4]);
 
 /// Rec. 709 and sRGB.
-pub(super) const REC709: Primaries =
-    Primaries { red: [0.64, 0.33], green: [0.30, 0.60], blue: [0.15, 0.06], white: D65 };
+pub(super) const REC709: Primaries = Primaries([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], D65]);
 const D65: [f64; 2] = [0.3127, 0.3290];
 const EQUAL_ENERGY: [f64; 2] = [1.0 / 3.0, 1.0 / 3.0];
 
@@ -28,6 +22,10 @@ const BRADFORD: DMat3 = DMat3::from_cols_array(&[
     -0.1614, 0.0367, 1.0296,
 ]);
 
+fn is_same(a: [f64; 2], b: [f64; 2]) -> bool {
+    (a[0] - b[0]).abs() < SAME && (a[1] - b[1]).abs() < SAME
+}
+
 fn xyz_from_xy([x, y]: [f64; 2]) -> DVec3 {
     DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
 }
@@ -35,16 +33,14 @@ fn xyz_from_xy([x, y]: [f64; 2]) -> DVec3 {
 impl Primaries {
     /// Whether these are Rec. 709 within the rounding of their digits.
     fn are_rec709(&self) -> bool {
-        let pairs =
-            [(self.red, REC709.red), (self.green, REC709.green), (self.blue, REC709.blue), (self.white, D65)];
-        pairs.iter().all(|(a, b)| (a[0] - b[0]).abs() < SAME && (a[1] - b[1]).abs() < SAME)
+        self.0.iter().zip(REC709.0).all(|(own, other)| is_same(*own, other))
     }
 
     /// XYZ (white has Y = 1) from linear RGB; `None` if the primaries are degenerate.
     fn xyz_from_rgb(&self) -> Option<DMat3> {
-        let columns =
-            DMat3::from_cols(xyz_from_xy(self.red), xyz_from_xy(self.green), xyz_from_xy(self.blue));
-        let scale = invertible(columns)?.inverse() * xyz_from_xy(self.white);
+        let [red, green, blue, white] = self.0.map(xyz_from_xy);
+        let columns = DMat3::from_cols(red, green, blue);
+        let scale = invertible(columns)?.inverse() * white;
         invertible(columns * DMat3::from_diagonal(scale))
     }
 
@@ -63,7 +59,7 @@ impl Primaries {
 
     /// Rec. 709 from these primaries, with Bradford adaptation; `None` if they are degenerate.
     fn rec709_from_rgb(&self) -> Option<DMat3> {
-        Some(rec709_from_xyz(self.white)? * self.xyz_from_rgb()?)
+        Some(rec709_from_xyz(self.0[3])? * self.xyz_from_rgb()?)
     }
 
     /// The weights of red, green and blue in Y.
@@ -79,7 +75,7 @@ pub(super) fn rec709_from_equal_energy_xyz() -> DMat3 {
 
 fn rec709_from_xyz(white: [f64; 2]) -> Option<DMat3> {
     let rec709_from_d65 = REC709.xyz_from_rgb()?.inverse();
-    if (white[0] - D65[0]).abs() < SAME && (white[1] - D65[1]).abs() < SAME {
+    if is_same(white, D65) {
         return Some(rec709_from_d65);
     }
     let gains = (BRADFORD * xyz_from_xy(D65)) / (BRADFORD * xyz_from_xy(white));
@@ -120,12 +116,7 @@ mod tests {
 
     #[test]
     fn white_stays_white_under_every_white_point() {
-        let aces = Primaries {
-            red: [0.7347, 0.2653],
-            green: [0.0, 1.0],
-            blue: [0.0001, -0.077],
-            white: [0.32168, 0.33767],
-        };
+        let aces = Primaries([[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.077], [0.32168, 0.33767]]);
         let matrix = aces.rec709_from_rgb().unwrap();
         assert!((matrix * DVec3::ONE).abs_diff_eq(DVec3::ONE, 1e-9), "{}", matrix * DVec3::ONE);
         // ACES AP0 to linear sRGB with Bradford, as published with the ACES transforms.
@@ -135,7 +126,7 @@ mod tests {
 
     #[test]
     fn finite_light_stays_finite() {
-        let wide = Primaries { red: [0.708, 0.292], green: [0.17, 0.797], blue: [0.131, 0.046], white: D65 };
+        let wide = Primaries([[0.708, 0.292], [0.17, 0.797], [0.131, 0.046], D65]);
         let matrix = wide.rec709_from_rgb().unwrap();
         let mut texels =
             [[f32::MAX, 0.0, 0.0], [f32::MAX, f32::MAX, 0.0], [1e-45, 0.0, 0.0], [f32::NAN, 0.0, 0.0]];
@@ -147,9 +138,9 @@ mod tests {
 
     #[test]
     fn collinear_primaries_span_nothing() {
-        let flat = Primaries { red: [0.2, 0.2], green: [0.3, 0.3], blue: [0.4, 0.4], white: D65 };
+        let flat = Primaries([[0.2, 0.2], [0.3, 0.3], [0.4, 0.4], D65]);
         assert!(flat.rec709_from_rgb().is_none(), "collinear");
-        let zero = Primaries { red: [0.0; 2], green: [0.0; 2], blue: [0.0; 2], white: [0.0; 2] };
+        let zero = Primaries([[0.0; 2], [0.0; 2], [0.0; 2], [0.0; 2]]);
         assert!(zero.rec709_from_rgb().is_none(), "zero");
     }
 }

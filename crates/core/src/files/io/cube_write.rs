@@ -1,6 +1,5 @@
 //! Writes cube chains as single files in every container.
 
-use super::cube_file::{CubeFile, check_sizes};
 use super::exr::parts::{Part, exr_parts_bytes};
 use super::exr::write::attributes;
 use super::provenance::Provenance;
@@ -22,15 +21,13 @@ pub fn cube_bytes(
     chain: &Chain,
     pixel: Pixel,
     metadata: &[(String, String)],
-) -> Result<CubeFile> {
+) -> Result<Vec<u8>> {
     match container {
         Container::Ktx2 => ktx2::write::ktx2_bytes(chain, pixel, metadata),
-        Container::Ktx1 => ktx1::write::ktx1_bytes(chain, pixel, metadata),
+        Container::Ktx1 => ktx1::ktx1_bytes(chain, pixel, metadata),
         Container::Dds => {
-            let mut file = dds::write::dds_bytes(chain, pixel)?;
             let flip = Provenance::of_pairs(metadata).ok().and_then(|provenance| provenance.flip);
-            dds::write::mark_flip(&mut file.bytes, flip.unwrap_or_default());
-            Ok(file)
+            dds::dds_bytes(chain, pixel, flip.unwrap_or_default())
         }
         Container::Exr => exr_bytes(chain, pixel, metadata),
         Container::Hdr => wrong("a cube in .hdr files is a folder of images, not one file"),
@@ -39,7 +36,7 @@ pub fn cube_bytes(
 
 /// Encodes `chain` as an EXR file with parts `m0_px`, `m0_nx`, ...; attributes hold the roughness and
 /// `metadata`.
-fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<CubeFile> {
+fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     check_sizes("EXR", chain)?;
     let parts: Vec<Part<'_>> = (0..)
         .zip(&chain.levels)
@@ -52,5 +49,34 @@ fn exr_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Resu
             attributes: attributes(Some(level.roughness), metadata.iter().cloned()),
         })
         .collect();
-    Ok(CubeFile::new(exr_parts_bytes(&parts, pixel)?, &chain.levels, pixel))
+    exr_parts_bytes(&parts, pixel)
+}
+
+/// Checks that a file of `format` can hold `chain`: sizes halve and faces are complete. Returns the edge of
+/// level 0.
+pub(super) fn check_sizes(format: &str, chain: &Chain) -> Result<u32> {
+    let Some(first) = chain.levels.first() else {
+        return wrong(format!("a {format} file needs at least one level"));
+    };
+    let most = first.size().checked_ilog2().map_or(0, |log2| log2 as usize + 1);
+    if chain.levels.len() > most {
+        return wrong(format!(
+            "{} levels are more than the {most} that {format} allows a cube of {}",
+            chain.levels.len(),
+            first.size()
+        ));
+    }
+    for (index, level) in chain.levels.iter().enumerate() {
+        let size = first.size() >> index;
+        if level.size() != size || level.texels.len() != 6 * size as usize * size as usize {
+            return wrong(format!(
+                "level {index} of a {format} cube of {} must have 6 faces of {size}, not {} texels in faces \
+                 of {}",
+                first.size(),
+                level.texels.len(),
+                level.size()
+            ));
+        }
+    }
+    Ok(first.size())
 }

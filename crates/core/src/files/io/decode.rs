@@ -47,7 +47,7 @@ impl Format {
             (&[0x76, 0x2f, 0x31, 0x01], Self::OpenExr),
             (b"\x89PNG\r\n\x1a\n", Self::Png),
             (&[0xff, 0xd8, 0xff], Self::Jpeg),
-            (&ktx1::write::MAGIC, Self::Ktx1),
+            (&ktx1::MAGIC, Self::Ktx1),
             (&::ktx2::MAGIC, Self::Ktx2),
             (b"DDS ", Self::Dds),
         ];
@@ -132,13 +132,13 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
         }));
     };
     let mut picture = match format {
-        Format::Radiance => hdr::read::decode(source),
+        Format::Radiance => hdr::decode(source),
         Format::OpenExr => exr::read::decode(source),
-        Format::Png => ldr::read::decode_png(source),
-        Format::Jpeg => ldr::read::decode_jpeg(source),
-        Format::Ktx1 => ktx1::read::open(source)?.picture(),
+        Format::Png => ldr::decode_png(source),
+        Format::Jpeg => ldr::decode_jpeg(source),
+        Format::Ktx1 => ktx1::open(source)?.picture(),
         Format::Ktx2 => ktx2::read::open(source)?.picture(),
-        Format::Dds => dds::read::open(source)?.picture(),
+        Format::Dds => dds::open(source)?.picture(),
     }?;
     picture.warnings.extend(misnamed(source.path, format));
     picture.without_border(source)

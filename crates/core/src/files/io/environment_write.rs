@@ -2,7 +2,7 @@
 //! or Radiance .hdr.
 
 use super::exr::write::{Samples, attributes, exr_bytes};
-use super::hdr::write::hdr_bytes;
+use super::hdr::hdr_bytes;
 use super::layout::image_from_faces;
 use super::output::{self, Existing};
 use crate::common::error::{Error, Result};

@@ -174,7 +174,7 @@ fn level_header(path: &Path) -> Result<Option<LevelHeader>> {
     let source = Source { path, bytes: &bytes, memory_limit: MAX_HEADER_BYTES };
     catching_panics(path, || match Format::sniff(&bytes) {
         Some(Format::OpenExr) => exr::read::level_header(&source),
-        Some(Format::Radiance) => hdr::read::level_header(&source).map(Some),
+        Some(Format::Radiance) => hdr::level_header(&source).map(Some),
         _ => Ok(None),
     })
 }

@@ -2,7 +2,7 @@
 
 use super::exr::parts::exr_mips_bytes;
 use super::exr::write::{Samples, attributes, exr_bytes};
-use super::hdr::write::hdr_bytes;
+use super::hdr::hdr_bytes;
 use super::ktx2::write::{ROUGHNESS_KEY, roughness_text};
 use crate::common::error::{Result, wrong};
 use crate::files::format::Pixel;

@@ -7,9 +7,8 @@
 
 mod cmgen;
 mod color;
-pub mod cube_file;
 pub mod cube_write;
-pub mod dds;
+mod dds;
 mod decode;
 pub mod environment_write;
 pub mod exr;
@@ -283,7 +282,7 @@ pub fn load_chain(path: &Path) -> Result<LoadedChain> {
                 file.display()
             )));
         };
-        catching_panics(&file, || dds::read::decode_chain(&source, &report.roughness))?
+        catching_panics(&file, || dds::decode_chain(&source, &report.roughness))?
     } else {
         catching_panics(&file, || decode_chain(&source))?
     };
@@ -309,7 +308,7 @@ pub fn read_chain_from_memory(path: &Path, bytes: &[u8], memory_limit: u64) -> R
 fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
     match Format::sniff(source.bytes) {
         Some(Format::OpenExr) => exr::read::decode_chain(source),
-        Some(Format::Ktx1) => ktx1::read::decode_chain(source),
+        Some(Format::Ktx1) => ktx1::decode_chain(source),
         Some(Format::Ktx2) => {
             let texture = ktx2::read::open(source)?;
             if texture.is_pyramid() {
@@ -386,7 +385,7 @@ pub fn target_panorama(path: &Path) -> Result<Option<LoadedChain>> {
 /// # Errors
 /// As [`read_chain`].
 pub fn filament_harmonics(path: &Path) -> Result<Option<String>> {
-    decoded_if(path, Format::Ktx1, ktx1::read::harmonics)
+    decoded_if(path, Format::Ktx1, ktx1::harmonics)
 }
 
 /// The file or level folder that [`read`] reads for `path`: for a target's folder, the file with its levels.

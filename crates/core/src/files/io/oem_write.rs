@@ -6,11 +6,10 @@
 //! direction has the same texture coordinates at all levels. Border texels follow the octahedral wrapping
 //! rule.
 
-use super::cube_file::CubeFile;
 use super::exr::parts::{Part, exr_parts_bytes};
 use super::exr::write::attributes;
-use super::ktx2::file::{TextureShape, ktx2_file};
 use super::ktx2::write::{ROUGHNESS_KEY, format_of, roughness_text};
+use super::ktx2::write::{TextureShape, ktx2_file};
 use super::map_header::BORDER_KEY;
 use crate::common::error::{Result, wrong};
 use crate::files::format::container::Container;
@@ -52,7 +51,7 @@ pub fn oem_bytes(
     levels: &[Level],
     pixel: Pixel,
     metadata: &[(String, String)],
-) -> Result<CubeFile> {
+) -> Result<Vec<u8>> {
     let size = levels.first().map_or(0, |level| level.layout.sides().0);
     let sizes = level_sizes(size, levels.len() as u32)?;
     for (index, (level, size)) in levels.iter().zip(&sizes).enumerate() {
@@ -79,12 +78,12 @@ pub fn oem_bytes(
     let bordered: Vec<Vec<Rgb>> =
         levels.iter().zip(&sizes).map(|(level, size)| with_border(&level.texels, *size)).collect();
 
-    let bytes = match container {
+    match container {
         Container::Ktx2 => {
             let roughness = roughness_text(levels.iter().map(|level| level.roughness));
             pairs.push((ROUGHNESS_KEY, &roughness));
             let shape = TextureShape::flat(format_of(pixel)?, [sizes[0].bordered(); 2], levels.len());
-            ktx2_file(&shape, &pairs, |index| texel_bytes(sizes[index].bordered(), &bordered[index], pixel))?
+            ktx2_file(&shape, &pairs, |index| texel_bytes(sizes[index].bordered(), &bordered[index], pixel))
         }
         Container::Exr => {
             let parts: Vec<Part<'_>> = levels
@@ -100,13 +99,12 @@ pub fn oem_bytes(
                     attributes: attributes(Some(level.roughness), pairs.iter().copied()),
                 })
                 .collect();
-            exr_parts_bytes(&parts, pixel)?
+            exr_parts_bytes(&parts, pixel)
         }
         Container::Ktx1 | Container::Dds | Container::Hdr => {
-            return wrong(format!("an octahedral map is written as ktx2 or exr, not {}", container.name()));
+            wrong(format!("an octahedral map is written as ktx2 or exr, not {}", container.name()))
         }
-    };
-    Ok(CubeFile::new(bytes, levels, pixel))
+    }
 }
 
 /// Adds the border to the texels of a square.

@@ -13,9 +13,8 @@
 //!
 //! Reflections along a tangent have a table of their own, of three dimensions.
 
-use super::cube_file::CubeFile;
-use super::ktx2::file::{TextureShape, halves_file, ktx2_file};
 use super::ktx2::write::format_of;
+use super::ktx2::write::{TextureShape, halves_file, ktx2_file};
 use crate::common::error::{Result, wrong};
 use crate::files::format::Pixel;
 use crate::files::format::texel_bytes::texel_bytes;
@@ -48,7 +47,7 @@ pub(crate) fn squares_bytes(
     baked: &BakedPyramid,
     pixel: Pixel,
     metadata: &[(String, String)],
-) -> Result<CubeFile> {
+) -> Result<Vec<u8>> {
     let pyramid = &baked.pyramid;
     let octaves = pyramid.octaves();
     check_size(octaves.inner())?;
@@ -81,7 +80,7 @@ pub(crate) fn cubes_bytes(
     baked: &BakedPyramid,
     pixel: Pixel,
     metadata: &[(String, String)],
-) -> Result<CubeFile> {
+) -> Result<Vec<u8>> {
     check_size(baked.octaves().inner())?;
     let pyramid = baked.pyramid.on_cubes();
     let maps = pyramid.maps();
@@ -95,9 +94,9 @@ fn packed(
     shape: &TextureShape,
     metadata: &[(String, String)],
     texels: impl Fn(usize) -> Vec<u8>,
-) -> Result<CubeFile> {
+) -> Result<Vec<u8>> {
     let pairs: Vec<(&str, &str)> = metadata.iter().map(|(key, value)| (&key[..], &value[..])).collect();
-    Ok(CubeFile { bytes: ktx2_file(shape, &pairs, texels)?, clamped: Vec::new() })
+    ktx2_file(shape, &pairs, texels)
 }
 
 /// Checks that a map of `inner` texels along an edge can be written.

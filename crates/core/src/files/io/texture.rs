@@ -45,14 +45,9 @@ type ForImages<'a> = dyn Fn(usize, &mut dyn FnMut(&[u8])) -> Result<()> + 'a;
 
 /// Bytes of an image of `width` x `height` pixels.
 pub(super) fn image_bytes(pixel: Pixel, width: u32, height: u32) -> usize {
-    let texel = match pixel {
-        Pixel::Bc6h => return bc6h::image_length(width, height),
-        Pixel::F16 => 8,
-        Pixel::F32 => 16,
-        Pixel::Rgb9e5 | Pixel::R11g11b10 => 4,
-        Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => unreachable!("no textures have it"),
-    };
-    width as usize * height as usize * texel
+    let edge = if pixel == Pixel::Bc6h { bc6h::BLOCK } else { 1 };
+    let blocks = (width as usize).div_ceil(edge) * (height as usize).div_ceil(edge);
+    blocks * pixel.in_textures().expect("textures have it").bytes
 }
 
 fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {
@@ -136,14 +131,7 @@ impl Texture<'_> {
             (false, false) => "2D",
             (false, true) => "pyramid",
         };
-        let pixel = match self.pixel {
-            Pixel::F16 => "RGBA16F",
-            Pixel::F32 => "RGBA32F",
-            Pixel::Rgb9e5 => "RGB9E5",
-            Pixel::Bc6h => "BC6H",
-            Pixel::R11g11b10 => "R11G11B10F",
-            Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => unreachable!("no textures have it"),
-        };
+        let pixel = self.pixel.in_textures().expect("textures have it").name;
         format!("{} {kind}, {pixel}, {} levels", self.container, self.levels)
     }
 
@@ -169,7 +157,7 @@ impl Texture<'_> {
                 [0, 1, 2].map(|c| f32::from_le_bytes(words[c]))
             })),
             Pixel::Bc6h => {
-                for blocks in bytes.chunks_exact(bc6h::image_length(width, height)) {
+                for blocks in bytes.chunks_exact(image_bytes(self.pixel, width, height)) {
                     texels.extend(bc6h::rgb_from_bc6h(width, height, self.is_signed, blocks));
                 }
             }

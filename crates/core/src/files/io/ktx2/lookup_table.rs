@@ -1,6 +1,6 @@
 //! Look-up tables as 2D KTX2 files: RG16F or RGBA16F, one level, Zstandard.
 
-use super::file::halves_file;
+use super::write::halves_file;
 use crate::common::error::{Result, wrong};
 use ktx2::Format;
 

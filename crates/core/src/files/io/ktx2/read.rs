@@ -14,25 +14,21 @@ use std::borrow::Cow;
 pub(in crate::files::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
     // The parser does not check all offset sums for overflow; its panics are caught.
     let reader = ktx2::Reader::new(source.bytes).map_err(|error| match error {
-        ktx2::ParseError::UnexpectedEnd => source.error(format!(
-            "truncated: the KTX2 data ends after {} bytes; copy it again",
-            source.bytes.len()
-        )),
+        ktx2::ParseError::UnexpectedEnd => source.truncated("KTX2"),
         other => source.error(format!("not a readable KTX2 file: {other}")),
     })?;
     let header = reader.header();
     let is_signed = header.format == Some(Format::BC6H_SFLOAT_BLOCK);
     let stored = if is_signed { Some(Format::BC6H_UFLOAT_BLOCK) } else { header.format };
-    let known = |pixel: &Pixel| stored.is_some() && pixel.vulkan() == stored;
+    let known = |pixel: &Pixel| pixel.in_textures().is_some_and(|own| Some(own.vulkan) == stored);
     let Some(pixel) = Pixel::ALL.into_iter().find(known) else {
         let name = stored.map_or_else(|| "a universal texture".to_owned(), |format| format!("{format:?}"));
         return Err(source.error(format!("its pixels are {name}; {READABLE}")));
     };
-    match header.supercompression_scheme {
-        None | Some(SupercompressionScheme::Zstandard) => {}
-        Some(other) => {
-            return Err(source.error(format!("supercompressed by {other:?}; zstd and none can be read")));
-        }
+    if let Some(other) =
+        header.supercompression_scheme.filter(|own| *own != SupercompressionScheme::Zstandard)
+    {
+        return Err(source.error(format!("supercompressed by {other:?}; zstd and none can be read")));
     }
     let layers = header.layer_count.max(1);
     let has_light = reader.key_value_data().any(|(key, _)| key == PYRAMID_KEY);

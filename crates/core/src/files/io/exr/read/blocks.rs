@@ -9,7 +9,7 @@ use crate::files::io::source::{Source, TEXEL_BYTES, limit};
 use crate::light::environment::Rgb;
 use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{Chunk, CompressedBlock};
-use ::exr::block::reader::{ChunksReader as _, Reader};
+use ::exr::block::reader::ChunksReader as _;
 use ::exr::meta::MetaData;
 use ::exr::meta::attribute::{Compression, SampleType};
 use ::exr::meta::header::Header;
@@ -36,7 +36,7 @@ fn batch_size(header: &Header) -> u64 {
 
 /// Rejects a file that is too short for its blocks, before texels are allocated, and one whose blocks and
 /// texels exceed the memory limit.
-pub(super) fn check_blocks(source: &Source<'_>, header: &Header, window: &Window) -> Result<()> {
+fn check_blocks(source: &Source<'_>, header: &Header, window: &Window) -> Result<()> {
     let (count, least) = least_bytes(header);
     if least > source.bytes.len() as u64 {
         return Err(source.error(format!(
@@ -76,18 +76,25 @@ fn least_bytes(header: &Header) -> (u64, u64) {
     (count, count.saturating_mul(MIN_BLOCK).max(samples.checked_div(most).unwrap_or(0)))
 }
 
-/// Decodes the selected channels of the largest level into `texels`, in rows of the display window.
-pub(super) fn decode_into(
+/// Decodes the selected channels of the largest level, in rows of the display window.
+pub(super) fn decode(
     source: &Source<'_>,
-    reader: Reader<Cursor<&[u8]>>,
     metadata: &MetaData,
     selection: &Selection,
     window: &Window,
-    texels: &mut [Rgb],
-) -> Result<()> {
+) -> Result<Vec<Rgb>> {
     let as_ours = |error| exr_error(source, &error);
     let header = &metadata.headers[selection.header];
-    let mut chunks = reader
+    source.check_memory(window.width, window.height, TEXEL_BYTES)?;
+    check_blocks(source, header, window)?;
+    let count = window.width as usize * window.height as usize;
+    let mut texels = Vec::new();
+    texels
+        .try_reserve_exact(count)
+        .map_err(|_| source.error("not enough memory for its texels; scale it down first"))?;
+    texels.resize(count, Rgb::default());
+    let mut chunks = ::exr::block::read(Cursor::new(source.bytes), false)
+        .map_err(as_ours)?
         .filter_chunks(false, |_, tile, block| {
             block.layer == selection.header && tile.is_largest_resolution_level()
         })
@@ -125,11 +132,11 @@ pub(super) fn decode_into(
                     source.error("corrupt: its offset table references wrong blocks; re-export the file")
                 );
             }
-            row.fill(header, selection.channels, window, &block, texels)
+            row.fill(header, selection.channels, window, &block, &mut texels)
                 .ok_or_else(|| source.error("corrupt: a block has the wrong size; re-export the file"))?;
         }
     }
-    Ok(())
+    Ok(texels)
 }
 
 /// DWA blocks start with eleven 64-bit counters of their inflated sizes; the decoder allocates these

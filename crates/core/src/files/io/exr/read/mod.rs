@@ -16,7 +16,7 @@ use crate::files::io::source::{Source, TEXEL_BYTES};
 use crate::light::chain::{Chain, Level};
 use crate::light::environment::Rgb;
 use crate::sphere::cube::Face;
-use ::exr::meta::attribute::{AttributeValue, Chromaticities, Compression, SampleType};
+use ::exr::meta::attribute::{AttributeValue, Compression, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use select::{Channels, Selection};
@@ -35,15 +35,15 @@ pub(in crate::files::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     }
     let reader =
         ::exr::block::read(Cursor::new(source.bytes), false).map_err(|error| exr_error(source, &error))?;
-    let metadata: MetaData = reader.meta_data().clone();
-    if part_named(&metadata, LevelName::face(0, Face::PosX)).is_some() {
-        let (size, texels) = cube_of_parts(source, &metadata, 0)?;
+    let metadata = reader.meta_data();
+    if part_named(metadata, LevelName::face(0, Face::PosX)).is_some() {
+        let (size, texels) = cube_of_parts(source, metadata, 0)?;
         return Ok(Picture {
             width: size,
             height: 6 * size,
             texels,
             is_cube: true,
-            format: parts_format(&metadata),
+            format: parts_format(metadata),
             provenance: provenance(source, &metadata.headers[0])?,
             ..Picture::default()
         });
@@ -51,17 +51,7 @@ pub(in crate::files::io) fn decode(source: &Source<'_>) -> Result<Picture> {
     let selection = select::select(source, &metadata.headers)?;
     let header = &metadata.headers[selection.header];
     let window = Window::display(source, header)?;
-    source.check_memory(window.width, window.height, TEXEL_BYTES)?;
-    blocks::check_blocks(source, header, &window)?;
-
-    let count = window.width as usize * window.height as usize;
-    let mut texels = Vec::new();
-    texels
-        .try_reserve_exact(count)
-        .map_err(|_| source.error("not enough memory for its texels; scale it down first"))?;
-    texels.resize(count, Rgb::default());
-    blocks::decode_into(source, reader, &metadata, &selection, &window, &mut texels)?;
-
+    let mut texels = blocks::decode(source, metadata, &selection, &window)?;
     let mut warnings = Vec::new();
     // The other parts of a bake's octahedral map are its rougher levels.
     let is_first_level = header_text(header, BORDER_KEY).is_some();
@@ -151,12 +141,7 @@ fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result
         }
         size = window.width;
         source.check_memory(size, 6 * size, TEXEL_BYTES)?;
-        blocks::check_blocks(source, header, &window)?;
-        let reader = ::exr::block::read(Cursor::new(source.bytes), false)
-            .map_err(|error| exr_error(source, &error))?;
-        let mut own = vec![Rgb::default(); size as usize * size as usize];
-        blocks::decode_into(source, reader, metadata, &selection, &window, &mut own)?;
-        texels.append(&mut own);
+        texels.append(&mut blocks::decode(source, metadata, &selection, &window)?);
     }
     Ok((size, texels))
 }
@@ -209,7 +194,9 @@ fn data_window(bytes: &[u8]) -> Option<(i64, i64)> {
 
 /// Converts luminance-chroma to RGB, and the file's primaries to Rec. 709.
 fn convert_color(header: &Header, channels: Channels, texels: &mut [Rgb], warnings: &mut Vec<String>) {
-    let primaries = header.shared_attributes.chromaticities.map_or(color::REC709, primaries_from);
+    let primaries = header.shared_attributes.chromaticities.map_or(color::REC709, |own| {
+        Primaries([own.red, own.green, own.blue, own.white].map(|xy| [xy.x(), xy.y()].map(f64::from)))
+    });
     if let Channels::LuminanceChroma(_) = channels {
         // Texels hold Y, (R - Y)/Y, (B - Y)/Y.
         let [wr, wg, wb] = primaries
@@ -225,16 +212,6 @@ fn convert_color(header: &Header, channels: Channels, texels: &mut [Rgb], warnin
     }
     if !matches!(channels, Channels::Luminance(_)) {
         warnings.extend(primaries.converted("chromaticities", texels));
-    }
-}
-
-fn primaries_from(attribute: Chromaticities) -> Primaries {
-    let pair = |xy: ::exr::math::Vec2<f32>| [f64::from(xy.x()), f64::from(xy.y())];
-    Primaries {
-        red: pair(attribute.red),
-        green: pair(attribute.green),
-        blue: pair(attribute.blue),
-        white: pair(attribute.white),
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) struct Selection {
     pub(super) channels: Channels,
     /// Its name; empty for the unnamed layer.
     name: String,
-    /// Names of the other layers.
+    /// Names of the other layers; none before the choice.
     others: Vec<String>,
 }
 
@@ -57,19 +57,12 @@ impl Selection {
 /// Suffixes of layer names that renderers use for the final image, in order of preference.
 const WHOLE_PICTURE: [&str; 5] = ["", "combined", "beauty", "rgba", "color"];
 
-/// A readable layer.
-struct Candidate {
-    header: usize,
-    name: String,
-    channels: Channels,
-}
-
 /// Selects the layer most likely to be the environment: the unnamed one, else one named as the final image,
 /// else the first; colour before luminance.
 pub(super) fn select(source: &Source<'_>, headers: &[Header]) -> Result<Selection> {
-    let mut candidates: Vec<Candidate> =
+    let mut candidates: Vec<Selection> =
         headers.iter().enumerate().flat_map(|(index, header)| candidates_of(index, header)).collect();
-    let rank = |candidate: &Candidate| {
+    let rank = |candidate: &Selection| {
         let last_word = candidate.name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
         let named = WHOLE_PICTURE.iter().position(|name| *name == last_word).unwrap_or(WHOLE_PICTURE.len());
         (matches!(candidate.channels, Channels::Luminance(_)), named)
@@ -88,24 +81,16 @@ pub(super) fn select(source: &Source<'_>, headers: &[Header]) -> Result<Selectio
         )));
     }
     let chosen = candidates.remove(0);
-    Ok(Selection {
-        header: chosen.header,
-        channels: chosen.channels,
-        name: chosen.name,
-        others: candidates.into_iter().map(|candidate| candidate.name).collect(),
-    })
+    Ok(Selection { others: candidates.into_iter().map(|candidate| candidate.name).collect(), ..chosen })
 }
 
 /// The colour channels of one part.
 pub(super) fn of_part(index: usize, header: &Header) -> Option<Selection> {
-    let candidate =
-        candidates_of(index, header).into_iter().find(|c| matches!(c.channels, Channels::Rgb(_)))?;
-    let Candidate { header, channels, name } = candidate;
-    Some(Selection { header, channels, name, others: Vec::new() })
+    candidates_of(index, header).into_iter().find(|layer| matches!(layer.channels, Channels::Rgb(_)))
 }
 
 /// The layers of one header: channels with the same name up to the last dot.
-fn candidates_of(index: usize, header: &Header) -> Vec<Candidate> {
+fn candidates_of(index: usize, header: &Header) -> Vec<Selection> {
     let names: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
     let split = |name: &str| -> (String, String) {
         let (prefix, channel) = name.rsplit_once('.').unwrap_or(("", name));
@@ -130,7 +115,7 @@ fn candidates_of(index: usize, header: &Header) -> Vec<Candidate> {
         let channels = rgb.or_else(chroma).or_else(luminance)?;
         let words: Vec<&str> =
             [part.as_str(), prefix.as_str()].into_iter().filter(|word| !word.is_empty()).collect();
-        Some(Candidate { header: index, name: words.join("."), channels })
+        Some(Selection { header: index, channels, name: words.join("."), others: Vec::new() })
     };
     prefixes.iter().filter_map(candidate).collect()
 }

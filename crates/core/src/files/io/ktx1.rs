@@ -1,17 +1,20 @@
-//! Reads KTX 1 files: little-endian RGBA16F, RGBA32F, RGB9E5 and R11G11B10F cubes with mips, as written by
-//! `bake` and cmgen.
+//! KTX 1 files: little-endian RGBA16F, RGBA32F, RGB9E5 and R11G11B10F cubes with mips, read as `bake` and cmgen
+//! write them, and written as Filament reads them.
 //!
-//! "KTX File Format Specification" (Khronos, version 1.0). No maintained crate reads it.
+//! "KTX File Format Specification" (Khronos, version 1.0), which no maintained crate reads, and Filament's
+//! libs/image/src/Ktx1Bundle.cpp and libs/ktxreader/src/Ktx1Reader.cpp for the further requirements of its
+//! reader.
 
-use super::write::MAGIC;
-use crate::common::error::Result;
+use crate::common::error::{Error, Result, wrong};
 use crate::files::format::Pixel;
-use crate::files::io::LoadedChain;
-use crate::files::io::cmgen;
-use crate::files::io::key_values::value_of;
-use crate::files::io::ktx2::write::ROUGHNESS_KEY;
+use crate::files::format::texel_bytes::texel_bytes;
+use crate::files::io::cube_write::check_sizes;
+use crate::files::io::key_values::{key_value_bytes, value_of};
+use crate::files::io::ktx2::write::{ROUGHNESS_KEY, roughness_text};
 use crate::files::io::source::{Source, TEXEL_BYTES};
 use crate::files::io::texture::{Texture, image_bytes};
+use crate::files::io::{LoadedChain, cmgen};
+use crate::light::chain::Chain;
 
 /// Key of the harmonics that cmgen writes.
 const CMGEN_KEY: &str = "sh";
@@ -20,13 +23,13 @@ const CMGEN_KEY: &str = "sh";
 const WORDS: usize = 13;
 
 /// The harmonics in Filament's key, as text.
-pub(in crate::files::io) fn harmonics(source: &Source<'_>) -> Result<Option<String>> {
+pub(super) fn harmonics(source: &Source<'_>) -> Result<Option<String>> {
     Ok((open(source)?.text)(CMGEN_KEY))
 }
 
 /// Decodes every level with its roughness. A file with cmgen's key and several levels, but no roughness, is
 /// taken for one that cmgen wrote.
-pub(in crate::files::io) fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
+pub(super) fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
     let texture = open(source)?;
     let (count, has) = (texture.levels, |key| (texture.text)(key).is_some());
     if has(ROUGHNESS_KEY) || !has(CMGEN_KEY) || count == 1 {
@@ -37,7 +40,7 @@ pub(in crate::files::io) fn decode_chain(source: &Source<'_>) -> Result<LoadedCh
 }
 
 /// Parses the header and finds all levels.
-pub(in crate::files::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
+pub(super) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
     let mut rest = Rest { source, bytes: source.bytes.get(MAGIC.len()..).unwrap_or_default() };
     let mut words = [0_u32; WORDS];
     for word in &mut words {
@@ -112,10 +115,7 @@ struct Rest<'s, 'a> {
 impl<'a> Rest<'_, 'a> {
     fn take(&mut self, count: usize) -> Result<&'a [u8]> {
         let Some((taken, rest)) = self.bytes.split_at_checked(count) else {
-            let length = self.source.bytes.len();
-            return Err(self
-                .source
-                .error(format!("truncated: the KTX data ends after {length} bytes; copy it again")));
+            return Err(self.source.truncated("KTX"));
         };
         self.bytes = rest;
         Ok(taken)
@@ -140,4 +140,56 @@ fn pairs_of<'a>(source: &Source<'a>, bytes: &'a [u8]) -> Result<Vec<(String, Str
         }
     }
     Ok(pairs)
+}
+
+/// Magic number.
+pub(super) const MAGIC: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
+
+/// Encodes `chain` as a KTX 1 cube map: R11G11B10F, RGB9E5, RGBA16F or RGBA32F. `metadata` are text key/value
+/// pairs.
+///
+/// # Errors
+/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, for BC6H, and for keys that
+/// are empty, duplicated or contain a NUL.
+pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
+    let size = check_sizes("KTX", chain)?;
+    let Some(gl) = pixel.gl() else {
+        return wrong(format!(
+            "KTX 1 does not support {}; use ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
+            pixel.name()
+        ));
+    };
+    let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
+    let metadata = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
+    let pairs: Vec<_> = metadata.chain([(ROUGHNESS_KEY, roughness.as_str())]).collect();
+    let pairs = key_value_bytes("KTX", &pairs)?;
+    let mut bytes = MAGIC.to_vec();
+    let header = [
+        0x0403_0201, // little endian
+        gl.kind,
+        gl.kind_bytes,
+        gl.format,
+        gl.internal,
+        gl.format,
+        size,
+        size,
+        0, // depth
+        0, // array elements: not an array
+        6,
+        chain.levels.len() as u32,
+        pairs.len() as u32,
+    ];
+    bytes.extend(header.iter().flat_map(|word: &u32| word.to_le_bytes()));
+    bytes.extend(pairs);
+    for (index, level) in chain.levels.iter().enumerate() {
+        let texels = texel_bytes(level.size(), &level.texels, pixel);
+        // For a non-array cube imageSize is that of one face. Texels are multiples of four bytes, so there is
+        // no padding.
+        let face = u32::try_from(texels.len() / 6).map_err(|_| {
+            Error::Parameter(format!("level {index} is larger than the 4 GiB a KTX face may have"))
+        })?;
+        bytes.extend(face.to_le_bytes());
+        bytes.extend(texels);
+    }
+    Ok(bytes)
 }

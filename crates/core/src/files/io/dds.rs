@@ -1,16 +1,22 @@
-//! DDS files with the DX10 header: RGBA16F, RGBA32F, RGB9E5, R11G11B10F and BC6H cubes and 2D images.
+//! DDS files with the DX10 header: RGBA16F, RGBA32F, RGB9E5, R11G11B10F and BC6H cubes and 2D images, read;
+//! cubes with their levels, written, laid out by the `ddsfile` crate.
+//!
+//! "Programming Guide for DDS" (Microsoft): faces in order, each with all its levels.
 
-use super::write::marked_flip;
-use crate::common::error::Result;
+use crate::common::error::{Error, Result, wrong};
 use crate::files::format::Pixel;
+use crate::files::format::texel_bytes::texel_bytes;
 use crate::files::io::LoadedChain;
+use crate::files::io::cube_write::check_sizes;
 use crate::files::io::provenance::FLIP_KEY;
 use crate::files::io::source::{Source, TEXEL_BYTES};
 use crate::files::io::texture::{READABLE, Texture, image_bytes};
-use ddsfile::{Dds, DxgiFormat, MiscFlag};
+use crate::files::target::Flip;
+use crate::light::chain::Chain;
+use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, Dds, DxgiFormat, MiscFlag, NewDxgiParams};
 
 /// Decodes every level of a cube. The file does not store their `roughness`.
-pub(in crate::files::io) fn decode_chain(source: &Source<'_>, roughness: &[f64]) -> Result<LoadedChain> {
+pub(super) fn decode_chain(source: &Source<'_>, roughness: &[f64]) -> Result<LoadedChain> {
     let texture = open(source)?;
     if texture.is_cube && roughness.len() != texture.levels {
         return Err(source.error(format!(
@@ -23,7 +29,7 @@ pub(in crate::files::io) fn decode_chain(source: &Source<'_>, roughness: &[f64])
 }
 
 /// Parses the header and checks that all texels are there.
-pub(in crate::files::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
+pub(super) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
     // The crate copies the file's bytes.
     source.check_memory(1, 1, source.bytes.len() as u64)?;
     let dds = Dds::read(source.bytes).map_err(|error| source.decoder_error("DDS", &error))?;
@@ -32,7 +38,8 @@ pub(in crate::files::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>>
     };
     let is_signed = extended.dxgi_format == DxgiFormat::BC6H_SF16;
     let stored = if is_signed { DxgiFormat::BC6H_UF16 } else { extended.dxgi_format };
-    let Some(pixel) = Pixel::ALL.into_iter().find(|pixel| pixel.dxgi() == Some(stored)) else {
+    let known = |pixel: &Pixel| pixel.in_textures().is_some_and(|own| own.dxgi == stored);
+    let Some(pixel) = Pixel::ALL.into_iter().find(known) else {
         return Err(source.error(format!("its pixels are {stored:?}; {READABLE}")));
     };
     let (width, height) = (dds.header.width, dds.header.height);
@@ -85,4 +92,58 @@ pub(in crate::files::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>>
         text: Box::new(move |key| flip.filter(|_| key == FLIP_KEY).map(|flip| flip.name().to_owned())),
         images: Box::new(images),
     })
+}
+
+/// A DDS cube map of `chain`, flipped by `flip`: RGBA16F, RGBA32F, RGB9E5, R11G11B10F or BC6H (unsigned).
+///
+/// # Errors
+/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve.
+pub(super) fn dds_bytes(chain: &Chain, pixel: Pixel, flip: Flip) -> Result<Vec<u8>> {
+    let size = check_sizes("DDS", chain)?;
+    let Some(format) = pixel.in_textures().map(|own| own.dxgi) else {
+        return wrong(format!("dds files cannot hold {}", pixel.name()));
+    };
+    let failed = |error: ddsfile::Error| Error::Parameter(format!("a DDS cube of {size}: {error}"));
+    let mut dds = Dds::new_dxgi(NewDxgiParams {
+        height: size,
+        width: size,
+        depth: None,
+        format,
+        mipmap_levels: Some(chain.levels.len() as u32),
+        array_layers: Some(6),
+        // The crate sets only the DX10 header's flag; older readers use these.
+        caps2: Some(Caps2::CUBEMAP | Caps2::CUBEMAP_ALLFACES),
+        is_cubemap: true,
+        resource_dimension: D3D10ResourceDimension::Texture2D,
+        alpha_mode: AlphaMode::Opaque,
+    })
+    .map_err(failed)?;
+    let levels: Vec<Vec<u8>> =
+        chain.levels.iter().map(|level| texel_bytes(level.size(), &level.texels, pixel)).collect();
+    dds.data.clear();
+    for face in 0..6 {
+        for level in &levels {
+            let length = level.len() / 6;
+            dds.data.extend(&level[face * length..][..length]);
+        }
+    }
+    let mut bytes = Vec::with_capacity(dds.data.len() + 148);
+    dds.write(&mut bytes).map_err(failed)?;
+    let (mark, word) = bytes[MARK_AT..].split_at_mut(MARK.len());
+    mark.copy_from_slice(MARK);
+    word[..4].fill(0);
+    word[..flip.name().len()].copy_from_slice(flip.name().as_bytes());
+    Ok(bytes)
+}
+
+/// Offset of `dwReserved1`, eleven words that no reader uses, after the magic number and seven words.
+const MARK_AT: usize = 32;
+
+/// The program's mark, followed by the flip's name. Other encoders store their names there too.
+const MARK: &[u8; 4] = b"OCTG";
+
+/// Reads the flip from the program's mark.
+fn marked_flip(file: &[u8]) -> Option<Flip> {
+    let word = file.get(MARK_AT..)?.strip_prefix(MARK)?.get(..4)?;
+    Flip::named(std::str::from_utf8(word).ok()?.trim_end_matches('\0'))
 }

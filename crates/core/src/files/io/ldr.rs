@@ -1,10 +1,15 @@
-//! Reads PNG and JPEG as sRGB: values are linearised, alpha is ignored.
+//! PNG and JPEG files, read as sRGB: values are linearised, alpha is ignored; and PNG of eight bits a channel,
+//! written.
 
-use crate::common::error::Result;
+use crate::common::error::{Error, Result};
+use crate::files::io::output::{self, Existing};
 use crate::files::io::picture::Picture;
 use crate::files::io::source::{Source, TEXEL_BYTES};
 use crate::light::environment::Rgb;
+use octagloss_drawing::bitmap::Bitmap;
+use png::ColorType;
 use std::io::Cursor;
+use std::path::Path;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::errors::DecodeErrors;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -12,7 +17,7 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 /// Decodes a PNG of any bit depth.
-pub(in crate::files::io) fn decode_png(source: &Source<'_>) -> Result<Picture> {
+pub(super) fn decode_png(source: &Source<'_>) -> Result<Picture> {
     // Check the size in the header chunk first; the decoder reports a zero size less clearly.
     if let Some((width, height)) = png_size(source.bytes) {
         source.check_memory(width, height, 0)?;
@@ -55,7 +60,7 @@ fn png_size(bytes: &[u8]) -> Option<(u32, u32)> {
 }
 
 /// Decodes a JPEG.
-pub(in crate::files::io) fn decode_jpeg(source: &Source<'_>) -> Result<Picture> {
+pub(super) fn decode_jpeg(source: &Source<'_>) -> Result<Picture> {
     if !ends_with_its_end(source.bytes) {
         return Err(source.truncated("JPEG"));
     }
@@ -116,4 +121,33 @@ fn ends_with_its_end(bytes: &[u8]) -> bool {
         let Some(length) = bytes.get(at + 2..at + 4) else { return false };
         at += 2 + usize::from(u16::from_be_bytes([length[0], length[1]]));
     }
+}
+
+/// Writes `picture` atomically to `path`.
+///
+/// # Errors
+/// As [`output::write_file`].
+pub fn write_png(path: &Path, existing: Existing, picture: &Bitmap) -> Result<()> {
+    let bytes = png_bytes(picture)?;
+    output::write_file(path, existing, |file| file.write_all(&bytes))
+}
+
+/// Encodes `picture` as a file in memory.
+///
+/// # Errors
+/// [`Error::Parameter`] for a picture larger than PNG supports.
+pub fn png_bytes(picture: &Bitmap) -> Result<Vec<u8>> {
+    png_of(picture.width(), picture.height(), ColorType::Rgb, picture.bytes())
+}
+
+/// Encodes channels of eight bits.
+pub(crate) fn png_of(width: u32, height: u32, colour: ColorType, channels: &[u8]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(colour);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(channels));
+    written.map_err(|error| Error::Parameter(format!("a PNG of {width}x{height}: {error}")))?;
+    Ok(bytes)
 }

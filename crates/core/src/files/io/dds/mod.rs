@@ -1,4 +1,0 @@
-//! DDS files.
-
-pub(super) mod read;
-pub mod write;

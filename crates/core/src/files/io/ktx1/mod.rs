@@ -1,4 +1,0 @@
-//! KTX 1 files.
-
-pub(super) mod read;
-pub mod write;

@@ -1,4 +1,0 @@
-//! PNG and JPEG files.
-
-pub(super) mod read;
-pub mod write;
