@@ -5,6 +5,7 @@
 
 use crate::common::finite::finite;
 use crate::light::environment::{Rgb, exact_luminance};
+use glam::DVec3;
 use serde::Serialize;
 
 /// A channel whose mean is below this share of the luminance is nearly black.
@@ -68,7 +69,7 @@ pub(crate) fn scales(mean: [f64; 3]) -> [f64; 4] {
 }
 
 /// |error| over `scale`; if that is 0, 0 for no error and 1 for any.
-fn relative(error: f64, scale: f64) -> f64 {
+pub(crate) fn relative(error: f64, scale: f64) -> f64 {
     if scale > 0.0 {
         error.abs() / scale
     } else if error == 0.0 {
@@ -115,7 +116,7 @@ pub(crate) struct ErrorSums {
     squares: [f64; 4],
     distances: [f64; 4],
     greatest: [f64; 4],
-    whole: [f64; 3],
+    whole: DVec3,
 }
 
 impl ErrorSums {
@@ -129,14 +130,12 @@ impl ErrorSums {
                 self.greatest[k] = error.abs();
             }
         }
-        for (sum, value) in self.whole.iter_mut().zip(expected) {
-            *sum += weight * value;
-        }
+        self.whole += weight * DVec3::from(expected);
         self.weight += weight;
     }
 
     fn over_mean(&self, errors: [f64; 4]) -> Relative {
-        relative_to(errors, self.whole.map(|sum| sum / self.weight))
+        relative_to(errors, (self.whole / self.weight).to_array())
     }
 
     /// Root mean square errors over the mean.

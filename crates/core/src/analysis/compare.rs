@@ -255,15 +255,13 @@ fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3)
         let offset = ((f64::from(k) + 0.5) / f64::from(count) - 0.5) * extent;
         f64::from(texel) + 0.5 + offset
     };
-    let (mut sum, mut whole) = ([0.0; 3], 0.0);
+    let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
     for (a, b) in (0..count).flat_map(|b| (0..count).map(move |a| (a, b))) {
         let (direction, weight) = level.layout.direction_within(image, coordinate(i, a), coordinate(j, b));
         whole += weight;
-        for (sum, value) in sum.iter_mut().zip(radiance(direction)) {
-            *sum += weight * value;
-        }
+        sum += weight * DVec3::from(radiance(direction));
     }
-    sum.map(|c| c / whole)
+    (sum / whole).to_array()
 }
 
 /// Edge of the texel (`i`, `j`) in radians, at its centre as in a bake; for a panorama the longer one.
@@ -407,28 +405,23 @@ fn sample(count: usize, amount: Option<usize>) -> Vec<usize> {
         None => (0..count).collect(),
         Some(amount) => {
             // Floyd's algorithm: every subset is equally likely.
-            let mut random = SplitMix(1);
+            // Steele, Lea and Flood 2014.
+            let mut state = 1_u64;
+            let mut random = || {
+                state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+                let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+                let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+                z ^ (z >> 31)
+            };
             let mut picks = BTreeSet::new();
             for top in count - amount..count {
-                let pick = (random.next() % (top as u64 + 1)) as usize;
+                let pick = (random() % (top as u64 + 1)) as usize;
                 if !picks.insert(pick) {
                     picks.insert(top);
                 }
             }
             picks.into_iter().collect()
         }
-    }
-}
-
-/// Steele, Lea and Flood 2014.
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
     }
 }
 

@@ -410,13 +410,11 @@ impl<'a> Parting<'a> {
         let continued = |index: usize| {
             let at = texels[index];
             let direction = self.grid.direction_at(at);
-            let (mut sum, mut total) = ([0.0; 3], f64::MIN_POSITIVE);
+            let (mut sum, mut total) = (DVec3::ZERO, f64::MIN_POSITIVE);
             for (place, solid_angle, radiance) in &rim {
                 let weight = solid_angle / place.distance_squared(direction);
                 total += weight;
-                for (sum, value) in sum.iter_mut().zip(radiance) {
-                    *sum += weight * f64::from(*value);
-                }
+                sum += weight * DVec3::from(radiance.map(f64::from));
             }
             std::array::from_fn(|c| self.rest[at][c].min((sum[c] / total) as f32))
         };

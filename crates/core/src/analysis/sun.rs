@@ -80,14 +80,6 @@ pub enum Brightest {
 
 named!(Brightest { Sun = "sun", Region = "brightest region" });
 
-impl Brightest {
-    fn classify(layout: Layout, peak: &Peak, solid_angle: f64, radius: f64) -> Self {
-        let is_small = solid_angle <= largest(layout) && radius <= REACH * disc_radius(largest(layout));
-        let is_sun = is_small && peak.luminance >= SUN_CONTRAST * peak.surroundings;
-        if is_sun { Self::Sun } else { Self::Region }
-    }
-}
-
 /// Maximum solid angle of a sun.
 pub(super) fn largest(layout: Layout) -> f64 {
     (SUN_TEXELS * texel_width(layout).powi(2)).clamp(SUN_SOLID_ANGLE, COARSE_SOLID_ANGLE)
@@ -162,24 +154,24 @@ impl Sun {
         radiance: impl Fn(usize) -> [f64; 3],
     ) -> Self {
         let grid = environment.layout();
-        let (mut irradiance, mut solid_angle, mut centre) = ([0.0; 3], 0.0, DVec3::ZERO);
+        let (mut irradiance, mut solid_angle, mut centre) = (DVec3::ZERO, 0.0, DVec3::ZERO);
         for &at in region {
             let (w, radiance) = (grid.solid_angle_at(at), radiance(at));
             solid_angle += w;
             centre += grid.direction_at(at) * w * exact_luminance(radiance);
-            for (sum, value) in irradiance.iter_mut().zip(radiance) {
-                *sum += value * w;
-            }
+            irradiance += DVec3::from(radiance) * w;
         }
         let world_from_source = environment.source_from_world().transpose();
         let direction = centre.try_normalize().unwrap_or_else(|| grid.direction_at(peak.at));
         let radius = |radius: f64, at: &usize| radius.max(grid.direction_at(*at).angle_between(direction));
         let radius = region.iter().fold(0.0, radius);
+        let is_small = solid_angle <= largest(grid) && radius <= REACH * disc_radius(largest(grid));
+        let is_sun = is_small && peak.luminance >= SUN_CONTRAST * peak.surroundings;
         Self {
-            kind: Brightest::classify(environment.layout(), peak, solid_angle, radius),
+            kind: if is_sun { Brightest::Sun } else { Brightest::Region },
             direction: world_from_source * direction,
             peak: environment.texels()[peak.at],
-            irradiance,
+            irradiance: irradiance.to_array(),
             solid_angle,
             texels: region.len(),
             surroundings: peak.surroundings,

@@ -4,12 +4,13 @@
 //! chosen where the error is: half of them evenly over the sphere, half in proportion to the light, so that
 //! small suns are hit. Each counts by the solid angle that it stands for.
 
+use super::channels::{relative, scales};
 use super::compare::is_measurable;
 use super::delivered::default_roughnesses;
 use crate::geometry::quadrant::Quadrant;
 use crate::light::chain::{Chain, Level};
 use crate::light::chain_lookup::ChainLookup;
-use crate::light::environment::{Layout, Rgb, exact_luminance};
+use crate::light::environment::{Layout, Rgb};
 use crate::lobe::Lobe;
 use crate::lobe::ladder::Ladder;
 use glam::DVec3;
@@ -17,10 +18,6 @@ use glam::DVec3;
 /// Directions per roughness. With these, the typical error of default bakes of eight photographed panoramas
 /// and of `hdr/` is within a factor of 1.5 of that over 20,000 directions.
 const DIRECTIONS: usize = 64;
-
-/// Channels with less than this share of the mean luminance are nearly black: their errors are relative to
-/// the luminance.
-const BLACK: f64 = 0.01;
 
 /// Directions at one roughness at which look-ups are compared with lobes.
 #[derive(Clone, Debug)]
@@ -71,12 +68,8 @@ impl Probe {
             }
         }
         let whole: f64 = self.weights.iter().sum();
-        let relative = |c: usize| match (squares[c] > 0.0, self.means[c] > 0.0) {
-            (false, _) => 0.0,
-            (true, true) => (squares[c] / whole).sqrt() / self.means[c],
-            (true, false) => 1.0,
-        };
-        (0..3).map(relative).fold(0.0, f64::max)
+        let error = |c: usize| relative((squares[c] / whole).sqrt(), self.means[c]);
+        (0..3).map(error).fold(0.0, f64::max)
     }
 }
 
@@ -113,8 +106,8 @@ impl Lights {
             whole += weight;
             sums = std::array::from_fn(|c| sums[c] + weight * f64::from(texel[c]));
         }
-        let luminance = exact_luminance(sums);
-        let means = sums.map(|sum| if sum < BLACK * luminance { luminance } else { sum } / whole);
+        let [_, red, green, blue] = scales(sums);
+        let means = [red, green, blue].map(|sum| sum / whole);
         // Of the channel that is brightest, over its mean.
         let per_mean = means.map(|mean| 1.0 / mean.max(f64::MIN_POSITIVE));
         let light = |texel: &Rgb| (0..3).map(|c| f64::from(texel[c]) * per_mean[c]).fold(0.0, f64::max);

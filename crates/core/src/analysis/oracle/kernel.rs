@@ -7,30 +7,16 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, SQRT_2};
 /// The lobe's profile.
 #[derive(Clone, Copy, Debug)]
 pub enum Profile {
-    /// GGX.
-    Ggx {
-        /// Alpha^2.
-        alpha_squared: f64,
-    },
-    /// A power of the cosine.
-    Phong {
-        /// The exponent.
-        exponent: f64,
-    },
-    /// Constant up to an angle.
-    Cone {
-        /// The angle.
-        half_angle: f64,
-        /// Its cosine.
-        cosine: f64,
-    },
+    /// GGX of this alpha^2.
+    Ggx(f64),
+    /// This power of the cosine.
+    Phong(f64),
+    /// Constant up to the angle of this cosine.
+    Cone(f64),
     /// The cosine.
     Cosine,
-    /// A power of the versine, times the cosine.
-    Charlie {
-        /// The power.
-        power: f64,
-    },
+    /// This power of the versine, times the cosine.
+    Charlie(f64),
 }
 
 /// Where a cap lies with respect to the boundary of a lobe's support.
@@ -66,26 +52,22 @@ impl Kernel {
     /// `roughness` in (0, 1], `direction` of unit length.
     pub fn new(lobe: Lobe, roughness: f64, direction: DVec3) -> Self {
         let alpha_squared = roughness.powi(4);
+        let half_angle = if lobe == Lobe::Cone { roughness * FRAC_PI_2 } else { FRAC_PI_2 };
         let profile = match lobe {
-            Lobe::Ggx => Profile::Ggx { alpha_squared },
+            Lobe::Ggx => Profile::Ggx(alpha_squared),
             // At roughness 1 the exponent is 0 and the lobe a hemisphere.
-            Lobe::Phong if roughness == 1.0 => Profile::Cone { half_angle: FRAC_PI_2, cosine: 0.0 },
-            Lobe::Phong => Profile::Phong { exponent: 2.0 / alpha_squared - 2.0 },
-            Lobe::Cone => {
-                let half_angle = roughness * FRAC_PI_2;
-                Profile::Cone { half_angle, cosine: half_angle.cos() }
-            }
+            Lobe::Phong if roughness == 1.0 => Profile::Cone(0.0),
+            Lobe::Phong => Profile::Phong(2.0 / alpha_squared - 2.0),
+            Lobe::Cone => Profile::Cone(half_angle.cos()),
             Lobe::Cosine => Profile::Cosine,
-            Lobe::Charlie => {
-                Profile::Charlie { power: 1.0 / (2.0 * roughness.max(MIN_CHARLIE_ROUGHNESS).powi(2)) }
-            }
+            Lobe::Charlie => Profile::Charlie(1.0 / (2.0 * roughness.max(MIN_CHARLIE_ROUGHNESS).powi(2))),
         };
         let support = match profile {
-            Profile::Cone { half_angle, .. } => 2.0 * (half_angle / 2.0).sin(),
-            Profile::Ggx { .. } | Profile::Phong { .. } | Profile::Cosine | Profile::Charlie { .. } => SQRT_2,
+            Profile::Cone(_) => 2.0 * (half_angle / 2.0).sin(),
+            Profile::Ggx(_) | Profile::Phong(_) | Profile::Cosine | Profile::Charlie(_) => SQRT_2,
         };
         let vanishes = match profile {
-            Profile::Phong { exponent } => (-2.0 * (-NOTHING / exponent).exp_m1()).sqrt().min(support),
+            Profile::Phong(exponent) => (-2.0 * (-NOTHING / exponent).exp_m1()).sqrt().min(support),
             _ => support,
         };
         Self { direction, profile, support, vanishes }
@@ -100,7 +82,7 @@ impl Kernel {
     /// Whether the support ends at a great circle.
     pub fn is_hemisphere(&self) -> bool {
         match self.profile {
-            Profile::Cone { cosine, .. } => cosine < 1e-15,
+            Profile::Cone(cosine) => cosine < 1e-15,
             _ => true,
         }
     }
@@ -110,7 +92,7 @@ impl Kernel {
     pub fn depth(&self, point: DVec3) -> f64 {
         let along = self.direction.dot(point);
         match self.profile {
-            Profile::Cone { cosine, .. } => along - cosine * point.length(),
+            Profile::Cone(cosine) => along - cosine * point.length(),
             _ => along,
         }
     }
@@ -130,7 +112,7 @@ impl Kernel {
     /// The kernel at `point` of squared length `length_squared`.
     pub fn at(&self, point: DVec3, length_squared: f64) -> f64 {
         let cosine = self.direction.dot(point) / length_squared.sqrt();
-        if let Profile::Cone { cosine: edge, .. } = self.profile {
+        if let Profile::Cone(edge) = self.profile {
             return f64::from(u8::from(cosine >= edge));
         }
         if cosine <= 0.0 {
@@ -139,33 +121,33 @@ impl Kernel {
         // sin^2(theta/2) = sin^2(theta) / (2 + 2 cos(theta)): exact to rounding at the peak.
         let half = self.direction.cross(point).length_squared() / (2.0 * length_squared * (1.0 + cosine));
         match self.profile {
-            Profile::Ggx { alpha_squared } => {
+            Profile::Ggx(alpha_squared) => {
                 let spread = alpha_squared + (1.0 - alpha_squared) * half;
                 FRAC_1_PI * alpha_squared * cosine / (spread * spread)
             }
-            Profile::Phong { exponent } if half < 0.25 => (exponent * (-2.0 * half).ln_1p()).exp(),
-            Profile::Phong { exponent } => cosine.powf(exponent),
-            Profile::Charlie { power } => (2.0 * half).powf(power) * cosine,
-            Profile::Cosine | Profile::Cone { .. } => cosine,
+            Profile::Phong(exponent) if half < 0.25 => (exponent * (-2.0 * half).ln_1p()).exp(),
+            Profile::Phong(exponent) => cosine.powf(exponent),
+            Profile::Charlie(power) => (2.0 * half).powf(power) * cosine,
+            Profile::Cosine | Profile::Cone(_) => cosine,
         }
     }
 
     /// The kernel as a function of the cosine, and its second derivative; inside the support.
     pub fn curve(&self, cosine: f64) -> (f64, f64) {
         match self.profile {
-            Profile::Ggx { alpha_squared } => {
+            Profile::Ggx(alpha_squared) => {
                 let slope = (1.0 - alpha_squared) / 2.0;
                 let inverse = 1.0 / (alpha_squared + slope * (1.0 - cosine));
                 let scale = FRAC_1_PI * alpha_squared * inverse * inverse;
                 (scale * cosine, scale * slope * inverse * (4.0 + 6.0 * slope * cosine * inverse))
             }
-            Profile::Phong { exponent } => {
+            Profile::Phong(exponent) => {
                 let value = cosine.powf(exponent);
                 (value, exponent * (exponent - 1.0) * value / (cosine * cosine))
             }
-            Profile::Cone { .. } => (1.0, 0.0),
+            Profile::Cone(_) => (1.0, 0.0),
             Profile::Cosine => (cosine, 0.0),
-            Profile::Charlie { power } => {
+            Profile::Charlie(power) => {
                 let versine = 1.0 - cosine;
                 let rise = versine.powf(power);
                 let bend = power * rise / versine * ((power - 1.0) * cosine / versine - 2.0);
@@ -174,30 +156,25 @@ impl Kernel {
         }
     }
 
-    /// The kernel over a texel of `solid_angle`, across the edge of the support, as if cosines were spread
-    /// evenly over `cosine` +- `half_width`; and how far off that may be.
-    pub fn estimate_at_edge(&self, cosine: f64, half_width: f64, solid_angle: f64) -> (f64, f64) {
-        let (mean, doubt) = self.mean_at_edge(cosine, half_width);
-        (mean * solid_angle, doubt * solid_angle)
-    }
-
-    fn mean_at_edge(&self, cosine: f64, half_width: f64) -> (f64, f64) {
-        if let Profile::Cone { cosine: edge, .. } = self.profile {
+    /// The kernel's mean over a texel across the edge of the support, as if cosines were spread evenly over
+    /// `cosine` +- `half_width`; and how far off that may be.
+    pub fn mean_at_edge(&self, cosine: f64, half_width: f64) -> (f64, f64) {
+        if let Profile::Cone(edge) = self.profile {
             return (((cosine - edge) / half_width / 2.0 + 0.5).clamp(0.0, 1.0), 0.3);
         }
         let inside = (cosine + half_width).clamp(0.0, 2.0 * half_width);
         let mean = if cosine > half_width { cosine } else { inside * inside / (4.0 * half_width) };
         match self.profile {
-            Profile::Phong { exponent } => (mean.powf(exponent), (2.0 * half_width).powf(exponent)),
-            Profile::Ggx { alpha_squared } => {
+            Profile::Phong(exponent) => (mean.powf(exponent), (2.0 * half_width).powf(exponent)),
+            Profile::Ggx(alpha_squared) => {
                 let slope = 4.0 * FRAC_1_PI * alpha_squared / ((1.0 + alpha_squared) * (1.0 + alpha_squared));
                 (slope * mean, slope * half_width / 8.0)
             }
-            Profile::Charlie { power } => {
+            Profile::Charlie(power) => {
                 let rise = (1.0 - mean).powf(power);
                 (rise * mean, half_width / 8.0 + power * half_width * half_width)
             }
-            Profile::Cosine | Profile::Cone { .. } => (mean, half_width / 8.0),
+            Profile::Cosine | Profile::Cone(_) => (mean, half_width / 8.0),
         }
     }
 
@@ -205,14 +182,14 @@ impl Kernel {
     /// length over which quadrature must resolve it. At most 1, where the maps of the sphere have theirs.
     pub fn reach(&self, distance: f64) -> f64 {
         match self.profile {
-            Profile::Ggx { alpha_squared } => (distance * distance + 4.0 * alpha_squared).sqrt().min(1.0),
+            Profile::Ggx(alpha_squared) => (distance * distance + 4.0 * alpha_squared).sqrt().min(1.0),
             // An entire function: the length over which it changes by a factor e^3.
-            Profile::Phong { exponent } => {
+            Profile::Phong(exponent) => {
                 let felt = distance.min((2.0 * FAINT / (exponent + 1.0)).sqrt());
                 (3.0 / ((exponent + 1.0).sqrt() + exponent * felt)).min(1.0)
             }
-            Profile::Charlie { power } => charlie_reach(power, distance, 3.0),
-            Profile::Cone { .. } | Profile::Cosine => 1.0,
+            Profile::Charlie(power) => charlie_reach(power, distance, 3.0),
+            Profile::Cone(_) | Profile::Cosine => 1.0,
         }
     }
 
@@ -220,7 +197,7 @@ impl Kernel {
     /// Gauss's rule of order 8 misses 1e-9 of a change by a factor e^7.
     pub fn panel(&self, distance: f64) -> f64 {
         match self.profile {
-            Profile::Charlie { power } => charlie_reach(power, distance, 6.0),
+            Profile::Charlie(power) => charlie_reach(power, distance, 6.0),
             _ => self.reach(distance),
         }
     }

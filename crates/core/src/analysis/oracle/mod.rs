@@ -18,7 +18,7 @@ use crate::geometry::exact::patch::Accuracy;
 use crate::light::environment::{Environment, Layout, Rgb};
 use crate::lobe::Lobe;
 use crate::sphere::{cube, equirect, octahedral};
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use integrate::over_texel;
 use kernel::{Kernel, MIRROR, Side};
 
@@ -53,19 +53,9 @@ struct EdgeTexel {
     doubt: f64,
 }
 
-/// Sums of L K and of K.
-struct WeightedSum {
-    radiance: [f64; 3],
-    kernel: f64,
-}
-
-impl WeightedSum {
-    fn add(&mut self, kernel: f64, radiance: Rgb) {
-        self.kernel += kernel;
-        for (sum, channel) in self.radiance.iter_mut().zip(radiance) {
-            *sum += kernel * f64::from(channel);
-        }
-    }
+/// What the sums of L K, and of K in the last component, grow by for K = 1.
+fn summand([r, g, b]: Rgb) -> DVec4 {
+    DVec4::new(r.into(), g.into(), b.into(), 1.0)
 }
 
 impl<'a> Oracle<'a> {
@@ -112,7 +102,7 @@ impl<'a> Oracle<'a> {
         };
         let radiance = self.environment.texels();
         let frames: Vec<DVec3> = self.texels.frames().iter().map(|f| *f * direction).collect();
-        let mut sum = WeightedSum { radiance: [0.0; 3], kernel: 0.0 };
+        let mut sum = DVec4::ZERO;
         let mut edge = Vec::new();
         self.texels.for_each(|index, block, frame| {
             let texel = &self.texels.blocks()[block];
@@ -130,14 +120,14 @@ impl<'a> Oracle<'a> {
                 Side::Outside => {}
                 Side::Inside if smooth => {
                     let (value, curvature) = kernel.curve(cosine);
-                    sum.add((value + curvature * variance / 2.0) * texel.solid_angle, radiance[index]);
+                    sum +=
+                        (value + curvature * variance / 2.0) * texel.solid_angle * summand(radiance[index]);
                 }
-                Side::Inside => {
-                    sum.add(integral(block, &kernel, 0), radiance[index]);
-                }
+                Side::Inside => sum += integral(block, &kernel, 0) * summand(radiance[index]),
                 Side::Across => {
+                    let edges = kernel.mean_at_edge(cosine, (3.0 * variance).sqrt());
                     let (mut estimate, mut doubt) =
-                        kernel.estimate_at_edge(cosine, (3.0 * variance).sqrt(), texel.solid_angle);
+                        (edges.0 * texel.solid_angle, edges.1 * texel.solid_angle);
                     if !smooth {
                         estimate = integral(block, &kernel, 2);
                         doubt /= 8.0;
@@ -148,7 +138,7 @@ impl<'a> Oracle<'a> {
         });
         let brightest = |rgb: Rgb| f64::from(rgb[0].max(rgb[1]).max(rgb[2]));
         let total = edge.iter().map(|e| e.estimate * brightest(e.radiance)).sum::<f64>()
-            + sum.radiance.iter().copied().fold(0.0, f64::max);
+            + sum.truncate().max_element().max(0.0);
         // A cone inside one texel may have no estimate of its own integral; without light there is nothing to
         // refine.
         if total == 0.0 && edge.iter().all(|texel| texel.radiance == [0.0; 3]) {
@@ -156,7 +146,7 @@ impl<'a> Oracle<'a> {
         }
         // Without light, estimates do not bound the mean: refine all, as if it were the greatest.
         let mean = if total > 0.0 {
-            total / (edge.iter().map(|e| e.estimate).sum::<f64>() + sum.kernel)
+            total / (edge.iter().map(|e| e.estimate).sum::<f64>() + sum.w)
         } else {
             edge.iter().map(|e| brightest(e.radiance)).fold(0.0, f64::max)
         };
@@ -171,13 +161,13 @@ impl<'a> Oracle<'a> {
             } else {
                 texel.estimate
             };
-            sum.add(value, texel.radiance);
+            sum += value * summand(texel.radiance);
         }
-        if sum.kernel == 0.0 {
+        if sum.w == 0.0 {
             // A cone that falls between all samples lies inside the texel looked at.
             return self.texel_towards(direction).map(f64::from);
         }
-        sum.radiance.map(|channel| channel / sum.kernel)
+        (sum.truncate() / sum.w).to_array()
     }
 
     /// Radiance of the texel that `direction` (of the source, unit length) falls in.

@@ -8,7 +8,7 @@ use crate::geometry::exact::patch::{Accuracy, Patch, Sample, finest_rule};
 use crate::geometry::exact::{cube_texel, for_each_octahedral_piece, panorama_texel};
 use crate::light::environment::Layout;
 use crate::lobe::Lobe;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Relative accuracy over a piece.
@@ -35,15 +35,14 @@ impl Reflection {
     }
 
     /// D V (n.l) without and with (1 - v.h)^5, towards the unit vector `light`.
-    fn at(&self, light: DVec3) -> [f64; 2] {
+    fn at(&self, light: DVec3) -> DVec2 {
         let half = (light + self.view).normalize();
         let [x, y] = [half.dot(self.tangent) / self.alpha[0], half.dot(self.bitangent) / self.alpha[1]];
         let bend = x * x + y * y + half.dot(self.normal).powi(2);
         let distribution = 1.0 / (PI * self.alpha[0] * self.alpha[1] * bend * bend);
         let (nl, nv) = (light.dot(self.normal).max(0.0), self.view.dot(self.normal));
         let visible = 0.5 / (nl * self.masking(self.view) + nv * self.masking(light)).max(f64::MIN_POSITIVE);
-        let value = distribution * visible * nl;
-        [value, value * (1.0 - self.view.dot(half)).powi(5)]
+        distribution * visible * nl * DVec2::new(1.0, (1.0 - self.view.dot(half)).powi(5))
     }
 
     /// The length over which the reflection changes within a cap of chord `radius`.
@@ -60,56 +59,48 @@ impl Reflection {
 
     /// The integral over `patch`; pieces that the horizon crosses are split `edge_levels` times until it is
     /// cut.
-    fn over<P: Cut>(&self, patch: &P, accuracy: &Accuracy, edge_levels: u32) -> [f64; 2] {
+    fn over<P: Cut>(&self, patch: &P, accuracy: &Accuracy, edge_levels: u32) -> DVec2 {
         let (centre, radius) = patch.cap();
-        let mut sums = [0.0; 2];
-        let mut add = |own: [f64; 2]| sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
         match self.above.side(centre, radius) {
-            Side::Outside => {}
-            Side::Inside => add(self.inside(patch, accuracy, 0)),
+            Side::Outside => DVec2::ZERO,
+            Side::Inside => self.inside(patch, accuracy, 0),
             Side::Across => {
-                if !patch.cut(&self.above, &mut |piece| add(self.inside(&piece, accuracy, 0))) {
-                    if edge_levels == 0 {
-                        add(self.inside(patch, accuracy, 0));
-                    } else {
-                        patch.split().iter().for_each(|p| add(self.over(p, accuracy, edge_levels - 1)));
-                    }
+                let mut sum = DVec2::ZERO;
+                if patch.cut(&self.above, &mut |piece| sum += self.inside(&piece, accuracy, 0)) {
+                    sum
+                } else if edge_levels == 0 {
+                    self.inside(patch, accuracy, 0)
+                } else {
+                    patch.split().iter().map(|p| self.over(p, accuracy, edge_levels - 1)).sum()
                 }
             }
         }
-        sums
     }
 
     /// The integral over block `block` of `layout`, in whose space this is.
-    fn over_block(&self, layout: Layout, block: usize, accuracy: &Accuracy) -> [f64; 2] {
+    fn over_block(&self, layout: Layout, block: usize, accuracy: &Accuracy) -> DVec2 {
         match layout {
             Layout::Panorama { width, height } => {
                 self.over(&panorama_texel(width, height, block), accuracy, EDGE_LEVELS)
             }
             Layout::Cube { size } => self.over(&cube_texel(size, block), accuracy, EDGE_LEVELS),
             Layout::Octahedral { size } => {
-                let mut sums = [0.0; 2];
-                for_each_octahedral_piece(size, block, |piece| {
-                    let own = self.over(&piece, accuracy, EDGE_LEVELS);
-                    sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-                });
-                sums
+                let mut sum = DVec2::ZERO;
+                for_each_octahedral_piece(size, block, |p| sum += self.over(&p, accuracy, EDGE_LEVELS));
+                sum
             }
         }
     }
 
-    fn inside<P: Patch>(&self, patch: &P, accuracy: &Accuracy, level: u32) -> [f64; 2] {
+    fn inside<P: Patch>(&self, patch: &P, accuracy: &Accuracy, level: u32) -> DVec2 {
         let (centre, radius) = patch.cap();
         let side = (SQRT_2 * radius / self.reach(centre, radius)).max(patch.bend());
-        let mut sums = [0.0; 2];
-        let mut add = |own: [f64; 2]| sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-        match accuracy.rule(side).or_else(|| (level == 24).then(finest_rule)) {
-            Some(rule) => patch.sample(rule, &mut |s: Sample| {
-                add(self.at(s.point / s.length_squared.sqrt()).map(|value| value * s.weight));
-            }),
-            None => patch.split().iter().for_each(|p| add(self.inside(p, accuracy, level + 1))),
-        }
-        sums
+        let Some(rule) = accuracy.rule(side).or_else(|| (level == 24).then(finest_rule)) else {
+            return patch.split().iter().map(|p| self.inside(p, accuracy, level + 1)).sum();
+        };
+        let mut sum = DVec2::ZERO;
+        patch.sample(rule, &mut |s: Sample| sum += self.at(s.point / s.length_squared.sqrt()) * s.weight);
+        sum
     }
 }
 
@@ -138,7 +129,7 @@ pub fn reflection(oracle: &Oracle<'_>, frame: &Frame, roughness: f64, anisotropy
             above: cosine.around(*turn * axes.z_axis),
         })
         .collect();
-    let mut sums = [[0.0; 3]; 2];
+    let mut sums = [DVec3::ZERO; 2];
     oracle.texels.for_each(|index, block, frame| {
         let radiance = oracle.environment.texels()[index];
         let (texel, reflection) = (&oracle.texels.blocks()[block], &turned[frame]);
@@ -146,9 +137,8 @@ pub fn reflection(oracle: &Oracle<'_>, frame: &Frame, roughness: f64, anisotropy
             return;
         }
         let own = reflection.over_block(layout, block, &accuracy);
-        for (sum, own) in sums.iter_mut().zip(own) {
-            sum.iter_mut().zip(radiance).for_each(|(sum, channel)| *sum += own * f64::from(channel));
-        }
+        let light = DVec3::from(radiance.map(f64::from));
+        sums = [sums[0] + own.x * light, sums[1] + own.y * light];
     });
-    sums
+    sums.map(DVec3::into)
 }
