@@ -31,15 +31,6 @@ pub enum Addressing {
     Repeat,
 }
 
-/// Arrangement of the octahedron's faces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum OemLayout {
-    /// Both hemispheres in one square.
-    Quadratic,
-    /// One array layer per hemisphere.
-    Rectangular,
-}
-
 /// A level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MipLevel {
@@ -50,9 +41,10 @@ pub struct MipLevel {
 }
 
 /// An octahedral map and its mip levels.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct OemMips {
-    arrangement: OemLayout,
+    /// Layer and coordinates in [-1, 1]^2 of a direction: both hemispheres in one square, or a layer of each.
+    place: fn(DVec3) -> (u32, DVec2),
     inner: u32,
     border: u32,
     levels: Vec<MipLevel>,
@@ -63,7 +55,7 @@ impl OemMips {
     pub fn quadratic(oem: &Oem, weights: Weights) -> Self {
         let (inner, border) = (oem.size().inner, oem.size().border);
         let texels = oem.texels().iter().map(|texel| texel.map(f64::from)).collect();
-        Self::halved(OemLayout::Quadratic, (inner, border), texels, weights)
+        Self::halved(|direction| (0, oct_from_direction(direction)), (inner, border), texels, weights)
     }
 
     /// The rectangular layout with one layer of `inner` texels along an edge per hemisphere, upper one first,
@@ -89,12 +81,12 @@ impl OemMips {
                 texels.push(own[(at.y * 2 * inner + at.x) as usize]);
             }
         }
-        Self::halved(OemLayout::Rectangular, (inner, border), texels, weights)
+        Self::halved(rectangular_place, (inner, border), texels, weights)
     }
 
     /// The levels of `texels` (energy and solid angle), halved as long as their side is even.
     fn halved(
-        arrangement: OemLayout,
+        place: fn(DVec3) -> (u32, DVec2),
         (inner, border): (u32, u32),
         mut texels: Vec<[f64; 4]>,
         weights: Weights,
@@ -111,7 +103,7 @@ impl OemMips {
                 |[red, green, blue, w]: &[f64; 4]| [red / w, green / w, blue / w].map(|c| c as f32);
             levels.push(MipLevel { side: side as u32, texels: texels.iter().map(radiance).collect() });
             if !side.is_multiple_of(2) {
-                return Self { arrangement, inner, border, levels };
+                return Self { place, inner, border, levels };
             }
             // Layers have an even number of rows, so rows of blocks do not cross them.
             texels = texels
@@ -145,10 +137,7 @@ impl OemMips {
 
     /// Layer and coordinates in [-1, 1]^2 of `direction`.
     pub fn place(&self, direction: DVec3) -> (u32, DVec2) {
-        match self.arrangement {
-            OemLayout::Quadratic => (0, oct_from_direction(direction)),
-            OemLayout::Rectangular => rectangular_place(direction),
-        }
+        (self.place)(direction)
     }
 
     /// Radiance at `direction` and `level`, trilinear. Levels are clamped to those whose look-ups are right.

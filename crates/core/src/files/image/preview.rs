@@ -79,8 +79,9 @@ pub fn contact_sheet(chain: &Chain, origin: Origin<'_>, exposure: Exposure) -> R
         Some(environment) => Cow::Borrowed(environment),
         None => Cow::Owned(Environment::new(chain.levels[0].layout, chain.levels[0].texels.clone())?),
     };
-    let lights = Lights::new(&source, origin.removed);
-    let camera = Camera::lit_by(lights.key);
+    let lights = marked(&source, origin.removed);
+    let key = lights.first().map(|(_, direction)| *direction).or_else(|| brighter_side(&source));
+    let camera = Camera::lit_by(key);
     let lookup = ChainLookup::new(&chain.levels);
     let seen = Seen { lookup, backdrop: backdrop as f64, camera };
     let metered: Vec<Rgb> = (0..chain.levels.len()).flat_map(|level| seen.metered(level as f64)).collect();
@@ -96,13 +97,8 @@ pub fn contact_sheet(chain: &Chain, origin: Origin<'_>, exposure: Exposure) -> R
     let caption = caption(origin, exposure, rolloff.ev);
     let (mut scene, body) = page(extent.x + 2.0 * MARGIN, extent.y, origin.name, &caption);
     let width = PANORAMA as f64 * cell.x - GAP;
-    draw_panorama(
-        &mut scene,
-        Frame::new(body.low, body.low + DVec2::new(width, cell.y - GAP)),
-        &source,
-        &lights,
-        &rolloff,
-    )?;
+    let frame = Frame::new(body.low, body.low + DVec2::new(width, cell.y - GAP));
+    draw_panorama(&mut scene, frame, &source, &lights, &rolloff)?;
     for (index, level) in chain.levels.iter().enumerate() {
         let at = PANORAMA + index;
         let low = body.low + DVec2::new((at % columns) as f64, (at / columns) as f64) * cell;
@@ -159,25 +155,11 @@ pub fn stacked(sheets: &[Scene]) -> Bitmap {
     all
 }
 
-/// The lights that a sheet marks.
-struct Lights {
-    /// Names and directions; removed lights first.
-    marked: Vec<(String, DVec3)>,
-    /// The direction that the camera is placed by.
-    key: Option<DVec3>,
-}
-
-impl Lights {
-    fn new(source: &Environment, removed: &[DVec3]) -> Self {
-        let mut marked: Vec<(String, DVec3)> =
-            removed.iter().map(|direction| ("removed light".to_owned(), *direction)).collect();
-        if let Some(sun) = Sun::find(source) {
-            let name = if sun.kind == Brightest::Sun { "sun" } else { "brightest light" };
-            marked.push((name.to_owned(), sun.direction));
-        }
-        let key = marked.first().map(|(_, direction)| *direction).or_else(|| brighter_side(source));
-        Self { marked, key }
-    }
+/// Names and directions of the lights that a sheet marks; removed lights first.
+fn marked(source: &Environment, removed: &[DVec3]) -> Vec<(&'static str, DVec3)> {
+    let sun = Sun::find(source)
+        .map(|sun| (if sun.kind == Brightest::Sun { "sun" } else { "brightest light" }, sun.direction));
+    removed.iter().map(|direction| ("removed light", *direction)).chain(sun).collect()
 }
 
 /// Least excess of the brighter side of an environment, as a share of all its light.
@@ -293,7 +275,7 @@ fn draw_panorama(
     scene: &mut Scene,
     frame: Frame,
     source: &Environment,
-    lights: &Lights,
+    lights: &[(&str, DVec3)],
     rolloff: &Rolloff,
 ) -> Result<()> {
     let width = frame.extent().x;
@@ -305,7 +287,7 @@ fn draw_panorama(
     let low = frame.low + DVec2::new(0.0, LABELS);
     draw_outlined(scene, low, pixels);
     let bounds = Frame::new(low, low + DVec2::new(width, f64::from(rows)));
-    for (name, direction) in &lights.marked {
+    for (name, direction) in lights {
         let (u, v) = equirect_from_direction(*direction);
         let at = (low + DVec2::new(u, v) * bounds.extent()).clamp(low + RING, bounds.high - RING);
         for (stroke, colour) in [(4.5, INK), (2.0, PAPER)] {
@@ -314,14 +296,14 @@ fn draw_panorama(
         scene.label(at, name, TINY, RING + 6.0, &bounds);
     }
     let degrees = |radians: f64| signed(radians.to_degrees(), 1);
-    let mut lines: Vec<String> = (lights.marked.iter().take(LISTED))
+    let mut lines: Vec<String> = (lights.iter().take(LISTED))
         .map(|(name, direction)| {
             let azimuth = degrees(direction.z.atan2(direction.x));
             let elevation = degrees(direction.y.atan2(direction.x.hypot(direction.z)));
             format!("{name}: azimuth {azimuth}\u{b0}, elevation {elevation}\u{b0}")
         })
         .collect();
-    let more = lights.marked.len().saturating_sub(LISTED);
+    let more = lights.len().saturating_sub(LISTED);
     if more > 0 {
         lines.push(format!("and {more} more"));
     }
