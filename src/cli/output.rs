@@ -6,7 +6,7 @@ use super::input::InputFiles;
 use super::outcome::{Outcome, failed, print_bytes, usage};
 use crate::files::{Container, Existing, Made, Pixel};
 use crate::recipes::{BakePlan, OutputFileReport, Products, Report, SunFile, json_bytes, report_path};
-use crate::targets::{Content, LevelName, Naming, Shown};
+use crate::targets::{Content, LevelName, Shown};
 use crate::{Error, Layout, LevelSpec, Result};
 use blake3::Hash;
 use octagloss_core::files::export::produce::{beside, within};
@@ -80,8 +80,7 @@ impl Outputs {
                 |roughness: f64| settings.bounds && !(roughness == 0.0 && settings.lobe.has_mirror());
             let levels = (0..).zip(&specs).filter(|(_, spec)| bounded(spec.roughness));
             let bounded: Vec<u32> = levels.map(|(level, _)| level).collect();
-            let shape = Naming { name: &self.name, levels: specs.len() as u32, bounded: &bounded };
-            for (path, content) in files.files(&shape) {
+            for (path, content) in files.files(&self.name, specs.len() as u32, &bounded) {
                 let description = description(plan, &specs, content);
                 planned.push((within(common.plans.len() > 1, plan, &path), description));
             }

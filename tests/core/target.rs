@@ -10,7 +10,7 @@ use octagloss_core::files::format::Pixel;
 use octagloss_core::files::format::container::Container;
 use octagloss_core::files::io::{ReadOptions, read_from_memory};
 use octagloss_core::files::target::{
-    Content, Diffuse, Flip, Naming, TARGETS, Target, TargetPlan, flipped, is_target_file,
+    Content, Diffuse, Flip, TARGETS, Target, TargetPlan, flipped, is_target_file,
 };
 use octagloss_core::light::chain::ChainKind;
 use octagloss_core::light::environment::{Map, Rgb};
@@ -109,7 +109,7 @@ fn parse_glb(bytes: &[u8]) -> (Vec<Vec<Rgb>>, serde_json::Value) {
 
 /// The file with `content` among those `made` for `plan`.
 fn file_with<'a>(plan: &TargetPlan, made: &'a [Made], content: Content) -> Option<&'a Made> {
-    let planned = plan.files(&Naming { name: "any", levels: 1, bounded: &[] });
+    let planned = plan.files("any", 1, &[]);
     assert_eq!(planned.len(), made.len(), "one for one");
     planned.iter().zip(made).find(|((_, planned), _)| *planned == content).map(|(_, file)| file)
 }

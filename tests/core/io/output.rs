@@ -9,10 +9,9 @@ use std::fs;
 use std::path::Path;
 
 /// Writes a folder as a bake does, staged and committed.
-fn write_folder<T>(path: &Path, existing: Existing, write: impl FnOnce(&Path) -> Result<T>) -> Result<T> {
-    let (staged, value) = stage_folder(path, existing, write)?;
-    commit(vec![staged])?;
-    Ok(value)
+fn write_folder(path: &Path, existing: Existing, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+    let staged = stage_folder(path, existing, write)?;
+    commit(vec![staged])
 }
 
 #[test]

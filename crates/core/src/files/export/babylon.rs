@@ -10,7 +10,6 @@ use crate::common::parallel;
 use crate::files::format::container::ENV_MAGIC;
 use crate::files::format::rgbd::rgbd_png_bytes;
 use crate::files::target::Flip;
-use crate::files::target::sizes::check_env;
 use crate::light::chain::Chain;
 use crate::light::sh::scale::{ShScale, scaled};
 use crate::sphere::cube::Face;
@@ -21,10 +20,9 @@ use std::f64::consts::PI;
 /// radiance.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for a size that is not a power of two, and for missing levels.
+/// [`crate::common::error::Error::Parameter`] for faces that PNG cannot hold.
 pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<Vec<u8>> {
     let size = chain.levels.first().map_or(0, |level| level.size());
-    check_env(size, chain.levels.len() as u32)?;
     let images = png_faces(chain)?;
     let mut position = 0;
     let mipmaps: Vec<Value> = images

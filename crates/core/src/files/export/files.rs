@@ -7,16 +7,17 @@ use crate::common::parallel;
 use crate::files::format::container::Container;
 use crate::files::format::{LevelName, Pixel, Shown};
 use crate::files::io::cube_write::cube_bytes;
-use crate::files::io::exr::write::{Attribute, Samples, exr_bytes};
+use crate::files::io::exr::parts::mips_bytes;
+use crate::files::io::exr::write::{Samples, attributes, exr_bytes};
 use crate::files::io::hdr::hdr_bytes;
+use crate::files::io::ktx2::write::ROUGHNESS_KEY;
 use crate::files::io::layout::image_from_faces;
-use crate::files::io::level_images::{ImageFormat, image_bytes, mips_bytes};
 use crate::files::io::oem_write::oem_bytes;
 use crate::files::io::provenance::{IRRADIANCE, RECIPE_KEY, TakenSun};
 use crate::files::io::pyramid_write::{cubes_bytes, squares_bytes, tables_bytes};
 use crate::files::recipe::source::SunReport;
 use crate::files::recipe::{Recipe, fields};
-use crate::files::target::{Content, Naming, TargetPlan, flipped, flipped_chain};
+use crate::files::target::{Content, TargetPlan, flipped, flipped_chain};
 use crate::light::chain::{Chain, ChainKind, Level};
 use crate::light::environment::Rgb;
 use crate::light::sh::scale::{ShScale, scaled};
@@ -61,13 +62,13 @@ pub fn files(
         return wrong(format!("a bake of {count} spherical harmonics; targets need 9 or more"));
     }
     let levels = &bake.chain.levels;
+    plan.check_sizes(levels.first().map_or(0, Level::size), levels.len() as u32)?;
     let bounded: Vec<u32> = (0..).zip(levels).filter(|(_, l)| l.bounds.is_some()).map(|(k, _)| k).collect();
-    let shape = Naming { name, levels: levels.len() as u32, bounded: &bounded };
     let make = |(path, content): (String, Content)| {
         let (bytes, clamped) = file_of(plan, name, bake, metadata, readers, (&path, content))?;
         Ok(Made { path, bytes, clamped })
     };
-    parallel::map(plan.files(&shape), make).into_iter().collect()
+    parallel::map(plan.files(name, levels.len() as u32, &bounded), make).into_iter().collect()
 }
 
 /// The bytes of the file at `path` of `plan` with `content`, and its clamped texels as in [`Made`].
@@ -91,7 +92,14 @@ fn file_of(
             Content::Irradiance => irradiated(),
             _ => Vec::new(),
         };
-        let pairs = cube_metadata(plan, bake, &recorded(metadata, &own), sh);
+        let mut pairs = Vec::new();
+        if plan.container == Container::Ktx1 && sh {
+            // Filament's key: nine lines of three numbers; Ktx1Bundle::getSphericalHarmonics reads 27 of them.
+            let line = |[r, g, b]: [f64; 3]| format!("{r:e} {g:e} {b:e}\n");
+            let lines = scaled(&bake.sh, ShScale::Filament).into_iter().map(line).collect();
+            pairs.push(("sh".to_owned(), lines));
+        }
+        pairs.extend(of_target(plan, &recorded(metadata, &own)));
         Ok((cube_bytes(container, chain, pixel, &pairs)?, clamped(&chain.levels, pixel)))
     };
     let cubes = |chain: &Chain, sh: bool| flipped_cube(&flipped_chain(chain, plan.flip), sh);
@@ -177,17 +185,13 @@ fn image_file(
     };
     let (size, area) = (level.size(), level.size() as usize * level.size() as usize);
     let roughness = matches!(name.shown, Shown::Level(_)).then_some(level.roughness);
+    // Those of EXR files; bounds beside other levels have none.
+    let is_exr = plan.container == Container::Exr;
+    let attributes = if is_exr { attributes(roughness, metadata.iter().cloned()) } else { Vec::new() };
     if name.is_bound {
         let bounds = level.bounds.as_ref().ok_or_else(|| missing("a bound"))?;
         let bounds = &bounds[name.face.map_or(0, Face::index) * area..][..area];
-        let samples = Samples::Luminance(bounds);
-        // Bounds written with EXR levels have their own metadata.
-        let bytes = if plan.container == Container::Exr {
-            let format = ImageFormat { container: Container::Exr, pixel: Pixel::F32, roughness, metadata };
-            image_bytes(size, samples, &format)?
-        } else {
-            exr_bytes(size, size, samples, Pixel::F32, &[])?
-        };
+        let bytes = exr_bytes(size, size, Samples::Luminance(bounds), Pixel::F32, &attributes)?;
         return Ok((bytes, Vec::new()));
     }
     let (width, texels) = match name.face {
@@ -199,8 +203,16 @@ fn image_file(
     };
     // All faces of a level use the same pixel format.
     let pixel = plan.pixel.stored(&level.texels);
-    let format = ImageFormat { container: plan.container, pixel, roughness, metadata };
-    let bytes = image_bytes(width, Samples::Rgb(&texels), &format)?;
+    let height = (texels.len() / width.max(1) as usize) as u32;
+    let bytes = match plan.container {
+        Container::Exr => exr_bytes(width, height, Samples::Rgb(&texels), pixel, &attributes)?,
+        Container::Hdr => {
+            let own = roughness.map(|roughness| (ROUGHNESS_KEY.to_owned(), roughness.to_string()));
+            let pairs: Vec<_> = own.into_iter().chain(metadata.iter().cloned()).collect();
+            hdr_bytes(width, height, &texels, &pairs)?
+        }
+        other => return wrong(format!("an image of a level is exr or hdr, not {other}")),
+    };
     Ok((bytes, vec![pixel.clamped(&texels)]))
 }
 
@@ -226,28 +238,8 @@ fn panorama(plan: &TargetPlan, level: &Level, path: &str, metadata: &[(String, S
     if path.ends_with(".hdr") {
         return hdr_bytes(width, height, &texels, &pairs);
     }
-    let attributes: Vec<_> = pairs.into_iter().map(|(key, text)| (key, Attribute::Text(text))).collect();
     let pixel = if Pixel::F16.clamped(&texels) == 0 { Pixel::F16 } else { Pixel::F32 };
-    exr_bytes(width, height, Samples::Rgb(&texels), pixel, &attributes)
-}
-
-/// Metadata of a cube: `metadata` with the target and its flip, and in KTX Filament's key for spherical
-/// harmonics.
-fn cube_metadata(
-    plan: &TargetPlan,
-    bake: &Bake,
-    metadata: &[(String, String)],
-    sh: bool,
-) -> Vec<(String, String)> {
-    let mut pairs = Vec::new();
-    if plan.container == Container::Ktx1 && sh {
-        // Nine lines of three numbers; Ktx1Bundle::getSphericalHarmonics reads 27 of them.
-        let line = |[r, g, b]: [f64; 3]| format!("{r:e} {g:e} {b:e}\n");
-        let lines = scaled(&bake.sh, ShScale::Filament).into_iter().map(line).collect();
-        pairs.push(("sh".to_owned(), lines));
-    }
-    pairs.extend(of_target(plan, metadata));
-    pairs
+    exr_bytes(width, height, Samples::Rgb(&texels), pixel, &attributes(None, pairs))
 }
 
 /// Key/value pairs of every file of a bake by `recipe`, of a source without `suns`.

@@ -11,7 +11,6 @@
 use super::babylon::png_faces;
 use crate::common::error::{Error, Result};
 use crate::files::io::exr::write::SOFTWARE;
-use crate::files::target::sizes::{EXTENSION, check_glb};
 use crate::light::chain::Chain;
 use crate::light::sh::scale::{ShScale, scaled};
 use serde_json::{Value, json};
@@ -19,13 +18,13 @@ use serde_json::{Value, json};
 /// Number of coefficients in the extension.
 const NINE: usize = 9;
 
+pub(crate) const EXTENSION: &str = "EXT_lights_image_based";
 /// Encodes a `.glb` with a scene lit by `chain` and the harmonics `sh` of the environment's radiance.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a size that is not a power of two, and for more than 4 GiB.
+/// [`Error::Parameter`] for more than 4 GiB.
 pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<Vec<u8>> {
     let size = chain.levels.first().map_or(0, |level| level.size());
-    check_glb(size)?;
     let images = png_faces(chain)?;
     let mut binary = Vec::new();
     let mut views = Vec::new();

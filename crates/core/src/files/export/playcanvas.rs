@@ -10,7 +10,6 @@ use crate::common::error::Result;
 use crate::common::parallel;
 use crate::files::format::rgbd::png_bytes;
 use crate::files::format::rgbp::rgbp_from_rgb;
-use crate::files::target::sizes::check_atlas;
 use crate::light::chain::{Chain, Level};
 use crate::light::chain_lookup::SeamlessLevel;
 use crate::light::environment::Rgb;
@@ -44,14 +43,13 @@ const AMBIENT: Rect = Rect { x: 128, y: 384, width: 64 };
 /// Mipmaps of the mirror that look-ups reach.
 const SHINY: u32 = 6;
 
-/// Encodes the atlas of `chain` and `irradiance`, cubes flipped for the reader.
+/// Encodes the atlas of `chain` and `irradiance`, cubes flipped for the reader, of a size and a number of
+/// levels that [`crate::files::target::TargetPlan::check_levels`] takes.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for a size that is not a power of two, and for another number
-/// of levels.
+/// [`crate::common::error::Error::Parameter`] for an atlas that PNG cannot hold.
 pub(crate) fn atlas_bytes(chain: &Chain, irradiance: &Level) -> Result<Vec<u8>> {
     let size = chain.levels.first().map_or(0, Level::size);
-    check_atlas(size, chain.levels.len() as u32)?;
     let mut atlas = AtlasImage { edge: 2 * size, texels: vec![[0.0; 3]; (4 * size * size) as usize] };
     for (level, number) in chain.levels.iter().zip(0..).skip(1) {
         atlas.draw(Rect::rough(number), level, 1);
@@ -85,15 +83,13 @@ impl AtlasImage {
         let rows = self.texels.chunks_exact_mut(self.edge as usize).skip(y as usize);
         parallel::for_each(rows.take(width as usize / 2).enumerate(), |(row, texels)| {
             for column in 0..width {
-                let mut sum = [0.0; 3];
+                let mut sum = DVec3::ZERO;
                 for at in 0..samples * samples {
                     let u = share(sample(column, at % samples), width);
                     let v = share(sample(row as u32, at / samples), width / 2);
-                    for (sum, c) in sum.iter_mut().zip(lookup.radiance(direction(u, v))) {
-                        *sum += weight * c;
-                    }
+                    sum += weight * DVec3::from(lookup.radiance(direction(u, v)));
                 }
-                texels[(x + column) as usize] = sum.map(|c| c as f32);
+                texels[(x + column) as usize] = sum.as_vec3().to_array();
             }
         });
     }

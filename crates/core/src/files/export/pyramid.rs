@@ -23,7 +23,16 @@ fn light(baked: &BakedPyramid) -> Value {
     let columns = light.world_from_source.map(rgb);
     let harmonics = light.harmonics.map(|harmonic| rgb(harmonic).map(|c| c * light.unscale));
     let lit = light.suns.iter().enumerate().filter(|(_, sun)| sun.energy != [0.0; 3]);
-    let suns: Vec<Value> = lit.map(|(k, own)| sun(own, light.half_axis(k))).collect();
+    let sun = |(k, sun): (usize, &OctaglossSun)| {
+        let channels = [sun.red, sun.green, sun.blue];
+        json!({
+            "directions": channels.map(|[x, y, z, _]| [x, y, z]),
+            "spreads": channels.map(|[.., spread]| spread),
+            "half_axis": light.half_axis(k),
+            "energies": sun.energy,
+        })
+    };
+    let suns: Vec<Value> = lit.map(sun).collect();
     let uniform: &[f32] = bytemuck::cast_slice(std::slice::from_ref(light));
     json!({
         "version": VERSION,
@@ -35,17 +44,5 @@ fn light(baked: &BakedPyramid) -> Value {
         "harmonics": harmonics,
         "suns": suns,
         "uniform": uniform,
-    })
-}
-
-/// A sun, by channel.
-fn sun(sun: &OctaglossSun, half_axis: [f32; 3]) -> Value {
-    let channels = [sun.red, sun.green, sun.blue];
-    let (directions, spreads) = (channels.map(|[x, y, z, _]| [x, y, z]), channels.map(|[.., spread]| spread));
-    json!({
-        "directions": directions,
-        "spreads": spreads,
-        "half_axis": half_axis,
-        "energies": sun.energy,
     })
 }

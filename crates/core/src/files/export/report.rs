@@ -6,12 +6,11 @@
 
 use crate::bake::{Bake, LevelStats};
 use crate::common::finite::finite;
-use crate::files::format::Pixel;
 use crate::files::io::Repairs;
 use crate::files::recipe::Recipe;
 use crate::files::recipe::plan::BakePlan;
 use crate::files::recipe::source::{InputFileReport, Source, SunReport};
-use crate::light::chain::Level;
+use crate::light::chain::{Chain, Level};
 use crate::light::environment::LUMINANCE;
 use crate::light::sh::order_text;
 use serde::{Deserialize, Serialize};
@@ -213,9 +212,24 @@ impl Report {
     #[must_use]
     pub fn new(plan: &BakePlan, bake: &Bake, source: &Source) -> Self {
         let mean_luminance = mean_luminance(bake);
-        let reports = |levels: &[Level], stats: &[LevelStats]| {
-            level_reports(levels, stats, plan.plan.pixel, mean_luminance)
+        let over_mean = |bound: Option<f64>| bound.map(|bound| relative(bound, mean_luminance));
+        let report = |(level, (shown, stats)): (u32, (&Level, &LevelStats))| LevelReport {
+            level,
+            size: shown.size(),
+            roughness: shown.roughness,
+            pixel: plan.plan.pixel.stored(&shown.texels).name().to_owned(),
+            engine: stats.processor.name().to_owned(),
+            seconds: stats.seconds,
+            leaves_per_texel: stats.leaves_per_texel,
+            error_bound_max: stats.error_bound_max,
+            error_bound_mean: stats.error_bound_mean,
+            error_bound_p99: stats.error_bound_p99,
+            error_bound_max_relative: over_mean(stats.error_bound_max),
+            error_bound_mean_relative: over_mean(stats.error_bound_mean),
+            error_bound_p99_relative: over_mean(stats.error_bound_p99),
+            error_bound_max_channels: stats.error_bound_max_channels,
         };
+        let reports = |chain: &Chain, stats| (0..).zip(chain.levels.iter().zip(stats)).map(report).collect();
         let mut recipe = plan.recipe.clone();
         (recipe.table.oem_size, recipe.table.border) = (Some(bake.oem.inner), Some(bake.oem.border));
         Self {
@@ -226,8 +240,8 @@ impl Report {
             layout: source.layout.to_owned(),
             engine: "cpu".to_owned(),
             oem: OemReport { size: bake.oem.inner, border: bake.oem.border },
-            levels: reports(&bake.chain.levels, &bake.stats),
-            sheen: bake.sheen.iter().flat_map(|sheen| reports(&sheen.levels, &bake.sheen_stats)).collect(),
+            levels: reports(&bake.chain, &bake.stats),
+            sheen: bake.sheen.as_ref().map_or_else(Vec::new, |sheen| reports(sheen, &bake.sheen_stats)),
             typical_error: bake.typical_error,
             energy: EnergyReport {
                 source: bake.source_energy,
@@ -264,34 +278,6 @@ fn mean_luminance(bake: &Bake) -> f64 {
 /// `bound` over `mean`, finite in double precision; 0 for a black environment.
 fn relative(bound: f64, mean: f64) -> f64 {
     if mean > 0.0 { bound / mean } else { 0.0 }
-}
-
-/// Creates the reports of levels.
-fn level_reports(
-    levels: &[Level],
-    stats: &[LevelStats],
-    pixel: Pixel,
-    mean_luminance: f64,
-) -> Vec<LevelReport> {
-    let over_mean = |bound: Option<f64>| bound.map(|bound| relative(bound, mean_luminance));
-    let levels = (0..).zip(levels.iter().zip(stats));
-    let report = levels.map(|(index, (level, stats))| LevelReport {
-        level: index,
-        size: level.size(),
-        roughness: level.roughness,
-        pixel: pixel.stored(&level.texels).name().to_owned(),
-        engine: stats.processor.name().to_owned(),
-        seconds: stats.seconds,
-        leaves_per_texel: stats.leaves_per_texel,
-        error_bound_max: stats.error_bound_max,
-        error_bound_mean: stats.error_bound_mean,
-        error_bound_p99: stats.error_bound_p99,
-        error_bound_max_relative: over_mean(stats.error_bound_max),
-        error_bound_mean_relative: over_mean(stats.error_bound_mean),
-        error_bound_p99_relative: over_mean(stats.error_bound_p99),
-        error_bound_max_channels: stats.error_bound_max_channels,
-    });
-    report.collect()
 }
 
 fn is_zero(count: &u64) -> bool {

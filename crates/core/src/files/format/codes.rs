@@ -3,6 +3,7 @@
 use super::Pixel;
 use ddsfile::DxgiFormat;
 use ktx2::Format;
+
 /// OpenGL's enums of a pixel format, for a KTX 1 header.
 pub(crate) struct GlFormat {
     /// `glType`.

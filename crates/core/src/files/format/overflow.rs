@@ -65,20 +65,7 @@ impl Overflow {
     /// [`crate::common::error::Error::Parameter`] for [`Overflow::Error`] if a texel is too bright; names the
     /// texel.
     pub(crate) fn apply(self, index: usize, level: &mut Level, pixel: Pixel) -> Result<u64> {
-        let layout = level.layout;
-        let place = |at: usize| {
-            let (image, i, j) = layout.place(at);
-            let face = match layout {
-                Layout::Cube { .. } => format!("face {} ", Face::ALL[image as usize].short_name()),
-                Layout::Panorama { .. } | Layout::Octahedral { .. } => String::new(),
-            };
-            format!("level {index} {face}pixel ({i}, {j})")
-        };
-        self.apply_to(&mut level.texels, pixel, place)
-    }
-
-    /// `place` describes the texel at an index.
-    fn apply_to(self, texels: &mut [Rgb], pixel: Pixel, place: impl Fn(usize) -> String) -> Result<u64> {
+        let Level { layout, texels, .. } = level;
         let most = pixel.max();
         let greatest = |texel: &Rgb| texel.iter().copied().fold(0.0, f32::max);
         match self {
@@ -98,12 +85,15 @@ impl Overflow {
             }
             Self::Error => {
                 let first = texels.iter().position(|texel| greatest(texel) > most).unwrap_or_default();
+                let (image, i, j) = layout.place(first);
+                let face = match layout {
+                    Layout::Cube { .. } => format!("face {} ", Face::ALL[image as usize].short_name()),
+                    Layout::Panorama { .. } | Layout::Octahedral { .. } => String::new(),
+                };
                 wrong(format!(
-                    "{} is {:?} and {} holds up to {most}; `pixel` f32 keeps it, `overflow` compress scales \
-                     it down",
-                    place(first),
-                    texels[first],
-                    pixel.name()
+                    "level {index} {face}pixel ({i}, {j}) is {:?} and {pixel} holds up to {most}; `pixel` f32 \
+                     keeps it, `overflow` compress scales it down",
+                    texels[first]
                 ))
             }
         }

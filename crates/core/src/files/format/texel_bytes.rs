@@ -2,13 +2,11 @@
 
 use super::bc6h::bc6h_blocks;
 use super::r11g11b10::r11g11b10_from_rgb;
-use super::rgbd::rgbd_from_rgb;
-use super::rgbp::rgbp_from_rgb;
 use super::{Pixel, push_halves, rgb9e5_from_rgb};
 use crate::light::environment::Rgb;
 use half::f16;
 
-/// Encodes consecutive squares of `size` x `size` texels in `pixel`; little endian, alpha 1 if there is an
+/// Encodes consecutive squares of `size` x `size` texels in `pixel`, a format of textures; little endian, alpha 1 if there is an
 /// alpha channel.
 pub(crate) fn texel_bytes(size: u32, texels: &[Rgb], pixel: Pixel) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(texels.len() * 16);
@@ -31,11 +29,8 @@ pub(crate) fn texel_bytes(size: u32, texels: &[Rgb], pixel: Pixel) -> Vec<u8> {
         }
         Pixel::Rgb9e5 => bytes.extend(texels.iter().flat_map(|t| rgb9e5_from_rgb(*t).to_le_bytes())),
         Pixel::R11g11b10 => bytes.extend(texels.iter().flat_map(|t| r11g11b10_from_rgb(*t).to_le_bytes())),
-        Pixel::Auto => return texel_bytes(size, texels, pixel.stored(texels)),
-        Pixel::Rgbe => unreachable!("the .hdr writer alone has RGBE, and encodes it itself"),
-        Pixel::Rgbd => bytes.extend(texels.iter().flat_map(|t| rgbd_from_rgb(*t))),
-        Pixel::Rgbp => bytes.extend(texels.iter().flat_map(|t| rgbp_from_rgb(*t))),
         Pixel::Bc6h => return bc6h_blocks(size, texels),
+        Pixel::Rgbd | Pixel::Rgbp | Pixel::Rgbe | Pixel::Auto => unreachable!("no textures have it"),
     }
     bytes
 }

@@ -8,8 +8,8 @@ use crate::files::format::Pixel;
 use crate::files::format::texel_bytes::texel_bytes;
 use crate::files::io::LoadedChain;
 use crate::files::io::cube_write::check_sizes;
+use crate::files::io::picture::{Source, TEXEL_BYTES};
 use crate::files::io::provenance::FLIP_KEY;
-use crate::files::io::source::{Source, TEXEL_BYTES};
 use crate::files::io::texture::{READABLE, Texture, image_bytes};
 use crate::files::target::Flip;
 use crate::light::chain::Chain;
@@ -89,7 +89,7 @@ pub(super) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
         is_bottom_up: false,
         levels,
         // The flip is in the writer's mark.
-        text: Box::new(move |key| flip.filter(|_| key == FLIP_KEY).map(|flip| flip.name().to_owned())),
+        pairs: flip.map(|flip| (FLIP_KEY.to_owned(), flip.name().to_owned())).into_iter().collect(),
         images: Box::new(images),
     })
 }

@@ -2,11 +2,11 @@
 
 use crate::common::error::{Error, Result};
 use crate::common::names::named;
-use crate::files::io::picture::Picture;
+use crate::files::io::picture::{Picture, Source};
 use crate::files::io::regular::open_regular;
-use crate::files::io::source::Source;
-use crate::files::io::target_folder::is_atlas;
+use crate::files::io::target_folder::is_named;
 use crate::files::io::{dds, exr, hdr, ktx1, ktx2, ldr};
+use crate::files::target::Content;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -108,7 +108,9 @@ pub(super) fn unreadable(source: &Source<'_>) -> Option<Error> {
         bytes if bytes.starts_with(&crate::files::format::container::ENV_MAGIC) => "a Babylon.js .env",
         bytes if bytes.starts_with(b"glTF") => "a binary glTF",
         // Its panoramas would be read as one picture.
-        bytes if Format::sniff(bytes) == Some(Format::Png) && is_atlas(source.path) => "a PlayCanvas atlas",
+        bytes if Format::sniff(bytes) == Some(Format::Png) && is_named(source.path, Content::Atlas) => {
+            "a PlayCanvas atlas"
+        }
         _ if text.starts_with(b"{") || text.starts_with(b"[") => {
             "JSON, such as spherical harmonics or a report"
         }
@@ -122,7 +124,7 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
     if source.bytes.is_empty() {
         return Err(source.error("the file is empty (0 bytes)"));
     }
-    let readable = Format::sniff(source.bytes).filter(|_| !is_atlas(source.path));
+    let readable = Format::sniff(source.bytes).filter(|_| !is_named(source.path, Content::Atlas));
     let Some(format) = readable else {
         return Err(unreadable(source).unwrap_or_else(|| {
             source.error(

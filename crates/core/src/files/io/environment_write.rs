@@ -32,8 +32,8 @@ pub fn write_environment(
 /// [`Error::Input`] for another extension.
 pub fn environment_bytes(path: &Path, environment: &Environment, comment: &str) -> Result<Vec<u8>> {
     let (width, height, texels) = picture(environment);
-    let container = picture_container(path)?;
-    picture_bytes(width, height, &texels, container.pixel(None, Pixel::Auto)?, comment, &[])
+    let pixel = picture_container(path)?.pixel(None, Pixel::Auto)?;
+    picture_bytes(width, height, &texels, pixel, comment, &[])
 }
 
 /// The format of an image at `path`, by its extension: [`Container::Exr`] or [`Container::Hdr`].
@@ -86,8 +86,7 @@ pub fn losses(texels: &[Rgb], pixel: Pixel, remedy: &str) -> Vec<String> {
 /// As [`exr_bytes`].
 pub fn exact_exr_bytes(environment: &Environment, comment: &str) -> Result<Vec<u8>> {
     let (width, height, texels) = picture(environment);
-    let attributes = attributes(None, [("comments", comment)]);
-    exr_bytes(width, height, Samples::Rgb(&texels), Pixel::F32, &attributes)
+    picture_bytes(width, height, &texels, Pixel::F32, comment, &[])
 }
 
 /// Width, height and row-major texels of the image.

@@ -6,9 +6,8 @@
 use super::ReadOptions;
 use super::layout::InputLayout;
 use super::pad::Pad;
-use super::picture::Picture;
-use super::source::{TEXEL_BYTES, limit};
-use crate::common::error::{Error, Result};
+use super::picture::{Picture, TEXEL_BYTES, limit};
+use crate::common::error::{Error, Result, wrong};
 use crate::light::environment::Rgb;
 use std::path::Path;
 
@@ -49,6 +48,13 @@ impl Bars {
     }
 }
 
+/// Such as `12 black rows above and below, 1 black columns left`; empty if there are none.
+fn words(colour: &str, rows: Bars, columns: Bars) -> String {
+    let rows = rows.words(&format!("{colour} rows"), ["above", "below"]);
+    let columns = columns.words(&format!("{colour} columns"), ["left", "right"]);
+    rows.into_iter().chain(columns).collect::<Vec<_>>().join(", ")
+}
+
 /// Crops and pads `picture` according to `options`, adds warnings about it, and returns its layout: `layout`,
 /// or a panorama if that is automatic.
 pub(super) fn fit(
@@ -62,16 +68,14 @@ pub(super) fn fit(
         return Ok(layout);
     }
     if !matches!(layout, InputLayout::Auto | InputLayout::Equirect) {
-        return Err(match &picture.map {
-            Some(header) => Error::input(
-                path,
-                format!(
-                    "`pad` and `crop` are for panoramas, and its header says that its map is {}; omit them",
-                    header.map.name
-                ),
-            ),
-            None => Error::Parameter("`pad` and `crop` are for panoramas; omit `layout`".to_owned()),
-        });
+        let Some(header) = &picture.map else {
+            return wrong("`pad` and `crop` are for panoramas; omit `layout`");
+        };
+        let map = header.map.name;
+        let message = format!(
+            "`pad` and `crop` are for panoramas, and its header says that its map is {map}; omit them"
+        );
+        return Err(Error::input(path, message));
     }
     if options.crop && crop(picture) {
         layout = InputLayout::Equirect;
@@ -105,13 +109,11 @@ fn crop(picture: &mut Picture) -> bool {
         let over = (height.saturating_sub(width / 2), width.saturating_sub(height.saturating_mul(2)));
         (rows.taking(over.0), columns.taking(over.1))
     };
-    let said =
-        [rows.words("black rows", ["above", "below"]), columns.words("black columns", ["left", "right"])];
-    let said: Vec<String> = said.into_iter().flatten().collect();
+    let said = words("black", rows, columns);
     if said.is_empty() {
         return false;
     }
-    picture.warnings.push(format!("cropped {}", said.join(", ")));
+    picture.warnings.push(format!("cropped {said}"));
     let columns = columns.first as usize..(width - columns.last) as usize;
     let lines = picture.texels.chunks_exact(width as usize);
     let lines = lines.skip(rows.first as usize).take((height - rows.both()) as usize);
@@ -189,13 +191,7 @@ fn filled(path: &Path, picture: &mut Picture, pad: Pad, memory_limit: u64) -> Re
     rim(lines[lines.len() - 1], above.last, &mut texels);
     picture.texels = texels;
     (picture.width, picture.height) = (columns, rows);
-    let with = if pad == Pad::Black { "black" } else { "edge" };
-    let said = [
-        above.words(&format!("{with} rows"), ["above", "below"]),
-        at_sides.words(&format!("{with} columns"), ["left", "right"]),
-    ];
-    let said: Vec<String> = said.into_iter().flatten().collect();
-    picture.warnings.push(format!("padded with {}", said.join(", ")));
+    picture.warnings.push(format!("padded with {}", words(pad.name(), above, at_sides)));
     Ok(())
 }
 

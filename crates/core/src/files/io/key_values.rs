@@ -4,8 +4,8 @@
 use crate::common::error::{Result, wrong};
 
 /// The value of `key`.
-pub(super) fn value_of(pairs: &[(String, String)], key: &str) -> Option<String> {
-    pairs.iter().find(|(own, _)| own == key).map(|(_, value)| value.clone())
+pub(super) fn value_of<'a>(pairs: &'a [(String, String)], key: &str) -> Option<&'a str> {
+    pairs.iter().find(|(own, _)| own == key).map(|(_, value)| value.as_str())
 }
 
 /// Encodes `pairs` in the given order, each padded to four bytes; `format` names the file format in messages.

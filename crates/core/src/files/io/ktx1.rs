@@ -11,7 +11,7 @@ use crate::files::format::texel_bytes::texel_bytes;
 use crate::files::io::cube_write::check_sizes;
 use crate::files::io::key_values::{key_value_bytes, value_of};
 use crate::files::io::ktx2::write::{ROUGHNESS_KEY, roughness_text};
-use crate::files::io::source::{Source, TEXEL_BYTES};
+use crate::files::io::picture::{Source, TEXEL_BYTES};
 use crate::files::io::texture::{Texture, image_bytes};
 use crate::files::io::{LoadedChain, cmgen};
 use crate::light::chain::Chain;
@@ -24,14 +24,14 @@ const WORDS: usize = 13;
 
 /// The harmonics in Filament's key, as text.
 pub(super) fn harmonics(source: &Source<'_>) -> Result<Option<String>> {
-    Ok((open(source)?.text)(CMGEN_KEY))
+    Ok(value_of(&open(source)?.pairs, CMGEN_KEY).map(str::to_owned))
 }
 
 /// Decodes every level with its roughness. A file with cmgen's key and several levels, but no roughness, is
 /// taken for one that cmgen wrote.
 pub(super) fn decode_chain(source: &Source<'_>) -> Result<LoadedChain> {
     let texture = open(source)?;
-    let (count, has) = (texture.levels, |key| (texture.text)(key).is_some());
+    let (count, has) = (texture.levels, |key| value_of(&texture.pairs, key).is_some());
     if has(ROUGHNESS_KEY) || !has(CMGEN_KEY) || count == 1 {
         return texture.chain(texture.roughness()?);
     }
@@ -98,7 +98,7 @@ pub(super) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
         is_cube: true,
         is_bottom_up: false,
         levels: stored.len(),
-        text: Box::new(move |key| value_of(&pairs, key)),
+        pairs,
         images: Box::new(move |level, visit| {
             visit(stored[level]);
             Ok(())

@@ -3,8 +3,7 @@
 
 use crate::common::error::{Error, Result};
 use crate::files::io::output::{self, Existing};
-use crate::files::io::picture::Picture;
-use crate::files::io::source::{Source, TEXEL_BYTES};
+use crate::files::io::picture::{Picture, Source, TEXEL_BYTES};
 use crate::light::environment::Rgb;
 use octagloss_drawing::bitmap::Bitmap;
 use png::ColorType;

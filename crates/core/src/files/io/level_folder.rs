@@ -5,13 +5,12 @@
 
 use super::decode::Format;
 use super::layout::{InputLayout, arrangement};
+use super::map_header::settled;
 use super::panics::catching_panics;
-use super::picture::{LevelHeader, Picture, check_finite};
-use super::picture_map::settled;
+use super::picture::{LevelHeader, Picture, Source, check_finite};
 use super::provenance::Provenance;
 use super::regular::{open_regular, read_regular};
 use super::side_report::{MAX_REPORT_BYTES, REPORT, ReportLevel, SideReport};
-use super::source::Source;
 use super::{LoadedChain, cmgen, decoded, exr, hdr};
 use crate::common::error::{Error, Result};
 use crate::files::format::LevelName;
@@ -87,17 +86,13 @@ impl Listing {
     fn read(folder: &Path, memory_limit: u64) -> Result<Self> {
         let path = folder.join(REPORT);
         if !path.is_file() {
-            let listing = match Self::from_headers(folder)? {
-                Some(listing) => Some(listing),
-                None => Self::from_cmgen(folder)?,
+            let needed = "give an image, or a level folder that octagloss bake wrote";
+            return match Self::from_headers(folder)? {
+                Some(listing) => Ok(listing),
+                None => Self::from_cmgen(folder)?.ok_or_else(|| {
+                    Error::input(folder, format!("a directory without a report.json; {needed}"))
+                }),
             };
-            return listing.ok_or_else(|| {
-                Error::input(
-                    folder,
-                    "a directory without a report.json; give an image, or a level folder that octagloss \
-                     bake wrote",
-                )
-            });
         }
         let bytes = read_regular(&path, memory_limit.min(MAX_REPORT_BYTES))?;
         let report: SideReport = serde_json::from_slice(&bytes)
@@ -109,13 +104,11 @@ impl Listing {
         };
         if let Some((said, found)) = report.levels.iter().zip(&files).find(differ) {
             let (ReportLevel { level, roughness, .. }, found) = (said, found.roughness);
-            return Err(Error::input(
-                &path,
-                format!(
-                    "it has roughness {roughness} for level {level}, the files {found}: it belongs to \
-                     another bake; remove it"
-                ),
-            ));
+            let message = format!(
+                "it has roughness {roughness} for level {level}, the files {found}: it belongs to another bake; \
+                 remove it"
+            );
+            return Err(Error::input(&path, message));
         }
         Ok(Self { provenance: report.provenance(), levels: report.levels, warnings: Vec::new() })
     }
@@ -131,10 +124,7 @@ impl Listing {
             let header = level_header(&path)?;
             let Some(LevelHeader { width, height, roughness: Some(roughness) }) = header else { break };
             let size = match image {
-                Some(_) => {
-                    let place = arrangement(&path, width, height, false, InputLayout::Auto)?;
-                    place.layout.sides().1
-                }
+                Some(_) => arrangement(&path, width, height, false, InputLayout::Auto)?.layout.sides().1,
                 None => width,
             };
             levels.push(ReportLevel { level, size, roughness });
@@ -186,13 +176,11 @@ fn check_levels(path: &Path, levels: &[ReportLevel]) -> Result<()> {
         let size = first.size.checked_shr(expected).unwrap_or(0).max(1);
         if level.level != expected || level.size != size || !(0.0..=1.0).contains(&level.roughness) {
             let ReportLevel { level, size: own, roughness } = level;
-            return Err(Error::input(
-                path,
-                format!(
-                    "its entry {expected} is level {level} of size {own} and roughness {roughness}; level \
-                     {expected} of size {size} and a roughness in [0, 1] is needed"
-                ),
-            ));
+            let message = format!(
+                "its entry {expected} is level {level} of size {own} and roughness {roughness}; level \
+                 {expected} of size {size} and a roughness in [0, 1] is needed"
+            );
+            return Err(Error::input(path, message));
         }
         if expected > 31 {
             let message = format!("{} levels; 32 are the most there can be", levels.len());
@@ -213,10 +201,9 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
         let picture = decoded(&path, &read_regular(&path, memory_limit)?, memory_limit)?;
         let (Picture { width, height, .. }, ReportLevel { level, size, .. }) = (&picture, level);
         if (*width, *height) != (size, size) {
-            return Err(Error::input(
-                &path,
-                format!("{width}x{height}, but report.json says that level {level} is {size}x{size}"),
-            ));
+            let message =
+                format!("{width}x{height}, but report.json says that level {level} is {size}x{size}");
+            return Err(Error::input(&path, message));
         }
         match &mut cube {
             None => cube = Some(picture),
@@ -229,11 +216,11 @@ fn read_level(folder: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pi
 
 /// File of a level stored as one image.
 fn image_file(folder: &Path, level: u32) -> Option<PathBuf> {
-    stored(folder, &LevelName::whole(level).to_string())
+    stored(folder, LevelName::whole(level))
 }
 
-fn stored(folder: &Path, stem: &str) -> Option<PathBuf> {
-    let files = ["exr", "hdr"].map(|extension| folder.join(format!("{stem}.{extension}")));
+fn stored(folder: &Path, name: LevelName) -> Option<PathBuf> {
+    let files = ["exr", "hdr"].map(|extension| folder.join(format!("{name}.{extension}")));
     files.into_iter().find(|path| path.is_file())
 }
 
@@ -246,12 +233,10 @@ fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pict
     let (_, rows) = arrangement.layout.sides();
     if rows != level.size {
         let ReportLevel { level, size, .. } = level;
-        return Err(Error::input(
-            path,
-            format!(
-                "{width}x{height}, but report.json says that level {level} has {size} rows a face or image"
-            ),
-        ));
+        let message = format!(
+            "{width}x{height}, but report.json says that level {level} has {size} rows a face or image"
+        );
+        return Err(Error::input(path, message));
     }
     if matches!(arrangement.layout, Layout::Cube { .. }) {
         picture.texels = arrangement.arrange(picture.texels, width);
@@ -262,11 +247,8 @@ fn read_image(path: &Path, level: ReportLevel, memory_limit: u64) -> Result<Pict
 }
 
 fn face_file(folder: &Path, level: u32, face: Face) -> Result<PathBuf> {
-    let stem = LevelName::face(level, face).to_string();
-    stored(folder, &stem).ok_or_else(|| {
-        Error::input(
-            folder,
-            format!("{stem}.exr (or .hdr) is missing, though report.json lists its level; bake it again"),
-        )
-    })
+    let name = LevelName::face(level, face);
+    let missing =
+        || format!("{name}.exr (or .hdr) is missing, though report.json lists its level; bake it again");
+    stored(folder, name).ok_or_else(|| Error::input(folder, missing()))
 }

@@ -22,7 +22,6 @@ pub mod ktx2;
 pub mod layout;
 pub mod ldr;
 mod level_folder;
-pub mod level_images;
 pub mod map_header;
 pub mod npy;
 pub mod oem_write;
@@ -30,14 +29,12 @@ pub mod output;
 mod pad;
 pub mod panics;
 mod picture;
-mod picture_map;
 pub mod provenance;
 mod pyramid_read;
 pub mod pyramid_write;
 pub mod regular;
 mod repair;
 pub mod side_report;
-mod source;
 mod target_folder;
 mod temporary;
 mod texture;
@@ -46,20 +43,20 @@ pub use decode::{Format, has_readable_name, may_hold_chain, readable_extensions}
 use decode::{decode, unreadable};
 pub use layout::InputLayout;
 pub use pad::Pad;
+pub use picture::DEFAULT_MEMORY_LIMIT;
 pub use repair::Repairs;
-pub use source::DEFAULT_MEMORY_LIMIT;
 
 use crate::common::error::{Error, Result, printable, wrong};
+use crate::files::target::Content;
 use crate::light::chain::{Chain, Level};
 use crate::light::environment::{Environment, Layout, Rgb, of_sound};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use crate::sphere::registry::NamedMap;
 use panics::catching_panics;
-use picture::Picture;
+use picture::{Picture, Source};
 use provenance::Provenance;
 use regular::read_regular;
-use source::Source;
 use std::cell::OnceCell;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -144,7 +141,7 @@ pub struct LoadedChain {
 /// [`Error::Parameter`] for a layout that the file cannot have.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded> {
     let (file, picture) = read_picture(path, options.memory_limit)?;
-    finish(&file, picture, options)
+    finish(&file, picture, Repairs::default(), options)
 }
 
 /// Light on any map of the sphere, read from a file.
@@ -197,12 +194,13 @@ pub enum MapLight {
 /// As [`read`]; [`Error::Input`] for a `from` that contradicts the header or the picture's shape.
 pub fn read_map(path: &Path, from: Option<&'static NamedMap>, options: &ReadOptions) -> Result<LoadedMap> {
     let (file, picture) = read_picture(path, options.memory_limit)?;
-    let map = picture_map::chosen(&file, &picture, from)?;
-    if let Some(map) = map.filter(|map| picture_map::layout_of(map).is_none()) {
+    let map = map_header::chosen(&file, &picture, from)?;
+    if let Some(map) = map.filter(|map| map_header::layout_of(map).is_none()) {
         return components(&file, picture, map, options);
     }
-    let layout = map.and_then(picture_map::layout_of).unwrap_or_default();
-    let loaded = finish(&file, picture, &ReadOptions { layout, ..options.clone() })?;
+    let layout = map.and_then(map_header::layout_of).unwrap_or_default();
+    let options = ReadOptions { layout, ..options.clone() };
+    let loaded = finish(&file, picture, Repairs::default(), &options)?;
     Ok(LoadedMap { light: MapLight::Environment(loaded.environment), map, warnings: loaded.warnings })
 }
 
@@ -233,7 +231,7 @@ fn decoded(path: &Path, bytes: &[u8], memory_limit: u64) -> Result<Picture> {
 /// # Errors
 /// As [`read`].
 pub fn read_from_memory(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Loaded> {
-    finish(path, decoded(path, bytes, options.memory_limit)?, options)
+    finish(path, decoded(path, bytes, options.memory_limit)?, Repairs::default(), options)
 }
 
 /// Reads six square images of equal size as one cube: by name if the stems end in face names (`px`, `posx`,
@@ -247,7 +245,7 @@ pub fn read_faces(paths: &[PathBuf], options: &ReadOptions) -> Result<Loaded> {
     }
     let ordered = face_names::in_face_order(paths)?;
     let (picture, repaired) = read_square_faces(&ordered, options)?;
-    finish_finite(ordered[0], picture, options.layout, false, repaired, options)
+    finish(ordered[0], picture, repaired, options)
 }
 
 /// Reads a prefiltered chain: a KTX or KTX2 file, a DDS file with its report in the same folder, an EXR file
@@ -364,7 +362,7 @@ fn in_world(stored: LoadedChain) -> Result<LoadedChain> {
 /// # Errors
 /// [`Error::Io`] if there is no such path.
 pub fn target_panorama(path: &Path) -> Result<Option<LoadedChain>> {
-    is_directory(path)?;
+    regular::metadata(path)?;
     // Other readers report what is wrong with a file.
     let Ok(Loaded { environment, provenance, format, warnings, .. }) = read(path, &ReadOptions::default())
     else {
@@ -402,7 +400,7 @@ pub fn is_bake_folder(path: &Path) -> bool {
     let levels = || target_folder::levels_file(path).ok().flatten();
     path.join(side_report::REPORT).is_file()
         || level_folder::has_levels(path)
-        || levels().is_some_and(|file| !target_folder::is_panorama(&file))
+        || levels().is_some_and(|file| !target_folder::is_named(&file, Content::Panorama))
 }
 
 /// Origin of the file `path` with the given BLAKE3 `hash`, from its report.
@@ -413,7 +411,7 @@ pub fn reported(path: &Path, hash: blake3::Hash) -> Option<Provenance> {
 /// The file to read for `path`: for a target's folder, the one with its levels; `None` for a folder of
 /// levels.
 fn file_of(path: &Path) -> Result<Option<PathBuf>> {
-    if !is_directory(path)? {
+    if !regular::metadata(path)?.is_dir() {
         return Ok(Some(path.to_owned()));
     }
     if level_folder::has_levels(path) { Ok(None) } else { target_folder::levels_file(path) }
@@ -433,17 +431,12 @@ pub fn names_in(folder: &Path) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Whether `path` is a directory.
-fn is_directory(path: &Path) -> Result<bool> {
-    Ok(regular::metadata(path)?.is_dir())
-}
-
 /// Reads six images into one cube; repairs or rejects NaN and Inf.
 fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Picture, Repairs)> {
     let mut repaired = Repairs::default();
     let mut cube: Option<Picture> = None;
     for &path in ordered {
-        if is_directory(path)? {
+        if regular::metadata(path)?.is_dir() {
             return Err(Error::input(path, "a directory where a face image is needed"));
         }
         let bytes = read_regular(path, options.memory_limit)?;
@@ -492,20 +485,40 @@ fn read_square_faces(ordered: &[&Path], options: &ReadOptions) -> Result<(Pictur
     Ok((cube, repaired))
 }
 
-/// Converts a picture to an environment: layout, repairs, checks.
-fn finish(path: &Path, mut picture: Picture, options: &ReadOptions) -> Result<Loaded> {
-    let layout = picture_map::settled(path, options.layout, picture.map.as_ref())?;
+/// Converts a picture, in which `repaired` was repaired, to an environment: layout, repairs, checks.
+fn finish(path: &Path, mut picture: Picture, mut repaired: Repairs, options: &ReadOptions) -> Result<Loaded> {
+    let layout = map_header::settled(path, options.layout, picture.map.as_ref())?;
     let layout = fit::fit(path, &mut picture, layout, options)?;
     if let Some(header) = &picture.map {
-        header.check_shape(path, &picture)?;
+        map_header::grid_of(path, header.map, [picture.width, picture.height], map_header::RESHAPED)?;
     }
-    let mut repaired = Repairs::default();
     // Most pictures need no repair; one pass detects them.
     let sound = repair::is_sound(&picture.texels);
     if !sound {
         finite(path, &mut picture, options, &mut repaired)?;
     }
-    finish_finite(path, picture, layout, sound, repaired, options)
+    let Picture { width, height, texels, is_cube, map: _, format, warnings, provenance } = picture;
+    let arrangement = layout::arrangement(path, width, height, is_cube, layout)?;
+    let texels = arrangement.arrange(texels, width);
+    let mut texels =
+        provenance.world_texels(arrangement.layout, texels).map_err(|message| Error::input(path, message))?;
+    if !sound {
+        // All texels of a panorama's row have the same.
+        let (layout, mut last) = (arrangement.layout, (usize::MAX, 0.0));
+        let density = |index| {
+            let row = index / layout.sides().0 as usize;
+            if row != last.0 || !matches!(layout, Layout::Panorama { .. }) {
+                last = (row, repair::density(layout, index));
+            }
+            last.1
+        };
+        repair::negative(&mut texels, density, &mut repaired);
+    }
+    let warnings = finish_texels(path, &mut texels, &repaired, warnings, options)?;
+    let environment = of_sound(arrangement.layout, texels)?;
+    let height = if is_cube { width } else { height };
+    let layout = arrangement.name;
+    Ok(Loaded { environment, repaired, warnings, format, layout, width, height, provenance })
 }
 
 /// Multiplies radiance by `scale`; returns warnings.
@@ -521,13 +534,10 @@ fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>>
     let times = |value: f32| (f64::from(value) * scale) as f32;
     if times(greatest).is_infinite() {
         let most = f64::from(f32::MAX) / f64::from(greatest);
-        return Err(Error::input(
-            path,
-            format!(
-                "`scale` {scale:?} moves the greatest value, {greatest:.3e}, beyond float32; use at \
-                 most {most:.3e}"
-            ),
-        ));
+        let message = format!(
+            "`scale` {scale:?} moves the greatest value, {greatest:.3e}, beyond float32; use at most {most:.3e}"
+        );
+        return Err(Error::input(path, message));
     }
     for value in values {
         *value = times(*value);
@@ -551,47 +561,6 @@ fn finite(path: &Path, picture: &mut Picture, options: &ReadOptions, repaired: &
     Ok(())
 }
 
-/// [`finish`] for a finite picture; `sound` if it is also non-negative.
-fn finish_finite(
-    path: &Path,
-    picture: Picture,
-    layout: InputLayout,
-    sound: bool,
-    mut repaired: Repairs,
-    options: &ReadOptions,
-) -> Result<Loaded> {
-    let Picture { width, height, texels, is_cube, map: _, format, warnings, provenance } = picture;
-    let arrangement = layout::arrangement(path, width, height, is_cube, layout)?;
-    let texels = arrangement.arrange(texels, width);
-    let mut texels =
-        provenance.world_texels(arrangement.layout, texels).map_err(|message| Error::input(path, message))?;
-    if !sound {
-        // All texels of a panorama's row have the same.
-        let (layout, mut last) = (arrangement.layout, (usize::MAX, 0.0));
-        let density = |index| {
-            let row = index / layout.sides().0 as usize;
-            if row != last.0 || !matches!(layout, Layout::Panorama { .. }) {
-                last = (row, repair::density(layout, index));
-            }
-            last.1
-        };
-        repair::negative(&mut texels, density, &mut repaired);
-    }
-    let warnings = finish_texels(path, &mut texels, &repaired, warnings, options)?;
-    let environment = of_sound(arrangement.layout, texels)?;
-    let height = if is_cube { width } else { height };
-    Ok(Loaded {
-        environment,
-        repaired,
-        warnings,
-        format,
-        layout: arrangement.name,
-        width,
-        height,
-        provenance,
-    })
-}
-
 /// Refuses repairs if `options` says so, and scales; returns all warnings.
 fn finish_texels(
     path: &Path,
@@ -601,10 +570,8 @@ fn finish_texels(
     options: &ReadOptions,
 ) -> Result<Vec<String>> {
     if options.strict && repaired.any() {
-        return Err(Error::input(
-            path,
-            format!("{repaired}; `strict` forbids repairs, omit it to repair them"),
-        ));
+        let message = format!("{repaired}; `strict` forbids repairs, omit it to repair them");
+        return Err(Error::input(path, message));
     }
     let remedy = if repaired.nan + repaired.infinite == 0 { "set to 0" } else { "repaired" };
     warnings.extend(repaired.matters().then(|| format!("{repaired}, {remedy}")));
@@ -626,7 +593,7 @@ fn components(
         return Err(Error::input(path, message));
     }
     let Picture { width, height, provenance, .. } = &picture;
-    let grid = picture_map::grid_of(path, map, [*width, *height], picture_map::RESHAPED)?;
+    let grid = map_header::grid_of(path, map, [*width, *height], map_header::RESHAPED)?;
     provenance.check_unturned().map_err(|message| Error::input(path, message))?;
     let mut repaired = Repairs::default();
     finite(path, &mut picture, options, &mut repaired)?;

@@ -137,20 +137,14 @@ fn read_header(from: &mut impl Read) -> Result<Vec<u8>, String> {
     if magic != MAGIC {
         return Err("not a .npy file; save one array with numpy.save".to_owned());
     }
-    let length = match version[0] {
-        1 => {
-            let mut length = [0; 2];
-            exact(&mut length)?;
-            u32::from(u16::from_le_bytes(length))
-        }
-        2 | 3 => {
-            let mut length = [0; 4];
-            exact(&mut length)?;
-            u32::from_le_bytes(length)
-        }
+    let bytes = match version[0] {
+        1 => 2,
+        2 | 3 => 4,
         major => return Err(format!("its format version is {major}.{}; 1 to 3 are known", version[1])),
     };
-    let length = length as usize;
+    let mut length = [0; 4];
+    exact(&mut length[..bytes])?;
+    let length = u32::from_le_bytes(length) as usize;
     if length > LONGEST_HEADER {
         return Err(format!("its header has {length} bytes; at most {LONGEST_HEADER} are read"));
     }

@@ -5,12 +5,12 @@
 
 use super::regular::open_regular;
 use super::side_report::REPORT;
-use super::temporary::{Live, Temporary, exchange, exists, refused, rename, rename_new, resolved, with_path};
+use super::temporary::{Temporary, exchange, exists, live, refused, rename, rename_new, resolved, with_path};
 use crate::common::error::{Error, Result};
 use crate::files::format::LevelName;
 use crate::files::target::{self, Target};
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Read as _, Write};
+use std::io::{self, BufWriter, ErrorKind, Read as _, Write};
 use std::path::{Path, PathBuf};
 
 pub use super::temporary::recover;
@@ -94,16 +94,13 @@ pub enum Output<'a> {
 pub fn stage_all(outputs: &[(PathBuf, Output<'_>)], existing: Existing) -> Result<Vec<Staged>> {
     let stage = |(place, output): &(PathBuf, Output<'_>)| match output {
         Output::File(bytes) => stage_file(place, existing, |file| file.write_all(bytes)),
-        Output::Folder(files) => {
-            let write = |folder: &Path| {
-                files.iter().try_for_each(|(within, bytes)| {
-                    create_folders(folder, within)?;
-                    let path = folder.join(within);
-                    fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
-                })
-            };
-            stage_folder(place, existing, write).map(|(staged, ())| staged)
-        }
+        Output::Folder(files) => stage_folder(place, existing, |folder| {
+            files.iter().try_for_each(|(within, bytes)| {
+                create_folders(folder, within)?;
+                let path = folder.join(within);
+                fs::write(&path, bytes).map_err(|e| Error::io(&path, e))
+            })
+        }),
     };
     outputs.iter().map(stage).collect()
 }
@@ -132,23 +129,23 @@ pub fn stage_file(
 ///
 /// # Errors
 /// As [`stage_folder`].
-pub fn stage_folder<T>(
+pub fn stage_folder(
     path: &Path,
     existing: Existing,
-    write: impl FnOnce(&Path) -> Result<T>,
-) -> Result<(Staged, T)> {
+    write: impl FnOnce(&Path) -> Result<()>,
+) -> Result<Staged> {
     check_folder(path, existing)?;
     let staged = Staged::new(path, existing, Kind::Folder)?;
     let new = staged.path();
     unless_ending(|| fs::create_dir(&new)).map_err(|e| Error::io(path, e))?;
-    let value = write(&new).map_err(|e| with_final_path(e, &new, path))?;
+    write(&new).map_err(|e| with_final_path(e, &new, path))?;
     staged.sync()?;
-    Ok((staged, value))
+    Ok(staged)
 }
 
 /// Creates a temporary by `create`; blocks if the process is exiting and has removed its temporaries.
 fn unless_ending<T>(create: impl FnOnce() -> T) -> T {
-    let _live = Live::hold();
+    let _live = live();
     create()
 }
 
@@ -158,7 +155,7 @@ fn create_folders(folder: &Path, within: &str) -> Result<()> {
     for (end, _) in within.match_indices('/') {
         let path = folder.join(&within[..end]);
         match fs::create_dir(&path) {
-            Err(e) if e.kind() != io::ErrorKind::AlreadyExists => return Err(Error::io(&path, e)),
+            Err(e) if e.kind() != ErrorKind::AlreadyExists => return Err(Error::io(&path, e)),
             _ => {}
         }
     }
@@ -171,7 +168,7 @@ fn create_folders(folder: &Path, within: &str) -> Result<()> {
 /// # Errors
 /// [`Error::Io`] naming the output that could not be committed.
 pub fn commit(outputs: Vec<Staged>) -> Result<()> {
-    let live = Live::hold();
+    let live = live();
     // First, for not every system can roll back.
     outputs.iter().filter(|output| exists(&output.place)).try_for_each(Staged::check)?;
     let mut done: Vec<(&Staged, Put)> = Vec::with_capacity(outputs.len());
@@ -191,7 +188,8 @@ pub fn commit(outputs: Vec<Staged>) -> Result<()> {
 impl Staged {
     fn new(path: &Path, existing: Existing, kind: Kind) -> Result<Self> {
         let place = resolved(path)?;
-        let temporary = Temporary::beside(&place).map_err(|e| not_made(path, &e))?;
+        // Only the kind, because `tempfile` includes the temporary name in its message.
+        let temporary = Temporary::beside(&place).map_err(|e| Error::io(path, e.kind().into()))?;
         Ok(Self { temporary, path: path.to_owned(), place, existing, kind })
     }
 
@@ -222,17 +220,18 @@ impl Staged {
         for _ in 0..100 {
             if !exists(&self.place) {
                 match rename_new(&new, &self.place) {
-                    Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+                    Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
                     other => return other.map(|()| Put::Fresh).map_err(fail),
                 }
             }
             self.check()?;
             match exchange(&new, &self.place) {
                 Some(Ok(())) => return Ok(Put::Exchanged),
-                Some(Err(error)) if error.kind() == io::ErrorKind::NotFound => {}
+                Some(Err(error)) if error.kind() == ErrorKind::NotFound => {}
                 Some(Err(error)) => return Err(fail(error)),
                 None => match self.replace() {
-                    Err(error) if is_overtaken(&error) => {}
+                    // Another process has removed or made the destination meanwhile.
+                    Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::AlreadyExists) => {}
                     other => return other.map_err(fail),
                 },
             }
@@ -276,11 +275,6 @@ impl Staged {
     }
 }
 
-/// Whether another process has removed or made the destination meanwhile.
-fn is_overtaken(error: &io::Error) -> bool {
-    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::AlreadyExists)
-}
-
 /// Checks the preconditions of [`write_file`] without writing, so that a long bake fails early.
 ///
 /// # Errors
@@ -296,7 +290,7 @@ pub fn check_file(path: &Path, existing: Existing) -> Result<()> {
             Err(refused(path, "is read-only; allow writing to it, or name another file"))
         }
         Ok(_) => Ok(()),
-        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
         Err(e) => Err(Error::io(path, e)),
     }
 }
@@ -320,7 +314,7 @@ pub fn check_folder(path: &Path, existing: Existing) -> Result<()> {
             )),
             None => Ok(()),
         },
-        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
         Err(e) => Err(Error::io(path, e)),
     }
 }
@@ -339,8 +333,10 @@ fn stranger_in(folder: &Path) -> Result<Option<String>> {
     let mut strangers = Vec::new();
     let mut folders = vec![(folder.to_owned(), String::new())];
     while let Some((folder, within)) = folders.pop() {
-        let has_report =
-            folder.join(REPORT).is_file() || report_beside(&folder).is_some_and(|path| path.is_file());
+        // The report of the file whose bounds the folder holds: `OUT.report.json` for `OUT.bounds`.
+        let name = folder.file_name().and_then(|name| name.to_str()?.strip_suffix(".bounds"));
+        let beside = name.map(|name| folder.with_file_name(format!("{name}.{REPORT}")));
+        let has_report = folder.join(REPORT).is_file() || beside.is_some_and(|path| path.is_file());
         for entry in fs::read_dir(&folder).map_err(|e| Error::io(&folder, e))? {
             let entry = entry.map_err(|e| Error::io(&folder, e))?;
             let name = entry.file_name().to_string_lossy().into_owned();
@@ -357,12 +353,6 @@ fn stranger_in(folder: &Path) -> Result<Option<String>> {
     }
     strangers.sort();
     Ok(strangers.into_iter().next())
-}
-
-/// The report of the file whose bounds `folder` holds: `OUT.report.json` for `OUT.bounds`.
-fn report_beside(folder: &Path) -> Option<PathBuf> {
-    let name = folder.file_name()?.to_str()?.strip_suffix(".bounds")?;
-    Some(folder.with_file_name(format!("{name}.report.json")))
 }
 
 /// Whether the file `path` is not an image of a level, or names this program near its start, as EXR files of
@@ -389,29 +379,18 @@ fn is_bake_folder(path: &str) -> bool {
         })
 }
 
-/// Whether a bake writes the file `path`, directly or in a target's folder.
+/// Whether a bake writes the file `path`, directly or in a target's folder: `report.json`, `sun.json`,
+/// `sun.gltf`, `sunless.exr`, `m{level}.exr`, `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`,
+/// `irradiance.exr`, `irradiance_{face}.exr`, the same with .hdr, or the file of a target.
 fn is_known(path: &str) -> bool {
     let in_target = path
         .split_once('/')
         .is_some_and(|(folder, rest)| Target::named(folder).is_some() && target::is_target_file(rest));
-    is_bake_file(path) || target::is_target_file(path) || in_target
-}
-
-/// Whether a bake writes a file of this name: `report.json`, `sun.json`, `sun.gltf`, `sunless.exr`,
-/// `m{level}.exr`, `m{level}_{face}.exr`, `m{level}_{face}_bound.exr`, `irradiance.exr`,
-/// `irradiance_{face}.exr`, and the same with .hdr.
-fn is_bake_file(name: &str) -> bool {
-    if ["report.json", "sun.json", "sun.gltf", "sunless.exr"].contains(&name) {
-        return true;
-    }
-    let stem = name.strip_suffix(".exr").or_else(|| name.strip_suffix(".hdr"));
-    stem.is_some_and(|stem| LevelName::parse(stem).is_some())
-}
-
-/// Error for a temporary that could not be created. It holds only the kind, because `tempfile` includes the
-/// temporary name in its message.
-fn not_made(path: &Path, error: &io::Error) -> Error {
-    Error::io(path, error.kind().into())
+    let stem = path.strip_suffix(".exr").or_else(|| path.strip_suffix(".hdr"));
+    ["sun.gltf", "sunless.exr"].contains(&path)
+        || stem.is_some_and(|stem| LevelName::parse(stem).is_some())
+        || target::is_target_file(path)
+        || in_target
 }
 
 /// Replaces the temporary folder in the path of `error` with the final one.

@@ -16,6 +16,7 @@
 //! lists another hash for a file is ignored. The file takes precedence over its report. Files of versions 0.1
 //! and 0.2 have a key for each value.
 
+use super::key_values::value_of;
 use super::pad::Pad;
 use crate::files::target::{Flip, flipped, flipped_chain};
 use crate::light::chain::{Chain, ChainKind, Level};
@@ -110,33 +111,28 @@ fn known<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Res
 }
 
 impl Provenance {
-    /// Parses the values of a file; `text` returns that of a key.
+    /// Parses the key/value pairs of a file.
     ///
     /// # Errors
     /// A message that names the key with an invalid value.
-    pub(crate) fn of_texts(text: &dyn Fn(&str) -> Option<String>) -> Result<Self, String> {
+    pub(super) fn of_pairs(pairs: &[(String, String)]) -> Result<Self, String> {
         let refused = |key: &str, text: &str| {
             let text: String = text.chars().take(40).collect();
             format!("{key} is {text:?}, which no bake wrote; bake it again")
         };
-        if let Some(text) = text(RECIPE_KEY) {
+        if let Some(text) = value_of(pairs, RECIPE_KEY) {
             let recipe = serde_json::from_str(text.trim()).ok().filter(Self::is_sound);
-            return recipe.ok_or_else(|| refused(RECIPE_KEY, &text));
+            return recipe.ok_or_else(|| refused(RECIPE_KEY, text));
         }
         let mut fields = Map::new();
         for (key, field) in OLD_KEYS {
-            let Some(text) = text(key) else { continue };
+            let Some(text) = value_of(pairs, key) else { continue };
             fields.insert(field.to_owned(), old_value(field, text.trim()));
             if !serde_json::from_value(Value::Object(fields.clone())).is_ok_and(|own: Self| own.is_sound()) {
-                return Err(refused(key, &text));
+                return Err(refused(key, text));
             }
         }
         Ok(serde_json::from_value(Value::Object(fields)).expect("checked"))
-    }
-
-    /// Parses key/value pairs, as [`Self::of_texts`].
-    pub(super) fn of_pairs(pairs: &[(String, String)]) -> Result<Self, String> {
-        Self::of_texts(&|key| super::key_values::value_of(pairs, key))
     }
 
     fn is_sound(&self) -> bool {
@@ -241,10 +237,6 @@ fn rows(mut texels: Vec<Rgb>, width: u32, change: impl Fn(&mut [Rgb])) -> Vec<Rg
     texels
 }
 
-fn finite(word: &str) -> Option<f64> {
-    word.parse().ok().filter(|value: &f64| value.is_finite())
-}
-
 /// The value of `field` as versions 0.1 and 0.2 wrote it, in JSON.
 fn old_value(field: &str, text: &str) -> Value {
     match (field, text) {
@@ -263,6 +255,7 @@ fn old_value(field: &str, text: &str) -> Value {
 
 /// Parses `x y z, r g b, steradians`.
 fn taken_sun(text: &str) -> Option<TakenSun> {
+    let finite = |word: &str| word.parse().ok().filter(|value: &f64| value.is_finite());
     let numbers = |part: &str| -> Option<Vec<f64>> { part.split_whitespace().map(finite).collect() };
     let [direction, irradiance, solid_angle] =
         <[Vec<f64>; 3]>::try_from(text.split(',').map(numbers).collect::<Option<Vec<_>>>()?).ok()?;
@@ -338,8 +331,8 @@ mod tests {
             ("octaglossLadder", "linear"),
             ("octaglossChain", "solved"),
         ];
-        let text = |key: &str| pairs.iter().find(|(own, _)| *own == key).map(|(_, text)| (*text).to_owned());
-        assert_eq!(Provenance::of_texts(&text), Ok(full()));
+        let pairs = pairs.map(|(key, text)| (key.to_owned(), text.to_owned()));
+        assert_eq!(Provenance::of_pairs(&pairs), Ok(full()));
     }
 
     #[test]

@@ -2,13 +2,13 @@
 //! chains knows them: six roughnesses, [`SIZE`] texels along an edge at the first.
 
 use super::LoadedChain;
+use super::key_values::value_of;
 use super::picture::check_finite;
-use super::provenance::Provenance;
 use super::pyramid_write::{KEY, SQUARES, VERSION, check_size};
 use super::texture::Texture;
 use crate::common::error::Result;
 use crate::common::parallel;
-use crate::light::chain::{Chain, Level};
+use crate::light::chain::Level;
 use crate::light::environment::{Layout, Rgb};
 use crate::pyramid::levels::Map;
 use crate::pyramid::light::OctaglossLight;
@@ -40,17 +40,14 @@ pub(super) fn decode_chain(texture: &Texture<'_>) -> Result<LoadedChain> {
         check_finite(texture.source.path, number, level.size(), &level.texels)?;
         Ok(level)
     };
-    Ok(LoadedChain {
-        chain: Chain { levels: (0..LEVELS).map(level).collect::<Result<_>>()? },
-        // Mips between these cubes are not what the file's look-ups read.
-        provenance: Provenance { ladder: None, ..texture.provenance()? },
-        format: texture.format(),
-        path: texture.source.path.to_owned(),
-        warnings: vec![format!(
-            "it is a pyramid: cubes of {SIZE} to {} texels stand for its look-ups at {LEVELS} roughnesses",
-            SIZE >> (LEVELS - 1)
-        )],
-    })
+    let mut loaded = texture.loaded((0..LEVELS).map(level).collect::<Result<_>>()?)?;
+    // Mips between these cubes are not what the file's look-ups read.
+    loaded.provenance.ladder = None;
+    loaded.warnings.push(format!(
+        "it is a pyramid: cubes of {SIZE} to {} texels stand for its look-ups at {LEVELS} roughnesses",
+        SIZE >> (LEVELS - 1)
+    ));
+    Ok(loaded)
 }
 
 /// The irradiance over pi of a pyramid's look-ups.
@@ -75,8 +72,8 @@ fn cube(size: u32, roughness: f64, radiance: impl Fn(DVec3) -> Rgb + Sync) -> Le
 /// The pyramid of a file.
 fn decode(texture: &Texture<'_>) -> Result<BakedPyramid> {
     let wrong = |what: String| texture.source.error(format!("{what}; bake it again with --target pyramid"));
-    let text = (texture.text)(KEY).unwrap_or_default();
-    let light: Light = serde_json::from_str(&text).map_err(|error| wrong(format!("{KEY}: {error}")))?;
+    let text = value_of(&texture.pairs, KEY).unwrap_or_default();
+    let light: Light = serde_json::from_str(text).map_err(|error| wrong(format!("{KEY}: {error}")))?;
     if light.version != VERSION {
         return Err(wrong(format!("a pyramid of version {}, not {VERSION}", light.version)));
     }

@@ -104,10 +104,9 @@ pub(super) fn non_finite(
 fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &mut Repairs) -> bool {
     let height = texels.len() / width;
     // Values propagate inwards from the rim of each region, one ring a round; each texel is set once.
-    let mut open: Vec<usize> = (0..texels.len()).filter(|&at| !texels[at][channel].is_finite()).collect();
-    let infinite: Vec<usize> =
-        open.iter().copied().filter(|&at| texels[at][channel] == f32::INFINITY).collect();
-    let dark: Vec<usize> = open.iter().copied().filter(|&at| texels[at][channel] != f32::INFINITY).collect();
+    let mut rim: Vec<usize> = (0..texels.len()).filter(|&at| !texels[at][channel].is_finite()).collect();
+    let (infinite, dark): (Vec<usize>, Vec<usize>) =
+        rim.iter().partition(|&&at| texels[at][channel] == f32::INFINITY);
     let nan = dark.iter().filter(|&&at| texels[at][channel].is_nan()).count();
     repairs.nan += nan as u64;
     repairs.infinite += (infinite.len() + dark.len() - nan) as u64;
@@ -122,8 +121,7 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
     };
     // Each round visits only the rim: its cost is that of the texels it sets and their neighbours, not of the
     // region.
-    let mut rim = open.clone();
-    while !open.is_empty() {
+    while !rim.is_empty() {
         let settled: Vec<(usize, f32)> = rim
             .iter()
             .filter(|&&at| !texels[at][channel].is_finite())
@@ -144,9 +142,6 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
         rim.extend(near.filter(|near| !texels[*near][channel].is_finite()));
         rim.sort_unstable();
         rim.dedup();
-        if rim.is_empty() {
-            open.clear();
-        }
     }
     for at in dark {
         texels[at][channel] = 0.0;

@@ -4,14 +4,14 @@
 //! hashes; they match by name.
 
 use super::provenance::{IRRADIANCE, Provenance, TakenSun};
-
+use super::regular::read_regular;
 use crate::files::target::{Content, Flip, Target};
 use crate::light::chain::ChainKind;
 use crate::lobe::Lobe;
 use serde::Deserialize;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Longest report that is read, in bytes.
 const LONGEST: u64 = 64 << 20;
@@ -31,7 +31,7 @@ pub(super) struct SideReport {
     #[serde(default)]
     suns: Vec<TakenSun>,
     #[serde(default)]
-    target: Option<TargetPart>,
+    pub(super) target: Option<TargetPart>,
     #[serde(default)]
     fingerprint: Fingerprint,
 }
@@ -44,12 +44,12 @@ pub(super) struct ReportLevel {
 }
 
 #[derive(Debug, Deserialize)]
-struct TargetPart {
+pub(super) struct TargetPart {
     name: String,
     /// In versions 0.1 and 0.2.
     flip: Option<Flip>,
     #[serde(default)]
-    files: Vec<String>,
+    pub(super) files: Vec<String>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -72,39 +72,25 @@ pub(super) struct Described {
 /// The report is `FILE.report.json`, for an irradiance file that of its bake, or `report.json` in the file's
 /// folder or its parent, for targets with subfolders.
 pub(super) fn of_file(path: &Path, hash: impl Fn() -> blake3::Hash) -> Option<Described> {
-    let name = path.file_name()?.to_str()?.to_owned();
+    let name = path.file_name()?.to_str()?;
     let folders = [path.parent(), path.parent().and_then(Path::parent)];
     let shared = folders.into_iter().flatten().filter_map(|folder| {
         let name = path.strip_prefix(folder).ok()?.to_str()?.replace('\\', "/");
-        Some((folder.join(REPORT), name))
+        Some((folder.join(REPORT), name, false))
     });
     let known = OnceCell::new();
     let hash = || known.get_or_init(|| hash().to_hex().to_string()).clone();
-    let own = reports_of(path).into_iter().map(|report| (report, name.clone()));
-    own.chain(shared).find_map(|(report, name)| {
-        let is_own = report.file_name().is_some_and(|name| name != REPORT);
-        let report = read(&report)?;
+    let kinds = [".irradiance.", ".skybox."].into_iter().filter(|kind| name.contains(kind));
+    let mains = kinds.map(|kind| name.replacen(kind, ".", 1));
+    let own = std::iter::once(name.to_owned()).chain(mains);
+    let own = own.map(|main| (path.with_file_name(format!("{main}.{REPORT}")), name.to_owned(), true));
+    // Most files have no report.
+    let found = own.chain(shared).filter(|(report, ..)| report.is_file());
+    found.into_iter().find_map(|(report, name, is_own)| {
+        let report: SideReport = serde_json::from_slice(&read_regular(&report, LONGEST).ok()?).ok()?;
         let listed = report.listed(&name, is_own, &hash)?;
         report.describes(&listed)
     })
-}
-
-/// Candidate reports in the folder of the single file `path`.
-fn reports_of(path: &Path) -> Vec<PathBuf> {
-    let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return Vec::new() };
-    let of = |name: &str| path.with_file_name(format!("{name}.{REPORT}"));
-    let kinds = [".irradiance.", ".skybox."].into_iter().filter(|kind| name.contains(kind));
-    let main = kinds.map(|kind| of(&name.replacen(kind, ".", 1)));
-    std::iter::once(of(name)).chain(main).collect()
-}
-
-/// Reads the report `path`; `None` if it is not one.
-fn read(path: &Path) -> Option<SideReport> {
-    // Most files have no report.
-    if !path.is_file() {
-        return None;
-    }
-    serde_json::from_slice(&super::regular::read_regular(path, LONGEST).ok()?).ok()
 }
 
 impl SideReport {
@@ -183,11 +169,6 @@ impl SideReport {
             scale,
             ..self.recipe.clone()
         }
-    }
-
-    /// The files of the target, for a target's report.
-    pub(super) fn target_files(&self) -> Option<&[String]> {
-        self.target.as_ref().map(|target| &target.files[..])
     }
 }
 

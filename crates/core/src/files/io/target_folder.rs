@@ -17,7 +17,9 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
         // Reading the folder's levels reports errors in the report.
         let bytes = super::regular::read_regular(&report, super::side_report::MAX_REPORT_BYTES)?;
         let Ok(report) = serde_json::from_slice::<SideReport>(&bytes) else { return Ok(None) };
-        let Some(first) = report.target_files().and_then(<[String]>::first) else { return Ok(None) };
+        let Some(first) = report.target.as_ref().and_then(|target| target.files.first()) else {
+            return Ok(None);
+        };
         // A report must not reference files outside its folder.
         let within =
             Path::new(first).components().all(|part| matches!(part, std::path::Component::Normal(_)));
@@ -27,10 +29,8 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
     let targets: Vec<&str> =
         own.iter().map(String::as_str).filter(|name| Target::named(name).is_some()).collect();
     if !targets.is_empty() {
-        return Err(Error::input(
-            folder,
-            format!("it holds the folders of targets ({}); name one of them", targets.join(", ")),
-        ));
+        let message = format!("it holds the folders of targets ({}); name one of them", targets.join(", "));
+        return Err(Error::input(folder, message));
     }
     // Without a report (`bake --json` prints it instead) file names decide.
     let mut paths = own.clone();
@@ -51,25 +51,15 @@ pub(super) fn levels_file(folder: &Path) -> Result<Option<PathBuf>> {
         [one] => Ok(Some(folder.join(one))),
         [..] => {
             let names: Vec<&str> = found.iter().take(4).map(|name| name.as_str()).collect();
-            Err(Error::input(
-                folder,
-                format!("it holds the levels of several bakes ({}); name one of them", names.join(", ")),
-            ))
+            let names = names.join(", ");
+            let message = format!("it holds the levels of several bakes ({names}); name one of them");
+            Err(Error::input(folder, message))
         }
     }
 }
 
-/// Whether the file `path` is named as a target's panorama.
-pub(super) fn is_panorama(path: &Path) -> bool {
-    is_named(path, Content::Panorama)
-}
-
-/// Whether the file `path` is named as a target's atlas.
-pub(super) fn is_atlas(path: &Path) -> bool {
-    is_named(path, Content::Atlas)
-}
-
-fn is_named(path: &Path, content: Content) -> bool {
+/// Whether the file `path` is named as a target's file with `content`.
+pub(super) fn is_named(path: &Path, content: Content) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     TARGETS.iter().any(|target| target.content_of(&name) == Some(content))
 }

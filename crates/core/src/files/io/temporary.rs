@@ -28,17 +28,13 @@ const OLD: &str = ".old";
 static LIVE: Mutex<Vec<Names>> = Mutex::new(Vec::new());
 
 /// Exclusive access to the temporaries of this process: no other thread creates, commits or removes one.
-pub(super) struct Live(MutexGuard<'static, Vec<Names>>);
-
-impl Live {
-    pub(super) fn hold() -> Self {
-        Self(LIVE.lock().unwrap_or_else(PoisonError::into_inner))
-    }
+pub(super) fn live() -> MutexGuard<'static, Vec<Names>> {
+    LIVE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Paths of a temporary.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Names {
+pub(super) struct Names {
     /// Path of the temporary without its suffix.
     stem: PathBuf,
     /// The output.
@@ -78,7 +74,7 @@ impl Temporary {
     pub(super) fn beside(place: &Path) -> io::Result<Self> {
         let folder = place.parent().ok_or(io::ErrorKind::InvalidInput)?;
         let name = place.file_name().ok_or(io::ErrorKind::InvalidInput)?;
-        let mut live = Live::hold();
+        let mut live = live();
         for _ in 0..100 {
             let mut lock = Builder::new().prefix(PREFIX).suffix(LOCK).tempfile_in(folder)?;
             // Another process may clean up between creation and locking: then it holds the lock or has
@@ -91,7 +87,7 @@ impl Temporary {
             }
             lock.write_all(name.as_encoded_bytes())?;
             let names = Names { stem: lock.path().with_extension(""), place: place.to_owned() };
-            live.0.push(names.clone());
+            live.push(names.clone());
             return Ok(Self { names, lock: Some(lock) });
         }
         Err(io::Error::other("other processes remove every temporary file"))
@@ -110,22 +106,22 @@ impl Temporary {
 
 impl Drop for Temporary {
     fn drop(&mut self) {
-        let mut live = Live::hold();
+        let mut live = live();
         let cleared = self.names.clear();
         if let (Err(_), Some(lock)) = (cleared, self.lock.take()) {
             // The next run tries again.
             let _kept = lock.keep();
         }
         drop(self.lock.take());
-        live.0.retain(|names| *names != self.names);
+        live.retain(|names| *names != self.names);
     }
 }
 
 /// Removes every temporary of this process before it exits. Waits for commits in progress; afterwards no
 /// thread can create or commit a temporary.
 pub fn remove_temporaries() {
-    let live = Live::hold();
-    for names in &*live.0 {
+    let live = live();
+    for names in &*live {
         // Retry: another thread may still be writing into a folder.
         let cleared = (0..100).any(|_| {
             let cleared = names.clear().is_ok();
@@ -219,12 +215,12 @@ fn remove(path: &Path) -> io::Result<()> {
 
 /// Exchanges two files or folders in one step; `None` if the system does not support it.
 pub(super) fn exchange(a: &Path, b: &Path) -> Option<io::Result<()>> {
-    renamed(a, b, Flag::Exchange)
+    renamed(a, b, true)
 }
 
 /// Renames `from` to `to`, which must not exist.
 pub(super) fn rename_new(from: &Path, to: &Path) -> io::Result<()> {
-    renamed(from, to, Flag::NoReplace).unwrap_or_else(|| {
+    renamed(from, to, false).unwrap_or_else(|| {
         // Windows refuses access to a folder that another process has made there meanwhile.
         persistently(
             || {
@@ -263,20 +259,13 @@ fn is_in_use(error: &io::Error) -> bool {
     matches!(error.raw_os_error(), Some(5 | 32 | 33))
 }
 
-#[derive(Clone, Copy)]
-enum Flag {
-    Exchange,
-    NoReplace,
-}
-
+/// Renames `a` to `b`, which must not exist, or exchanges them in one step if it `exchanges`; `None` if the
+/// system does not support it.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
-fn renamed(a: &Path, b: &Path, flag: Flag) -> Option<io::Result<()>> {
+fn renamed(a: &Path, b: &Path, exchanges: bool) -> Option<io::Result<()>> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
     use rustix::io::Errno;
-    let flags = match flag {
-        Flag::Exchange => RenameFlags::EXCHANGE,
-        Flag::NoReplace => RenameFlags::NOREPLACE,
-    };
+    let flags = if exchanges { RenameFlags::EXCHANGE } else { RenameFlags::NOREPLACE };
     match renameat_with(CWD, a, CWD, b, flags) {
         // Old kernels, and file systems without support.
         Err(Errno::INVAL | Errno::XDEV | Errno::NOSYS | Errno::NOTSUP) => None,
@@ -285,10 +274,8 @@ fn renamed(a: &Path, b: &Path, flag: Flag) -> Option<io::Result<()>> {
 }
 
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
-fn renamed(_: &Path, _: &Path, flag: Flag) -> Option<io::Result<()>> {
-    match flag {
-        Flag::Exchange | Flag::NoReplace => None,
-    }
+fn renamed(_: &Path, _: &Path, _: bool) -> Option<io::Result<()>> {
+    None
 }
 
 /// Resolves the links of the output `path`; its last component need not exist.

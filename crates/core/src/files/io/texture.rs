@@ -1,12 +1,11 @@
 //! Textures in KTX, KTX2 and DDS files: what their readers share.
 
 use super::LoadedChain;
+use super::key_values::value_of;
 use super::ktx2::write::ROUGHNESS_KEY;
 use super::map_header::MapHeader;
-use super::picture::{Picture, check_finite};
-use super::provenance::Provenance;
+use super::picture::{Picture, Source, check_finite};
 use super::pyramid_write::KEY as PYRAMID_KEY;
-use super::source::Source;
 use crate::common::error::Result;
 use crate::files::format::r11g11b10::rgb_from_r11g11b10;
 use crate::files::format::{Pixel, bc6h, rgb_from_rgb9e5};
@@ -33,13 +32,10 @@ pub(super) struct Texture<'a> {
     /// Whether the rows of a 2D image run upwards.
     pub(super) is_bottom_up: bool,
     pub(super) levels: usize,
-    /// Returns the text value of a key.
-    pub(super) text: Box<Texts<'a>>,
+    pub(super) pairs: Vec<(String, String)>,
     /// Calls a function with the bytes of a level's images in order, of several at once or of each.
     pub(super) images: Box<ForImages<'a>>,
 }
-
-type Texts<'a> = dyn Fn(&str) -> Option<String> + 'a;
 
 type ForImages<'a> = dyn Fn(usize, &mut dyn FnMut(&[u8])) -> Result<()> + 'a;
 
@@ -68,9 +64,9 @@ impl Texture<'_> {
             height: if *is_cube { 6 * width } else { *height },
             texels: self.level(0)?,
             is_cube: *is_cube,
-            map: if *is_cube { None } else { MapHeader::of_texts(source, &self.text)? },
+            map: if *is_cube { None } else { MapHeader::of_pairs(source, &self.pairs)? },
             format: self.format(),
-            provenance: self.provenance()?,
+            provenance: source.provenance(&self.pairs)?,
             ..Picture::default()
         })
     }
@@ -83,10 +79,14 @@ impl Texture<'_> {
             check_finite(self.source.path, level, size, &texels)?;
             Ok(Level::cube(size, roughness, texels))
         };
-        let levels = (0..).zip(roughness).map(level).collect::<Result<_>>()?;
+        self.loaded((0..).zip(roughness).map(level).collect::<Result<_>>()?)
+    }
+
+    /// The chain of `levels` with what the file says of it.
+    pub(super) fn loaded(&self, levels: Vec<Level>) -> Result<LoadedChain> {
         Ok(LoadedChain {
             chain: Chain { levels },
-            provenance: self.provenance()?,
+            provenance: self.source.provenance(&self.pairs)?,
             format: self.format(),
             path: self.source.path.to_owned(),
             warnings: Vec::new(),
@@ -103,7 +103,7 @@ impl Texture<'_> {
     /// If it is no cube, since flat images have none, or lacks them.
     pub(super) fn roughness(&self) -> Result<Vec<f64>> {
         self.check_is_cube()?;
-        let Some(text) = (self.text)(ROUGHNESS_KEY) else {
+        let Some(text) = value_of(&self.pairs, ROUGHNESS_KEY) else {
             return Err(self.source.error(format!(
                 "it has no roughness of its levels (key {ROUGHNESS_KEY}); octagloss bake writes it"
             )));
@@ -120,11 +120,11 @@ impl Texture<'_> {
 
     /// Whether it is a pyramid.
     pub(super) fn is_pyramid(&self) -> bool {
-        (self.text)(PYRAMID_KEY).is_some()
+        value_of(&self.pairs, PYRAMID_KEY).is_some()
     }
 
     /// Such as `KTX2 cube, RGBA16F, 9 levels`.
-    pub(super) fn format(&self) -> String {
+    fn format(&self) -> String {
         let kind = match (self.is_cube, self.is_pyramid()) {
             (true, false) => "cube",
             (true, true) => "pyramid on a cube",
@@ -133,11 +133,6 @@ impl Texture<'_> {
         };
         let pixel = self.pixel.in_textures().expect("textures have it").name;
         format!("{} {kind}, {pixel}, {} levels", self.container, self.levels)
-    }
-
-    /// Origin recorded in the file.
-    pub(super) fn provenance(&self) -> Result<Provenance> {
-        Provenance::of_texts(&self.text).map_err(|message| self.source.error(message))
     }
 
     /// Decodes the texels of one level, face by face.

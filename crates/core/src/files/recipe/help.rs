@@ -1,6 +1,6 @@
 //! Help of `--target`, from the table of targets.
 
-use crate::files::target::{Diffuse, Naming, TARGETS, Target, TargetPlan};
+use crate::files::target::{Diffuse, TARGETS, Target, TargetPlan};
 use crate::light::environment::Map;
 
 /// Help text of `--target`, with each target's options and files.
@@ -15,7 +15,7 @@ pub(super) fn targets() -> String {
             None => "untested in its engine".to_owned(),
         };
         text += &format!("\n\n{}: {} ({tested})\n{}\nFiles:", target.name, target.reader, expansion(target));
-        for (path, _) in TargetPlan::new(target).files(&Naming { name: "NAME", levels: 1, bounded: &[] }) {
+        for (path, _) in TargetPlan::new(target).files("NAME", 1, &[]) {
             text += &format!(" {path}");
         }
     }

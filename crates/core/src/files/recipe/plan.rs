@@ -105,7 +105,8 @@ impl Recipe {
         let settings = self.untargeted_settings()?;
         let layout = self.out_layout.unwrap_or_default();
         let (name, map) = (layout.name(), layout.map());
-        if self.bounds && layout != OutputLayout::Faces {
+        let images = layout != OutputLayout::Faces;
+        if self.bounds && images {
             return wrong(format!("`bounds` is for `out_layout` faces, not {name}"));
         }
         if self.irradiance.is_some() && map != Map::Cube {
@@ -114,9 +115,15 @@ impl Recipe {
         if self.skybox.is_some() && map != Map::Cube {
             return wrong(format!("`skybox` is a cube; omit it or `out_layout` {name}"));
         }
-        let images = layout != OutputLayout::Faces;
         let container = self.format.unwrap_or(if images { Container::Exr } else { Container::Ktx2 });
-        let pixel = self.pixel_in(container, layout)?;
+        let is_one_exr = matches!(layout, OutputLayout::Parts | OutputLayout::Mips);
+        if is_one_exr && container != Container::Exr {
+            return wrong(format!("`out_layout` {name} is an exr file, not {container}"));
+        }
+        if images && container.is_single() {
+            return wrong(format!("`out_layout` {name} is for exr and hdr, not {container}"));
+        }
+        let pixel = container.pixel(self.pixel, container.default_pixel(layout))?;
         let diffuse = if self.irradiance.is_some() { Diffuse::Cube } else { Diffuse::None };
         let skybox = self.skybox.is_some();
         let plan = TargetPlan { container, pixel, layout, diffuse, skybox, ..TargetPlan::new(&UNTARGETED) };
@@ -158,19 +165,6 @@ impl Recipe {
         };
         settings.level_specs()?;
         Ok(settings)
-    }
-
-    /// Pixel format of `layout` in `container`.
-    fn pixel_in(&self, container: Container, layout: OutputLayout) -> Result<Pixel> {
-        let (name, images) = (container.name(), layout != OutputLayout::Faces);
-        let is_one_exr = matches!(layout, OutputLayout::Parts | OutputLayout::Mips);
-        if is_one_exr && container != Container::Exr {
-            return wrong(format!("`out_layout` {} is an exr file, not {name}", layout.name()));
-        }
-        if images && container.is_single() {
-            return wrong(format!("`out_layout` {} is for exr and hdr, not {name}", layout.name()));
-        }
-        container.pixel(self.pixel, container.default_pixel(layout))
     }
 
     /// The preset of `target` with these options.

@@ -4,19 +4,20 @@
 //! [`crate::files::export::files`] encodes its files from a bake.
 
 mod flip;
-pub(crate) mod sizes;
-
 pub use flip::{Flip, flipped, flipped_chain};
 
 use crate::common::error::{Result, wrong};
 use crate::common::names::named;
+use crate::files::export::gltf::EXTENSION;
 use crate::files::format::container::Container;
 use crate::files::format::{LevelName, OutputLayout, Pixel, Shown};
+use crate::files::io::pyramid_write;
 use crate::light::chain::ChainKind;
 use crate::light::environment::Map;
 use crate::light::sh::scale::ShScale;
 use crate::lobe::Lobe;
 use crate::lobe::ladder::{Ladder, UNITY_LEVELS};
+use crate::pyramid::Octaves;
 use crate::sphere::cube::Face;
 
 /// Content of a target's file.
@@ -61,6 +62,9 @@ pub enum Content {
     /// One image of a level.
     Image(LevelName),
 }
+
+/// Levels of PlayCanvas's atlas.
+pub(crate) const ATLAS_LEVELS: u32 = 6;
 
 /// A file of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -196,8 +200,17 @@ pub const UNTARGETED: Target = Target {
 const ENGINE: Target = Target { size: 256, last_size: Some(1), chain: Some(ChainKind::Sampled), ..GENERIC };
 
 /// Base of engines that filter a panorama themselves.
-const SKY: Target =
-    Target { pixel: Pixel::F32, map: Map::Panorama, size: 1024, last_size: Some(1024), ..ENGINE };
+const SKY: Target = Target {
+    pixel: Pixel::F32,
+    map: Map::Panorama,
+    size: 1024,
+    last_size: Some(1024),
+    files: &[
+        FileSpec { path: "{name}_panorama.exr", content: Panorama },
+        FileSpec { path: "{name}_skybox.exr", content: SkyboxPanorama },
+    ],
+    ..ENGINE
+};
 
 /// The files of a pyramid whose maps are `maps`, with its `readers`.
 const fn pyramid_files(maps: Content, readers: [&'static str; 4]) -> [FileSpec; 8] {
@@ -423,10 +436,6 @@ pub const TARGETS: [Target; 14] = [
         name: "godot",
         reader: "Godot's PanoramaSkyMaterial",
         quarter_turns: 3,
-        files: &[
-            FileSpec { path: "{name}_panorama.exr", content: Panorama },
-            FileSpec { path: "{name}_skybox.exr", content: SkyboxPanorama },
-        ],
         verified: Some("Godot 3.2"),
         ..SKY
     },
@@ -435,10 +444,6 @@ pub const TARGETS: [Target; 14] = [
     Target {
         name: "blender",
         reader: "Blender's environment texture",
-        files: &[
-            FileSpec { path: "{name}_panorama.exr", content: Panorama },
-            FileSpec { path: "{name}_skybox.exr", content: SkyboxPanorama },
-        ],
         verified: Some("Blender 5.0 (bpy)"),
         ..SKY
     },
@@ -456,7 +461,7 @@ impl Target {
     #[must_use]
     pub fn levels(&self, size: u32) -> u32 {
         if self.has_atlas() {
-            return sizes::ATLAS_LEVELS;
+            return ATLAS_LEVELS;
         }
         match self.last_size {
             None => self.ladder.default_levels(self.map, size).max(1),
@@ -565,17 +570,6 @@ pub struct TargetPlan {
     pub skybox: bool,
 }
 
-/// Parameters of a plan's files.
-#[derive(Clone, Copy, Debug)]
-pub struct Naming<'a> {
-    /// Name of the environment; without a target that of the output.
-    pub name: &'a str,
-    /// Number of levels.
-    pub levels: u32,
-    /// The levels whose bounds are written.
-    pub bounded: &'a [u32],
-}
-
 impl TargetPlan {
     /// The plan of `target` without overrides.
     #[must_use]
@@ -611,12 +605,37 @@ impl TargetPlan {
     /// [`crate::common::error::Error::Parameter`] if not.
     pub fn check_levels(&self, size: u32, levels: u32, ladder: Ladder) -> Result<()> {
         self.target.check_look_ups(levels, ladder)?;
+        self.check_sizes(size, levels)
+    }
+
+    /// Checks that the files can hold `levels` levels from `size` down.
+    ///
+    /// # Errors
+    /// [`crate::common::error::Error::Parameter`] if not.
+    pub(crate) fn check_sizes(&self, size: u32, levels: u32) -> Result<()> {
+        let is_power = size.is_power_of_two();
         self.target.files.iter().try_for_each(|file| match file.content {
             Oem => crate::light::oem::level_sizes(size, levels).map(drop),
-            Env => sizes::check_env(size, levels),
-            Glb => sizes::check_glb(size),
-            Atlas => sizes::check_atlas(size, levels),
-            PyramidLight => sizes::check_pyramid(size, levels),
+            Env if !is_power || levels != size.ilog2() + 1 => wrong(format!(
+                "an .env needs a `size` that is a power of two and all its levels down to 1; {size} with \
+                 {levels} levels is not"
+            )),
+            Glb if !is_power => {
+                wrong(format!("{EXTENSION} needs a `size` that is a power of two; {size} is not"))
+            }
+            Atlas if !is_power || size < 1 << (ATLAS_LEVELS - 1) || levels != ATLAS_LEVELS => wrong(format!(
+                "an atlas needs a `size` that is a power of two from 32, and {ATLAS_LEVELS} levels; {size} \
+                 with {levels} levels is not"
+            )),
+            PyramidLight => {
+                pyramid_write::check_size(size)?;
+                match Octaves::over(size)?.count() {
+                    own if own == levels => Ok(()),
+                    own => wrong(format!(
+                        "a pyramid of `size` {size} has {own} levels, not {levels}; omit `levels`"
+                    )),
+                }
+            }
             _ => Ok(()),
         })
     }
@@ -633,10 +652,10 @@ impl TargetPlan {
         self.container.is_single() || matches!(self.layout, OutputLayout::Parts | OutputLayout::Mips)
     }
 
-    /// The files to write, with their paths in the output's folder.
+    /// The files to write, with their paths in the output's folder, for `levels` levels of the environment
+    /// called `name`, without a target of the output called so; with the bounds of the levels `bounded`.
     #[must_use]
-    pub fn files(&self, shape: &Naming<'_>) -> Vec<(String, Content)> {
-        let Naming { name, levels, bounded } = *shape;
+    pub fn files(&self, name: &str, levels: u32, bounded: &[u32]) -> Vec<(String, Content)> {
         let extension = self.container.name();
         let stem = name.rsplit_once('.').map_or(name, |(stem, _)| if stem.is_empty() { name } else { stem });
         let path = |file: &FileSpec| {

@@ -3,11 +3,12 @@
 //! "OpenEXR File Layout" and "Technical Introduction to OpenEXR" (openexr.com): parts share their display
 //! window, chunks store their part number, and a MIP map halves down to one pixel.
 
-use super::write::{Attribute, Block, Image, Samples, header_bytes, preamble, push_blocks};
+use super::write::{Attribute, Block, Image, Samples, attributes, header_bytes, preamble, push_blocks};
 use crate::common::error::{Result, wrong};
 use crate::files::format::Pixel;
-use crate::light::environment::Rgb;
-
+use crate::files::io::ktx2::write::{ROUGHNESS_KEY, roughness_text};
+use crate::light::chain::Level;
+use crate::light::environment::{Layout, Rgb};
 /// Flags of the version field.
 const TILED: u32 = 0x200;
 const SEVERAL_PARTS: u32 = 0x1000;
@@ -69,18 +70,16 @@ pub(crate) fn exr_parts_bytes(parts: &[Part<'_>], pixel: Pixel) -> Result<Vec<u8
     Ok(out)
 }
 
-/// Encodes a tiled EXR file with the MIP levels `levels`, each row-major. Sides halve, rounded down, to one
-/// texel.
+/// Encodes a tiled EXR file with the MIP levels `levels`, panoramas whose sides halve, rounded down, to one
+/// texel, with each level's roughness and `metadata` in attributes.
 ///
 /// # Errors
 /// [`crate::common::error::Error::Parameter`] for other levels, and for pixel formats that EXR does not
 /// support.
-pub(crate) fn exr_mips_bytes(
-    (width, height): (u32, u32),
-    levels: &[&[Rgb]],
-    pixel: Pixel,
-    attributes: &[(String, Attribute)],
-) -> Result<Vec<u8>> {
+pub(crate) fn mips_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
+    let Some(Layout::Panorama { width, height }) = levels.first().map(|level| level.layout) else {
+        return wrong("a lat-long MIP map is made of panoramas");
+    };
     let needed = width.max(height).checked_ilog2().map_or(0, |log2| log2 as usize + 1);
     if levels.len() != needed {
         return wrong(format!(
@@ -90,16 +89,19 @@ pub(crate) fn exr_mips_bytes(
     }
     let images: Vec<Image<'_>> = (0_u32..)
         .zip(levels)
-        .map(|(level, texels)| {
-            let side = |full: u32| (full >> level).max(1);
-            Image { width: side(width), height: side(height), samples: Samples::Rgb(texels), pixel }
+        .map(|(number, level)| {
+            let side = |full: u32| (full >> number).max(1);
+            Image { width: side(width), height: side(height), samples: Samples::Rgb(&level.texels), pixel }
         })
         .collect();
     images.iter().try_for_each(Image::check)?;
+    let roughness = roughness_text(levels.iter().map(|level| level.roughness));
+    let roughness = (ROUGHNESS_KEY.to_owned(), roughness);
+    let attributes = attributes(None, std::iter::once(roughness).chain(metadata.iter().cloned()));
     let mut out = preamble(TILED);
     // Tile edges, then the mode: MIP levels, sizes rounded down.
     let tiles: Vec<u8> = TILE.to_le_bytes().into_iter().chain(TILE.to_le_bytes()).chain([1]).collect();
-    header_bytes(&images[0], (width, height), &[("tiles", "tiledesc", &tiles)], attributes, &mut out);
+    header_bytes(&images[0], (width, height), &[("tiles", "tiledesc", &tiles)], &attributes, &mut out);
     let mut blocks = Vec::new();
     for (level, image) in (0_i32..).zip(&images) {
         let span = |tile: u32, side: u32| (tile * TILE) as usize..((tile + 1) * TILE).min(side) as usize;

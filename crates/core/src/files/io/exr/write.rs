@@ -31,7 +31,7 @@ pub enum Attribute {
 }
 
 /// The attribute of a level's `roughness`, if there is one, and those of text `pairs`.
-pub(in crate::files::io) fn attributes(
+pub(in crate::files) fn attributes(
     roughness: Option<f64>,
     pairs: impl IntoIterator<Item = (impl Into<String>, impl Into<String>)>,
 ) -> Vec<(String, Attribute)> {

@@ -8,9 +8,8 @@ use crate::files::io::color::{self, Primaries};
 use crate::files::io::key_values::value_of;
 use crate::files::io::ktx2::write::ROUGHNESS_KEY;
 use crate::files::io::map_header::MapHeader;
-use crate::files::io::picture::{LevelHeader, Picture};
-use crate::files::io::provenance::{KEY_PREFIX, Provenance};
-use crate::files::io::source::{Source, TEXEL_BYTES};
+use crate::files::io::picture::{LevelHeader, Picture, Source, TEXEL_BYTES};
+use crate::files::io::provenance::KEY_PREFIX;
 use crate::light::environment::Rgb;
 
 /// Content of a header.
@@ -26,17 +25,11 @@ struct Header<'a> {
     data: &'a [u8],
 }
 
-impl Header<'_> {
-    fn text(&self, key: &str) -> Option<String> {
-        value_of(&self.pairs, key)
-    }
-}
-
 /// Columns, rows and roughness of an image of a bake's level; `None` if its header has no roughness.
 pub(super) fn level_header(source: &Source<'_>) -> Result<LevelHeader> {
     let header = read_header(source)?;
     let (width, height) = header.scan.sides();
-    let roughness = header.text(ROUGHNESS_KEY).and_then(|text| text.parse().ok());
+    let roughness = value_of(&header.pairs, ROUGHNESS_KEY).and_then(|text| text.parse().ok());
     let roughness = roughness.filter(|roughness| (0.0..=1.0).contains(roughness));
     Ok(LevelHeader { width, height, roughness })
 }
@@ -89,9 +82,8 @@ pub(super) fn decode(source: &Source<'_>) -> Result<Picture> {
     } else if let Some(primaries) = header.primaries {
         warnings.extend(primaries.converted("PRIMARIES", &mut texels));
     }
-    let provenance =
-        Provenance::of_texts(&|key| header.text(key)).map_err(|message| source.error(message))?;
-    let map = MapHeader::of_texts(source, &|key| header.text(key))?;
+    let provenance = source.provenance(&header.pairs)?;
+    let map = MapHeader::of_pairs(source, &header.pairs)?;
     Ok(Picture { width, height, texels, map, format, warnings, provenance, ..Picture::default() })
 }
 

@@ -6,7 +6,7 @@
 
 use crate::common::error::Result;
 use crate::files::format::RGBE_MAX;
-use crate::files::io::source::Source;
+use crate::files::io::picture::Source;
 use crate::light::environment::Rgb;
 
 /// Lengths of scanlines of planes.

@@ -4,8 +4,9 @@
 use super::zstandard;
 use crate::common::error::Result;
 use crate::files::format::Pixel;
+use crate::files::io::key_values::value_of;
+use crate::files::io::picture::{Source, TEXEL_BYTES};
 use crate::files::io::pyramid_write::{KEY as PYRAMID_KEY, SQUARES};
-use crate::files::io::source::{Source, TEXEL_BYTES};
 use crate::files::io::texture::{READABLE, Texture, image_bytes};
 use ktx2::{Format, SupercompressionScheme};
 use std::borrow::Cow;
@@ -58,16 +59,13 @@ pub(in crate::files::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>>
     let stored = if pixel == Pixel::Bc6h { 4 } else { image_bytes(pixel, 1, 1) as u64 };
     source.check_memory(width, height, faces * (mips * TEXEL_BYTES + stored))?;
 
-    let values = reader.key_value_data().map(|(key, value)| (key.to_owned(), value.to_vec()));
-    let values: Vec<(String, Vec<u8>)> = values.collect();
-    let value_of = move |key: &str| values.iter().find(|(own, _)| own == key).map(|(_, value)| value.clone());
-    // Rows run upwards (`ru`) in OpenGL.
-    let is_upwards = value_of("KTXorientation").is_some_and(|value| value.get(1) == Some(&b'u'));
-    let text = move |key: &str| {
-        let value = value_of(key)?;
+    let pair = |(key, value): (&str, &[u8])| {
         let text = value.split(|byte| *byte == 0).next().unwrap_or_default();
-        Some(String::from_utf8_lossy(text).into_owned())
+        (key.to_owned(), String::from_utf8_lossy(text).into_owned())
     };
+    let pairs: Vec<(String, String)> = reader.key_value_data().map(pair).collect();
+    // Rows run upwards (`ru`) in OpenGL.
+    let is_upwards = value_of(&pairs, "KTXorientation").is_some_and(|value| value.get(1..2) == Some("u"));
     let source = *source;
     let images = move |level: usize, visit: &mut dyn FnMut(&[u8])| {
         let side = |full: u32| (full >> level).max(1);
@@ -100,7 +98,7 @@ pub(in crate::files::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>>
         is_cube,
         is_bottom_up: is_upwards && !is_cube,
         levels,
-        text: Box::new(text),
+        pairs,
         images: Box::new(images),
     })
 }

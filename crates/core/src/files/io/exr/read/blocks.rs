@@ -5,7 +5,7 @@ use super::window::{Window, exr_error};
 use crate::common::error::Result;
 use crate::common::parallel;
 use crate::files::io::panics::catching_panics;
-use crate::files::io::source::{Source, TEXEL_BYTES, limit};
+use crate::files::io::picture::{Source, TEXEL_BYTES, limit};
 use crate::light::environment::Rgb;
 use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{Chunk, CompressedBlock};
@@ -37,25 +37,6 @@ fn batch_size(header: &Header) -> u64 {
 /// Rejects a file that is too short for its blocks, before texels are allocated, and one whose blocks and
 /// texels exceed the memory limit.
 fn check_blocks(source: &Source<'_>, header: &Header, window: &Window) -> Result<()> {
-    let (count, least) = least_bytes(header);
-    if least > source.bytes.len() as u64 {
-        return Err(source.error(format!(
-            "truncated: its {count} blocks take at least {least} bytes and the file has {}; copy it again",
-            source.bytes.len()
-        )));
-    }
-    let texels = u64::from(window.width) * u64::from(window.height) * TEXEL_BYTES;
-    let blocks = (batch_size(header) * BLOCK_COPIES).saturating_mul(header.max_block_byte_size() as u64);
-    let needed = texels.saturating_add(blocks).saturating_add(source.bytes.len() as u64);
-    if needed > source.memory_limit {
-        let what = format!("blocks for {}x{} pixels", window.data_width, window.data_height);
-        return Err(limit(source.path, &what, needed, source.memory_limit));
-    }
-    Ok(())
-}
-
-/// Number of blocks of the largest level, and their minimum size in a file.
-fn least_bytes(header: &Header) -> (u64, u64) {
     // Offset table entry; block coordinate and length; one byte of data.
     const MIN_BLOCK: u64 = 8 + 8 + 1;
     let (width, height) = (header.layer_size.x() as u64, header.layer_size.y() as u64);
@@ -73,7 +54,21 @@ fn least_bytes(header: &Header) -> (u64, u64) {
         _ => 0,
     };
     let samples = width.saturating_mul(height).saturating_mul(header.channels.bytes_per_pixel as u64);
-    (count, count.saturating_mul(MIN_BLOCK).max(samples.checked_div(most).unwrap_or(0)))
+    let least = count.saturating_mul(MIN_BLOCK).max(samples.checked_div(most).unwrap_or(0));
+    if least > source.bytes.len() as u64 {
+        return Err(source.error(format!(
+            "truncated: its {count} blocks take at least {least} bytes and the file has {}; copy it again",
+            source.bytes.len()
+        )));
+    }
+    let texels = u64::from(window.width) * u64::from(window.height) * TEXEL_BYTES;
+    let blocks = (batch_size(header) * BLOCK_COPIES).saturating_mul(header.max_block_byte_size() as u64);
+    let needed = texels.saturating_add(blocks).saturating_add(source.bytes.len() as u64);
+    if needed > source.memory_limit {
+        let what = format!("blocks for {}x{} pixels", window.data_width, window.data_height);
+        return Err(limit(source.path, &what, needed, source.memory_limit));
+    }
+    Ok(())
 }
 
 /// Decodes the selected channels of the largest level, in rows of the display window.

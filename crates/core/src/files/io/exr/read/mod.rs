@@ -9,14 +9,13 @@ use crate::common::error::Result;
 use crate::files::format::LevelName;
 use crate::files::io::LoadedChain;
 use crate::files::io::color::{self, Primaries};
+use crate::files::io::key_values::value_of;
 use crate::files::io::map_header::{BORDER_KEY, MapHeader};
-use crate::files::io::picture::{LevelHeader, Picture};
-use crate::files::io::provenance::Provenance;
-use crate::files::io::source::{Source, TEXEL_BYTES};
+use crate::files::io::picture::{LevelHeader, Picture, Source, TEXEL_BYTES};
 use crate::light::chain::{Chain, Level};
 use crate::light::environment::Rgb;
 use crate::sphere::cube::Face;
-use ::exr::meta::attribute::{AttributeValue, Compression, SampleType};
+use ::exr::meta::attribute::{AttributeValue, Compression, SampleType, Text};
 use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use select::{Channels, Selection};
@@ -44,17 +43,19 @@ pub(in crate::files::io) fn decode(source: &Source<'_>) -> Result<Picture> {
             texels,
             is_cube: true,
             format: parts_format(metadata),
-            provenance: provenance(source, &metadata.headers[0])?,
+            provenance: source.provenance(&text_pairs(&metadata.headers[0]))?,
             ..Picture::default()
         });
     }
     let selection = select::select(source, &metadata.headers)?;
     let header = &metadata.headers[selection.header];
-    let window = Window::display(source, header)?;
+    let window = Window::new(source, header, header.shared_attributes.display_window)?;
     let mut texels = blocks::decode(source, metadata, &selection, &window)?;
+
     let mut warnings = Vec::new();
     // The other parts of a bake's octahedral map are its rougher levels.
-    let is_first_level = header_text(header, BORDER_KEY).is_some();
+    let pairs = text_pairs(header);
+    let is_first_level = value_of(&pairs, BORDER_KEY).is_some();
     warnings.extend(selection.warning().filter(|_| !is_first_level));
     warnings.extend(window.warning());
     convert_color(header, selection.channels, &mut texels, &mut warnings);
@@ -62,10 +63,10 @@ pub(in crate::files::io) fn decode(source: &Source<'_>) -> Result<Picture> {
         width: window.width,
         height: window.height,
         texels,
-        map: MapHeader::of_texts(source, &|key| header_text(header, key))?,
+        map: MapHeader::of_pairs(source, &pairs)?,
         format: describe(header, &selection),
         warnings,
-        provenance: provenance(source, header)?,
+        provenance: source.provenance(&pairs)?,
         ..Picture::default()
     })
 }
@@ -95,7 +96,7 @@ pub(in crate::files::io) fn decode_chain(source: &Source<'_>) -> Result<LoadedCh
     Ok(LoadedChain {
         path: source.path.to_owned(),
         chain: Chain { levels },
-        provenance: provenance(source, &metadata.headers[0])?,
+        provenance: source.provenance(&text_pairs(&metadata.headers[0]))?,
         format: parts_format(&metadata),
         warnings: Vec::new(),
     })
@@ -106,11 +107,6 @@ fn parts_format(metadata: &MetaData) -> String {
     let sample =
         metadata.headers[0].channels.list.first().map_or("", |channel| sample_name(channel.sample_type));
     format!("OpenEXR, {sample}, {} parts", metadata.headers.len())
-}
-
-/// Origin recorded in the attributes of `header`.
-fn provenance(source: &Source<'_>, header: &Header) -> Result<Provenance> {
-    Provenance::of_texts(&|key| header_text(header, key)).map_err(|message| source.error(message))
 }
 
 fn part_named(metadata: &MetaData, name: LevelName) -> Option<usize> {
@@ -132,7 +128,7 @@ fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result
             return Err(source.error(format!("its part {name} is missing or not RGB; bake it again")));
         };
         let header = &metadata.headers[selection.header];
-        let window = Window::data(source, header)?;
+        let window = Window::new(source, header, header.data_window())?;
         if window.width != window.height || (face != Face::PosX && window.width != size) {
             return Err(source.error(format!(
                 "its part {name} is {}x{}; faces are square and all of a size",
@@ -146,25 +142,25 @@ fn cube_of_parts(source: &Source<'_>, metadata: &MetaData, level: u32) -> Result
     Ok((size, texels))
 }
 
-/// The text of attribute `name`.
-fn header_text(header: &Header, name: &str) -> Option<String> {
-    attributes(header, name).find_map(|value| match value {
-        AttributeValue::Text(text) => Some(text.to_string()),
+/// The names and values of the attributes that are texts.
+fn text_pairs(header: &Header) -> Vec<(String, String)> {
+    let pair = |(key, value): (&Text, &AttributeValue)| match value {
+        AttributeValue::Text(text) => Some((key.to_string(), text.to_string())),
         _ => None,
-    })
+    };
+    attributes(header).filter_map(pair).collect()
 }
 
 /// The attribute `roughness`.
 fn header_roughness(header: &Header) -> Option<f64> {
-    attributes(header, "roughness").find_map(|value| match value {
-        AttributeValue::F32(roughness) => Some(f64::from(*roughness)),
+    attributes(header).find_map(|(key, value)| match value {
+        AttributeValue::F32(roughness) if *key == *"roughness" => Some(f64::from(*roughness)),
         _ => None,
     })
 }
 
-fn attributes<'a>(header: &'a Header, name: &'a str) -> impl Iterator<Item = &'a AttributeValue> {
-    let all = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
-    all.filter(move |(key, _)| **key == *name).map(|(_, value)| value)
+fn attributes(header: &Header) -> impl Iterator<Item = (&Text, &AttributeValue)> {
+    header.own_attributes.other.iter().chain(&header.shared_attributes.other)
 }
 
 /// Columns, rows and roughness of an image of a bake's level; `None` if its header has no roughness.

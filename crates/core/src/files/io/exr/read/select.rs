@@ -1,7 +1,7 @@
 //! Selects the layer of an OpenEXR file to read.
 
 use crate::common::error::{Result, quoted};
-use crate::files::io::source::Source;
+use crate::files::io::picture::Source;
 use ::exr::meta::header::Header;
 
 /// Channels to read, by index in the header's list.

@@ -1,8 +1,9 @@
 //! Data and display windows of an EXR file.
 
 use crate::common::error::Result;
-use crate::files::io::source::Source;
+use crate::files::io::picture::Source;
 use ::exr::error::Error as ExrError;
+use ::exr::meta::attribute::IntegerBounds;
 use ::exr::meta::header::Header;
 
 pub(super) fn exr_error(source: &Source<'_>, error: &ExrError) -> crate::common::error::Error {
@@ -27,24 +28,10 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// The whole data window as the image.
-    pub(super) fn data(source: &Source<'_>, header: &Header) -> Result<Self> {
-        let too_large = |_| source.error("its data window is larger than 32 bits can count");
-        let (data_width, data_height) = (header.layer_size.x(), header.layer_size.y());
-        Ok(Self {
-            width: u32::try_from(data_width).map_err(too_large)?,
-            height: u32::try_from(data_height).map_err(too_large)?,
-            data_x: 0,
-            data_y: 0,
-            data_width,
-            data_height,
-        })
-    }
-
-    pub(super) fn display(source: &Source<'_>, header: &Header) -> Result<Self> {
-        let display = header.shared_attributes.display_window;
+    /// The part `display` of the image: its display window, or its whole data window.
+    pub(super) fn new(source: &Source<'_>, header: &Header, display: IntegerBounds) -> Result<Self> {
         let data = header.own_attributes.layer_position;
-        let too_large = |_| source.error("its display window is larger than 32 bits can count");
+        let too_large = |_| source.error("its data or display window is larger than 32 bits can count");
         let window = Self {
             width: u32::try_from(display.size.x()).map_err(too_large)?,
             height: u32::try_from(display.size.y()).map_err(too_large)?,
@@ -53,7 +40,8 @@ impl Window {
             data_width: header.layer_size.x(),
             data_height: header.layer_size.y(),
         };
-        let overlaps = window.visible_columns().is_some() && window.visible_rows().is_some();
+        let columns = overlap(window.data_x, window.data_width, window.width);
+        let overlaps = columns.is_some() && window.visible_rows().is_some();
         if !overlaps && window.width > 0 && window.height > 0 {
             return Err(source.error(format!(
                 "its {}x{} data window at ({}, {}) lies outside the {}x{} display window",
@@ -66,11 +54,6 @@ impl Window {
             )));
         }
         Ok(window)
-    }
-
-    /// The columns of the display window that have data.
-    fn visible_columns(&self) -> Option<std::ops::Range<usize>> {
-        overlap(self.data_x, self.data_width, self.width)
     }
 
     /// The rows of the display window that have data.
