@@ -94,7 +94,7 @@ fn file_of(
         };
         let mut pairs = Vec::new();
         if plan.container == Container::Ktx1 && sh {
-            // Filament's key: nine lines of three numbers; Ktx1Bundle::getSphericalHarmonics reads 27 of them.
+            // Filament's key: nine lines of three numbers; Ktx1Bundle::getSphericalHarmonics reads all 27.
             let line = |[r, g, b]: [f64; 3]| format!("{r:e} {g:e} {b:e}\n");
             let lines = scaled(&bake.sh, ShScale::Filament).into_iter().map(line).collect();
             pairs.push(("sh".to_owned(), lines));

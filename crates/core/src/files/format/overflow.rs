@@ -91,8 +91,8 @@ impl Overflow {
                     Layout::Panorama { .. } | Layout::Octahedral { .. } => String::new(),
                 };
                 wrong(format!(
-                    "level {index} {face}pixel ({i}, {j}) is {:?} and {pixel} holds up to {most}; `pixel` f32 \
-                     keeps it, `overflow` compress scales it down",
+                    "level {index} {face}pixel ({i}, {j}) is {:?} and {pixel} holds up to {most}; `pixel` \
+                     f32 keeps it, `overflow` compress scales it down",
                     texels[first]
                 ))
             }

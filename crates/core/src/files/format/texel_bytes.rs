@@ -6,8 +6,8 @@ use super::{Pixel, push_halves, rgb9e5_from_rgb};
 use crate::light::environment::Rgb;
 use half::f16;
 
-/// Encodes consecutive squares of `size` x `size` texels in `pixel`, a format of textures; little endian, alpha 1 if there is an
-/// alpha channel.
+/// Encodes consecutive squares of `size` x `size` texels in `pixel`, a format of textures; little endian,
+/// alpha 1 if there is an alpha channel.
 pub(crate) fn texel_bytes(size: u32, texels: &[Rgb], pixel: Pixel) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(texels.len() * 16);
     match pixel {

@@ -1,5 +1,5 @@
-//! KTX 1 files: little-endian RGBA16F, RGBA32F, RGB9E5 and R11G11B10F cubes with mips, read as `bake` and cmgen
-//! write them, and written as Filament reads them.
+//! KTX 1 files: little-endian RGBA16F, RGBA32F, RGB9E5 and R11G11B10F cubes with mips, read as `bake` and
+//! cmgen write them, and written as Filament reads them.
 //!
 //! "KTX File Format Specification" (Khronos, version 1.0), which no maintained crate reads, and Filament's
 //! libs/image/src/Ktx1Bundle.cpp and libs/ktxreader/src/Ktx1Reader.cpp for the further requirements of its

@@ -1,5 +1,5 @@
-//! PNG and JPEG files, read as sRGB: values are linearised, alpha is ignored; and PNG of eight bits a channel,
-//! written.
+//! PNG and JPEG files, read as sRGB: values are linearised, alpha is ignored; and PNG of eight bits a
+//! channel, written.
 
 use crate::common::error::{Error, Result};
 use crate::files::io::output::{self, Existing};

@@ -105,8 +105,8 @@ impl Listing {
         if let Some((said, found)) = report.levels.iter().zip(&files).find(differ) {
             let (ReportLevel { level, roughness, .. }, found) = (said, found.roughness);
             let message = format!(
-                "it has roughness {roughness} for level {level}, the files {found}: it belongs to another bake; \
-                 remove it"
+                "it has roughness {roughness} for level {level}, the files {found}: it belongs to another \
+                 bake; remove it"
             );
             return Err(Error::input(&path, message));
         }

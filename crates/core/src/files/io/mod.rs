@@ -535,7 +535,8 @@ fn scaled(path: &Path, texels: &mut [Rgb], scale: f64) -> Result<Option<String>>
     if times(greatest).is_infinite() {
         let most = f64::from(f32::MAX) / f64::from(greatest);
         let message = format!(
-            "`scale` {scale:?} moves the greatest value, {greatest:.3e}, beyond float32; use at most {most:.3e}"
+            "`scale` {scale:?} moves the greatest value, {greatest:.3e}, beyond float32; use at most \
+             {most:.3e}"
         );
         return Err(Error::input(path, message));
     }

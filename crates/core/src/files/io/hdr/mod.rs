@@ -1,5 +1,5 @@
-//! Radiance pictures (.hdr, .pic): in any orientation, of RGBE or XYZE, read; of RGBE, any radiance up to 2^127,
-//! written.
+//! Radiance pictures (.hdr, .pic): in any orientation, of RGBE or XYZE, read; of RGBE, any radiance up to
+//! 2^127, written.
 
 mod scanlines;
 
