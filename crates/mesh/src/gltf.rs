@@ -1,6 +1,6 @@
 //! Reads glTF files: the triangles of a scene, transformed by its nodes, and their materials.
 
-use super::accessor::{Buffers, Fractions, Refusal};
+use super::accessor::{Buffers, Refusal};
 use super::confined::Confined;
 use super::material::{Image, MAX_TEXTURES, Material, Texture, Wrap};
 use super::{Builder, Corners, Mesh};
@@ -13,6 +13,7 @@ use ::gltf::json::validation::Checked;
 use ::gltf::json::{self, Root};
 use glam::{DMat4, DQuat, DVec3};
 use octagloss_core::common::error::{Error, Result, quoted};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Greatest depth of a node.
@@ -103,7 +104,7 @@ impl Scene<'_> {
             scene.nodes.iter().rev().map(|node| (node.value(), DMat4::IDENTITY, 0)).collect();
         let mut seen = vec![false; root.nodes.len()];
         while let Some((index, parent, depth)) = pending.pop() {
-            let node = root.nodes.get(index).ok_or_else(|| format!("node {index} does not exist"))?;
+            let node = &root.nodes[index];
             if std::mem::replace(&mut seen[index], true) {
                 return Err(format!(
                     "node {index} is reached twice, in a cycle or from two parents; nodes must form trees"
@@ -117,8 +118,7 @@ impl Scene<'_> {
                 return Err(format!("node {index}: its transform is not finite"));
             }
             if let Some(number) = node.mesh.map(|mesh| mesh.value()) {
-                let mesh = root.meshes.get(number).ok_or_else(|| format!("mesh {number} does not exist"))?;
-                for (k, primitive) in mesh.primitives.iter().enumerate() {
+                for (k, primitive) in root.meshes[number].primitives.iter().enumerate() {
                     self.add(primitive, world)
                         .map_err(|message| format!("mesh {number}, primitive {k}: {message}"))?;
                 }
@@ -142,17 +142,17 @@ impl Scene<'_> {
         };
         let positions = attribute(Semantic::Positions).ok_or_else(|| "no POSITION".to_owned())?;
         let buffers = &self.buffers;
-        let floats = Fractions::Refused;
-        let positions = buffers.vectors::<3>(positions, most, &[Type::Vec3], floats)?;
+        let positions = buffers.vectors::<3>(positions, most, &[Type::Vec3], false)?;
         let normals = attribute(Semantic::Normals)
-            .map(|index| buffers.vectors::<3>(index, most, &[Type::Vec3], floats))
+            .map(|index| buffers.vectors::<3>(index, most, &[Type::Vec3], false))
             .transpose()?;
         let colours = attribute(Semantic::Colors(0))
-            .map(|index| buffers.vectors::<4>(index, most, &[Type::Vec3, Type::Vec4], Fractions::Allowed))
+            .map(|index| buffers.vectors::<4>(index, most, &[Type::Vec3, Type::Vec4], true))
             .transpose()?;
         let root = buffers.root;
         let material = primitive.material.map(|material| material.value());
-        let textures = material.and_then(|index| root.materials.get(index)).map(|material| {
+        let textures = material.map(|index| {
+            let material = &root.materials[index];
             let surface = &material.pbr_metallic_roughness;
             let base = surface.base_color_texture.as_ref().or(emissive_texture(material));
             [base, surface.metallic_roughness_texture.as_ref()].map(|info| info.map(|info| info.tex_coord))
@@ -162,7 +162,7 @@ impl Scene<'_> {
             let Some(set) = set else { continue };
             let index = attribute(Semantic::TexCoords(set))
                 .ok_or_else(|| format!("its material requires TEXCOORD_{set}, which is missing"))?;
-            *uv = Some(buffers.vectors::<2>(index, most, &[Type::Vec2], Fractions::Allowed)?);
+            *uv = Some(buffers.vectors::<2>(index, most, &[Type::Vec2], true)?);
         }
         let listed = match primitive.indices {
             Some(index) => buffers.indices(index.value(), most_indices)?,
@@ -185,9 +185,7 @@ impl Scene<'_> {
     fn material(&mut self, index: Option<usize>) -> Result<usize, Refusal> {
         let root = self.buffers.root;
         let place = index.unwrap_or(root.materials.len());
-        let known = self.materials.get(place).copied();
-        let known = known.ok_or_else(|| format!("material {place} does not exist"))?;
-        if let Some(known) = known {
+        if let Some(known) = self.materials[place] {
             return Ok(known);
         }
         let material = match root.materials.get(place) {
@@ -210,9 +208,9 @@ impl Scene<'_> {
                 Err(format!("{what} {value} is outside [0, 1]"))
             }
         };
-        let mut base = [0.0; 4];
-        for (value, given) in base.iter_mut().zip(surface.base_color_factor.0) {
-            *value = fraction("baseColorFactor", given)?;
+        let base = surface.base_color_factor.0;
+        for factor in base {
+            fraction("baseColorFactor", factor)?;
         }
         let cutoff = match material.alpha_mode {
             Checked::Valid(AlphaMode::Mask) => {
@@ -247,43 +245,35 @@ impl Scene<'_> {
                 number(CLEARCOAT, "clearcoatRoughnessFactor"),
             )?,
             emission,
-            emission_texture: emission_texture.map(|info| self.texture(info)).transpose()?,
+            emission_texture: emission_texture.map(|info| self.texture(info)),
             base,
             metallic: fraction("metallicFactor", surface.metallic_factor.0)?,
             roughness: fraction("roughnessFactor", surface.roughness_factor.0)?,
             cutoff,
-            base_texture: surface.base_color_texture.as_ref().map(|info| self.texture(info)).transpose()?,
-            surface_texture: surface
-                .metallic_roughness_texture
-                .as_ref()
-                .map(|info| self.texture(info))
-                .transpose()?,
+            base_texture: surface.base_color_texture.as_ref().map(|info| self.texture(info)),
+            surface_texture: surface.metallic_roughness_texture.as_ref().map(|info| self.texture(info)),
         })
     }
 
-    fn texture(&mut self, info: &Info) -> Result<Texture, Refusal> {
+    fn texture(&mut self, info: &Info) -> Texture {
         let root = self.buffers.root;
-        let number = info.index.value();
-        let texture = root.textures.get(number).ok_or_else(|| format!("texture {number} does not exist"))?;
+        let texture = &root.textures[info.index.value()];
         let image = texture.source.value();
-        let known = self.images.get(image).copied();
-        let known = known.ok_or_else(|| format!("image {image} does not exist"))?;
-        let image = known.unwrap_or_else(|| {
-            self.images[image] = Some(self.used.len());
+        let image = *self.images[image].get_or_insert_with(|| {
             self.used.push(image);
             self.used.len() - 1
         });
-        let sampler = texture.sampler.and_then(|index| root.samplers.get(index.value()));
+        let sampler = texture.sampler.map(|index| &root.samplers[index.value()]);
         let wrap = |mode: &Checked<WrappingMode>| match mode {
             Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
             Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
             Checked::Valid(WrappingMode::Repeat) | Checked::Invalid => Wrap::Repeat,
         };
-        Ok(Texture {
+        Texture {
             image,
             wrap: sampler.map_or_else(Default::default, |s| [wrap(&s.wrap_s), wrap(&s.wrap_t)]),
             nearest: sampler.is_some_and(|s| s.mag_filter == Some(Checked::Valid(MagFilter::Nearest))),
-        })
+        }
     }
 
     /// Decodes the images that materials use, in the order of their indices in the mesh.
@@ -292,26 +282,21 @@ impl Scene<'_> {
         let mut bytes = 0;
         for index in &self.used {
             let image = &self.buffers.root.images[*index];
-            let (name, decoded) = match (&image.buffer_view, &image.uri) {
+            let mut name = format!("image {index}");
+            let encoded = match (&image.buffer_view, &image.uri) {
                 (Some(view), _) => {
-                    let (encoded, _) = self
-                        .buffers
-                        .view(view.value())
-                        .map_err(|message| Error::input(path, format!("image {index}: {message}")))?;
-                    let name = format!("image {index}");
-                    let decoded = Image::decoded(path, &name, encoded)?;
-                    (name, decoded)
+                    let view = self.buffers.view(view.value());
+                    Cow::Borrowed(view.map_err(|message| Error::input(path, format!("{name}: {message}")))?.0)
                 }
                 (None, Some(uri)) => {
-                    let name = format!("image {index} ({})", quoted(uri));
-                    let decoded = Image::decoded(path, &name, &files.read(uri)?)?;
-                    (name, decoded)
+                    name += &format!(" ({})", quoted(uri));
+                    Cow::Owned(files.read(uri)?)
                 }
                 (None, None) => {
-                    let message = format!("image {index} has neither a bufferView nor a URI");
-                    return Err(Error::input(path, message));
+                    return Err(Error::input(path, format!("{name} has neither a bufferView nor a URI")));
                 }
             };
+            let decoded = Image::decoded(path, &name, &encoded)?;
             bytes += 4 * decoded.texels.len() as u64;
             if bytes > MAX_TEXTURES {
                 return Err(Error::Limit {

@@ -128,11 +128,11 @@ impl Mesh {
     /// [`Error::Io`] if the file cannot be read, [`Error::Input`] if it holds no mesh or refers to files
     /// outside `root`, [`Error::Limit`] if the mesh is too large.
     pub fn read_within(path: &Path, root: Option<&Path>) -> Result<Self> {
-        let kind = MeshFormat::from_path(path)?;
+        let read = reader(path)?;
         let bytes = read_regular(path, MAX_BYTES)?;
         let left = MAX_BYTES - bytes.len() as u64;
         let mut files = Confined::below(path, root, left)?;
-        catching_panics(path, || kind.read(path, &bytes, &mut files))
+        catching_panics(path, || read(path, &bytes, &mut files))
     }
 
     /// [`Mesh::read`] for a file in memory, which must be self-contained: .glb, .obj, or .gltf with embedded
@@ -141,8 +141,8 @@ impl Mesh {
     /// # Errors
     /// [`Error::Input`] if the file holds no mesh, [`Error::Limit`] if the mesh is too large.
     pub fn read_from_memory(path: &Path, bytes: &[u8]) -> Result<Self> {
-        let kind = MeshFormat::from_path(path)?;
-        catching_panics(path, || kind.read(path, bytes, &mut Confined::inside(path, MAX_BYTES)))
+        let read = reader(path)?;
+        catching_panics(path, || read(path, bytes, &mut Confined::inside(path, MAX_BYTES)))
     }
 
     /// Moves the mesh to the origin and scales it to 1; rejects a mesh without triangles or extent.
@@ -169,29 +169,20 @@ pub fn box_around(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)))
 }
 
-/// A mesh format.
-#[derive(Clone, Copy, Debug)]
-enum MeshFormat {
-    Gltf,
-    Obj,
+/// Whether the extension of `path` is that of a mesh.
+pub fn is_mesh(path: &Path) -> bool {
+    reader(path).is_ok()
 }
 
-impl MeshFormat {
-    /// The format for the extension of `path`.
-    fn from_path(path: &Path) -> Result<Self> {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-        match extension.as_str() {
-            "glb" | "gltf" => Ok(Self::Gltf),
-            "obj" => Ok(Self::Obj),
-            _ => Err(Error::input(path, "unknown mesh format; use .gltf, .glb or .obj")),
-        }
-    }
+/// Reads the mesh in a file's bytes; the last argument reads the files that it refers to.
+type Reader = fn(&Path, &[u8], &mut Confined<'_>) -> Result<Mesh>;
 
-    fn read(self, path: &Path, bytes: &[u8], files: &mut Confined<'_>) -> Result<Mesh> {
-        match self {
-            Self::Gltf => gltf::read(path, bytes, files),
-            Self::Obj => obj::read(path, bytes),
-        }
+/// The reader for the extension of `path`.
+fn reader(path: &Path) -> Result<Reader> {
+    match path.extension().unwrap_or_default().to_ascii_lowercase().to_str() {
+        Some("glb" | "gltf") => Ok(gltf::read),
+        Some("obj") => Ok(|path, bytes, _| obj::read(path, bytes)),
+        _ => Err(Error::input(path, "unknown mesh format; use .gltf, .glb or .obj")),
     }
 }
 
@@ -307,12 +298,8 @@ impl Builder {
             }
         }
         if let Some(normals) = corners.normals {
-            vertices.extend(
-                normals
-                    .iter()
-                    .enumerate()
-                    .map(|(k, normal)| vertex(k, normal_axes * DVec3::from_array(normal.map(f64::from)))),
-            );
+            let turned = |normal: &[f32; 3]| normal_axes * DVec3::from_array(normal.map(f64::from));
+            vertices.extend(normals.iter().enumerate().map(|(k, normal)| vertex(k, turned(normal))));
         }
         self.count += indices.len();
         Ok(())
