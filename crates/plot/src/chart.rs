@@ -244,22 +244,20 @@ impl Placed {
             return wrong(format!("the {name} axis {:?} cannot show {value}", axis.label));
         }
         let lane = values.iter().any(|value| value.is_infinite());
-        let finite = values.iter().copied().filter(|value| value.is_finite());
-        let span = finite.fold(None, |span: Option<[f64; 2]>, value| {
-            let [low, high] = span.unwrap_or([value; 2]);
-            Some([low.min(value), high.max(value)])
-        });
-        let [low, high] = match (axis.range, span) {
+        let finite = || values.iter().copied().filter(|value| value.is_finite());
+        let low = finite().fold(f64::INFINITY, f64::min);
+        let high = finite().fold(f64::NEG_INFINITY, f64::max);
+        let [low, high] = match (axis.range, axis.scale) {
             (Some(range), _) => range,
-            (None, Some([low, high])) if low < high => match axis.scale {
-                Scale::Linear => [low - 0.05 * (high - low), high + 0.05 * (high - low)],
-                Scale::Logarithmic => [low / (high / low).powf(0.05), high * (high / low).powf(0.05)],
-            },
-            (None, Some([value, _])) => match axis.scale {
-                Scale::Linear => [value - 1.0, value + 1.0],
-                Scale::Logarithmic => [value / 10.0, value * 10.0],
-            },
-            (None, None) => [1.0, 2.0],
+            (None, _) if low > high => [1.0, 2.0],
+            (None, Scale::Linear) => {
+                let margin = if low < high { 0.05 * (high - low) } else { 1.0 };
+                [low - margin, high + margin]
+            }
+            (None, Scale::Logarithmic) => {
+                let margin = if low < high { (high / low).powf(0.05) } else { 10.0 };
+                [low / margin, high * margin]
+            }
         };
         if low.partial_cmp(&high) != Some(Ordering::Less) || bad(low) || !high.is_finite() {
             return wrong(format!("invalid range {low} to {high} of the {name} axis {:?}", axis.label));
