@@ -46,7 +46,7 @@ fn text_table(rows: &[Row]) -> String {
     let mut notes = Vec::new();
     for row in rows {
         let metrics = &row.metrics;
-        let paper = row.printed.map_or([""; 3], |p| [p.sampling, p.anisotropy, p.components]);
+        let paper = row.printed.unwrap_or_default();
         let name = row.name.unwrap_or(row.title);
         let name = match row.note {
             Some(note) => {
@@ -58,11 +58,11 @@ fn text_table(rows: &[Row]) -> String {
         let [least, greatest] = metrics.relative_solid_angle;
         text += &format!(
             "{name:<27}{:>6}{:>7}{:>8}{:>7}{:>6}{:>6}{:>8}{:>7}{:>7}{:>7}\n",
-            paper[0],
+            paper.sampling,
             fixed(metrics.sampling, 2),
-            paper[1],
+            paper.anisotropy,
             fixed(metrics.anisotropy, 2),
-            paper[2],
+            paper.components,
             components(row),
             fixed(metrics.lattice, 2),
             fixed(least, 3),
@@ -79,17 +79,17 @@ fn text_table(rows: &[Row]) -> String {
 fn csv_table(rows: &[Row]) -> Outcome<String> {
     let record = |row: &Row| {
         let metrics = &row.metrics;
-        let paper = row.printed.map_or([""; 3], |p| [p.sampling, p.anisotropy, p.components]);
+        let paper = row.printed.unwrap_or_default();
         let [least, greatest] = metrics.relative_solid_angle;
         vec![
             row.name.unwrap_or_default().to_owned(),
             row.title.to_owned(),
             row.source.to_owned(),
-            paper[0].to_owned(),
+            paper.sampling.to_owned(),
             metrics.sampling.to_string(),
-            paper[1].to_owned(),
+            paper.anisotropy.to_owned(),
             metrics.anisotropy.to_string(),
-            paper[2].to_owned(),
+            paper.components.to_owned(),
             components(row),
             metrics.lattice.to_string(),
             least.to_string(),

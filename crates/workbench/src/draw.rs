@@ -6,7 +6,7 @@ use octagloss::cli::outcome::{Failure, Outcome, usage};
 use octagloss::cli::output::check_folder_name;
 use octagloss_core::files::io::output::{self, Existing, Output};
 use octagloss_plot::figure::Form;
-use octagloss_workbench::figures::catalogue::{Entry, FigureContent, Kind, entries};
+use octagloss_workbench::figures::catalogue::{Entry, FigureContent, entries, kinds};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -60,7 +60,7 @@ fn chosen(args: &FigureArgs) -> Outcome<Vec<Entry>> {
     let all = entries();
     for name in &args.figure {
         if !all.iter().any(|entry| is_called(entry, name)) {
-            let kinds = Kind::ALL.map(Kind::name).join(", ");
+            let kinds = kinds().collect::<Vec<_>>().join(", ");
             return usage(format!(
                 "unknown figure {name:?}; choose one of {kinds}, or a figure of one map, such as layout-cube"
             ));
@@ -83,23 +83,22 @@ fn chosen(args: &FigureArgs) -> Outcome<Vec<Entry>> {
 }
 
 fn is_called(entry: &Entry, name: &str) -> bool {
-    entry.kind.name() == name || entry.name() == name
+    entry.kind == name || entry.name() == name
 }
 
 /// Rejects options of figures that are not drawn.
 fn check_options(args: &FigureArgs, entries: &[Entry]) -> Outcome {
     let options = [
-        (Kind::Border, "size", args.size.map(|size| size.to_string())),
-        (Kind::Border, "border", args.border.map(|border| border.to_string())),
-        (Kind::Panorama, "panorama", args.panorama.as_ref().map(|path| path.display().to_string())),
+        ("border", "size", args.size.map(|size| size.to_string())),
+        ("border", "border", args.border.map(|border| border.to_string())),
+        ("panorama", "panorama", args.panorama.as_ref().map(|path| path.display().to_string())),
     ];
     for (kind, option, value) in options {
         if let Some(value) = value
             && !entries.iter().any(|entry| entry.kind == kind)
         {
             return usage(format!(
-                "--{option} {value} is for the figure {0}, which is not drawn; omit it or add --figure {0}",
-                kind.name()
+                "--{option} {value} is for the figure {kind}, which is not drawn; omit it or add --figure {kind}"
             ));
         }
     }

@@ -43,7 +43,7 @@ fn settings(args: &AnalyzeArgs) -> Outcome<Settings> {
         settings.roughnesses.clone_from(&args.roughness);
     }
     for name in &args.figures.map {
-        if !SUBJECTS.iter().any(|subject| subject.map == name) {
+        if !SUBJECTS.iter().any(|subject| subject.charts.name() == name) {
             return usage(format!(
                 "--map {name} has no rule for boxes; use octahedral, tennis-ball, equirect or cube with \
                  --lobes"
@@ -51,7 +51,9 @@ fn settings(args: &AnalyzeArgs) -> Outcome<Settings> {
         }
     }
     let maps = &args.figures.map;
-    settings.subjects.retain(|subject| maps.is_empty() || maps.iter().any(|name| subject.map == name));
+    settings
+        .subjects
+        .retain(|subject| maps.is_empty() || maps.iter().any(|name| subject.charts.name() == name));
     settings.check().map_err(|error| Failure::Usage(error.to_string()))?;
     Ok(settings)
 }
@@ -124,7 +126,7 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
 
 fn csv_table(rows: &[Row]) -> Outcome<String> {
     let record = |(row, error): (&Row, &ErrorAt)| {
-        let ErrorAt { roughness, rms, worst, worst_at: (direction, region), reads } = error;
+        let ErrorAt { roughness, rms, worst, worst_at: (direction, region), reads, .. } = error;
         let names = [row.subject.name, row.subject.title, row.method.name()].map(str::to_owned);
         let counts = [row.texels, row.bytes].map(|count| count.to_string());
         let mut record: Vec<String> = names.into_iter().chain(counts).collect();

@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::f64::consts::PI;
 
 /// Values printed in the paper.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Printed {
     /// Sampling requirement.
     pub sampling: &'static str,

@@ -1,12 +1,10 @@
 //! Plots the errors of lobes over summed-area tables of several maps.
 
 use super::globe::{FRONT, Globe};
-use crate::laboratory::measure::{
-    Field, Method, Region, STACK, Settings, default_environment, error_field, measure,
-};
+use crate::laboratory::measure::{Method, Region, STACK, Settings, default_environment, measure};
 use glam::{DVec2, DVec3};
+use octagloss_core::analysis::delivered::even_directions;
 use octagloss_core::common::error::Result;
-use octagloss_core::sphere::registry::named;
 use octagloss_drawing::page::{BAR_WIDTH, WIDTH, colour_bar, page};
 use octagloss_drawing::scale::LOBE_ERROR;
 use octagloss_drawing::scene::Frame;
@@ -73,6 +71,7 @@ pub(super) fn over_sphere(settings: &Settings) -> Result<Figure> {
         directions: points,
         roughnesses: vec![ROUGHNESS],
         methods: vec![Method::Stack],
+        regions: false,
         ..settings.clone()
     };
     let caption = format!(
@@ -81,18 +80,19 @@ pub(super) fn over_sphere(settings: &Settings) -> Result<Figure> {
          6\u{b0}. Dark lines: edges of the map's components; grey: the planes x\u{a0}=\u{a0}0, \
          y\u{a0}=\u{a0}0 and z\u{a0}=\u{a0}0. +X, +Y and +Z face the reader.",
     );
-    let fields = error_field(&settings, &default_environment()?)?;
-    let rows = fields.len().div_ceil(3);
+    let rows = measure(&settings, &default_environment()?, &|_, _| {})?;
+    let sites = even_directions(points);
     let (radius, row_height) = (118.0, 320.0);
-    let (mut scene, body) = page(WIDTH, row_height * rows as f64, &title, &caption);
+    let (mut scene, body) = page(WIDTH, row_height * rows.len().div_ceil(3) as f64, &title, &caption);
     let room = body.extent().x - BAR_WIDTH - 10.0;
     let mut extremes = [f64::INFINITY, 0.0_f64];
-    for (k, Field { subject, errors }) in fields.iter().enumerate() {
+    for (k, row) in rows.iter().enumerate() {
+        let (subject, errors) = (row.subject, &row.errors[0].field);
         let x = body.low.x + room * ((k % 3) as f64 + 0.5) / 3.0;
         let top = body.low.y + row_height * (k / 3) as f64;
         let shown = |direction: DVec3| {
             let (mut sum, mut total) = (0.0, 0.0);
-            for (site, error) in errors {
+            for (site, error) in sites.iter().zip(errors) {
                 let closeness = site.dot(direction);
                 if closeness > 0.97 {
                     let weight = ((closeness - 1.0) / 0.005).exp();
@@ -103,9 +103,8 @@ pub(super) fn over_sphere(settings: &Settings) -> Result<Figure> {
             if total > 0.0 { (sum / total).sqrt() * 100.0 } else { f64::NAN }
         };
         let globe = Globe::new(DVec2::new(x, top + 56.0 + radius), radius, FRONT);
-        let map = named(subject.map).expect("a map of the registry").map();
-        globe.show(&mut scene, map, |direction| LOBE_ERROR.colour(shown(direction)));
-        let shares = errors.iter().map(|(_, error)| error * 100.0);
+        globe.show(&mut scene, subject.charts.named().map(), |direction| LOBE_ERROR.colour(shown(direction)));
+        let shares = errors.iter().map(|error| error * 100.0);
         let (low, high) =
             shares.fold((f64::INFINITY, 0.0_f64), |(low, high), error| (low.min(error), high.max(error)));
         extremes = [extremes[0].min(low), extremes[1].max(high)];

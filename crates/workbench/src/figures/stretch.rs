@@ -7,7 +7,7 @@ use octagloss_core::sphere::map::SphereMap;
 use octagloss_core::sphere::registry::{NamedMap, named};
 use octagloss_drawing::page::{BAR_WIDTH, WIDTH, colour_bar, page};
 use octagloss_drawing::scale::{ANISOTROPY, ColourScale, RELATIVE_SOLID_ANGLE};
-use octagloss_drawing::scene::{Frame, Scene};
+use octagloss_drawing::scene::Frame;
 use octagloss_drawing::style::{INK, LABEL, SMALL, SOFT};
 use octagloss_plot::figure::Figure;
 use std::f64::consts::PI;
@@ -52,11 +52,15 @@ pub(super) fn solid_angle(map: &'static NamedMap) -> Figure {
         shown(greatest)
     );
     let title = format!("{}: relative solid angle", map.title);
-    let scale =
-        Scale { colours: &RELATIVE_SOLID_ANGLE, name: "solid angle / mean", range: [least, greatest] };
-    let value = |direction: DVec3| relative_solid_angle(map.map(), direction);
-    let scene = two_views(&title, &caption, map, &scale, value);
-    Figure::new(title, caption, scene)
+    two_views(
+        map,
+        title,
+        caption,
+        &RELATIVE_SOLID_ANGLE,
+        "solid angle / mean",
+        [least, greatest],
+        |direction| relative_solid_angle(map.map(), direction),
+    )
 }
 
 pub(super) fn anisotropy(map: &'static NamedMap) -> Figure {
@@ -68,37 +72,34 @@ pub(super) fn anisotropy(map: &'static NamedMap) -> Figure {
         shown(greatest)
     );
     let title = format!("{}: anisotropy", map.title);
-    let scale = Scale { colours: &ANISOTROPY, name: "greater / lesser stretch", range: [1.0, greatest] };
-    let scene = two_views(&title, &caption, map, &scale, |direction| anisotropy_at(map.map(), direction));
-    Figure::new(title, caption, scene)
+    two_views(map, title, caption, &ANISOTROPY, "greater / lesser stretch", [1.0, greatest], |direction| {
+        anisotropy_at(map.map(), direction)
+    })
 }
 
-/// A colour scale, its name, and the range of values shown.
-struct Scale {
-    colours: &'static ColourScale,
-    name: &'static str,
-    range: [f64; 2],
-}
-
+/// A figure of `map` from both sides, with `value` of each direction in `colours`; the bar has the `name` of
+/// the values and their `range`.
 fn two_views(
-    title: &str,
-    caption: &str,
     map: &NamedMap,
-    scale: &Scale,
+    title: String,
+    caption: String,
+    colours: &ColourScale,
+    name: &str,
+    range: [f64; 2],
     value: impl Fn(DVec3) -> f64 + Sync,
-) -> Scene {
-    let (mut scene, body) = page(WIDTH, HEIGHT, title, caption);
+) -> Figure {
+    let (mut scene, body) = page(WIDTH, HEIGHT, &title, &caption);
     let radius = HEIGHT / 2.0 - 24.0;
     let room = body.extent().x - BAR_WIDTH - 20.0;
     for (share, eye) in [(0.25, FRONT), (0.75, -FRONT)] {
         let centre = DVec2::new(body.low.x + room * share, (body.low.y + body.high.y) / 2.0);
         let globe = Globe::new(centre, radius, eye);
-        globe.show(&mut scene, map.map(), |direction| scale.colours.colour(value(direction)));
+        globe.show(&mut scene, map.map(), |direction| colours.colour(value(direction)));
     }
     let bar =
         Frame::new(DVec2::new(body.high.x - BAR_WIDTH, body.low.y + 30.0), body.high - DVec2::new(0.0, 30.0));
-    colour_bar(&mut scene, &bar, scale.colours, scale.name, scale.range);
-    scene
+    colour_bar(&mut scene, &bar, colours, name, range);
+    Figure::new(title, caption, scene)
 }
 
 /// Figure 5 of the octahedron paper.

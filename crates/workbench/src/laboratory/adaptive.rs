@@ -8,7 +8,7 @@
 //! c the least radiance and W the kernel's integral, so that a constant environment stays constant.
 
 use super::boxes::LobeAnswer;
-use super::cells::{Cell, Cells};
+use super::cells::{Cell, Cells, points};
 use super::tables::Tables;
 use glam::DVec3;
 use octagloss_core::light::environment::exact_luminance;
@@ -69,7 +69,7 @@ impl<'a> Adaptive<'a> {
             }
             if is_wide {
                 let (mut weighted, mut total) = (0.0, 0.0);
-                for (point, weight) in self.cells.points(cell.component, cell.low, POINTS) {
+                for (point, weight) in points(&self.cells.grid, cell.component, cell.low, POINTS) {
                     weighted += weight * self.at(point.distance_squared(direction) / 4.0);
                     total += weight;
                 }

@@ -3,7 +3,7 @@
 use super::charts::Piece;
 use super::tables::Tables;
 use glam::{DVec2, DVec3};
-use octagloss_core::cpu::box_filter::{StackedBox, single_box};
+use octagloss_core::cpu::box_filter::StackedBox;
 use octagloss_core::lobe::{self, Lobe};
 use std::f64::consts::PI;
 
@@ -16,44 +16,25 @@ pub struct LobeAnswer {
     pub reads: usize,
 }
 
-/// Weighted boxes around a direction.
-#[derive(Debug)]
-pub struct Boxes<'a> {
-    tables: &'a Tables,
-    stack: &'a [StackedBox],
-}
-
-impl<'a> Boxes<'a> {
-    /// The boxes of `stack` over `tables`.
-    pub const fn new(tables: &'a Tables, stack: &'a [StackedBox]) -> Self {
-        Self { tables, stack }
+/// The weighted energy of the boxes of `stack` over their weighted solid angle around `direction`. A
+/// one-texel box is added in quadrature, as in the engines.
+pub fn radiance(tables: &Tables, stack: &[StackedBox], direction: DVec3) -> LobeAnswer {
+    let (grid, charts) = (&tables.grid, tables.charts);
+    let place = grid.map().locate(direction);
+    let component = grid.map().component(place.component);
+    let step = grid.step(&component);
+    let centre = (place.uv - component.low) / step;
+    let (mut sum, mut reads) = ([0.0; 4], 0);
+    for StackedBox { solid_angle, weight } in stack {
+        let sides = charts.sides(place, *solid_angle) / step;
+        let half = 0.5 * DVec2::new(sides.x.hypot(1.0), sides.y.hypot(1.0));
+        let piece = Piece { component: place.component, low: centre - half, high: centre + half };
+        let (part, read) = tables.fractional(piece);
+        sum.iter_mut().zip(part).for_each(|(sum, value)| *sum += weight * value);
+        reads += read;
     }
-
-    /// The boxes' weighted energy over their weighted solid angle around `direction`. A one-texel box is
-    /// added in quadrature, as in the engines.
-    pub fn radiance(&self, direction: DVec3) -> LobeAnswer {
-        let (grid, charts) = (&self.tables.grid, self.tables.charts);
-        let place = grid.map().locate(direction);
-        let component = grid.map().component(place.component);
-        let step = grid.step(&component);
-        let centre = (place.uv - component.low) / step;
-        let (mut sum, mut reads) = ([0.0; 4], 0);
-        for StackedBox { solid_angle, weight } in self.stack {
-            let sides = charts.sides(place, *solid_angle) / step;
-            let half = 0.5 * DVec2::new(sides.x.hypot(1.0), sides.y.hypot(1.0));
-            let piece = Piece { component: place.component, low: centre - half, high: centre + half };
-            let (part, read) = self.tables.fractional(piece);
-            sum.iter_mut().zip(part).for_each(|(sum, value)| *sum += weight * value);
-            reads += read;
-        }
-        let [r, g, b, solid_angle] = sum;
-        LobeAnswer { radiance: [r, g, b].map(|energy| energy / solid_angle), reads }
-    }
-}
-
-/// The paper's single box for `lobe` at `alpha`.
-pub fn single(lobe: Lobe, alpha: f64) -> Vec<StackedBox> {
-    vec![single_box(lobe, alpha)]
+    let [r, g, b, solid_angle] = sum;
+    LobeAnswer { radiance: [r, g, b].map(|energy| energy / solid_angle), reads }
 }
 
 /// Steps in which the stack's kernel is integrated.

@@ -93,20 +93,11 @@ impl Cells {
         self.cells.extend(children);
         Some(Cell { component, low, high, mean, covariance, reach, children: (first, count), solid_angle })
     }
-
-    /// Directions and solid angles of points of texel (`x`, `y`) of `component`, inside its domain, `count`
-    /// along each edge.
-    pub(super) fn points(
-        &self,
-        component: u32,
-        [x, y]: [u32; 2],
-        count: u32,
-    ) -> impl Iterator<Item = (DVec3, f64)> + use<> {
-        points(&self.grid, component, [x, y], count)
-    }
 }
 
-fn points(
+/// Directions and solid angles of points of texel (`x`, `y`) of `component`, inside its domain, `count` along
+/// each edge.
+pub(super) fn points(
     grid: &Grid,
     component: u32,
     [x, y]: [u32; 2],

@@ -1,5 +1,9 @@
 //! Boxes on the charts of a map: their size, and where they continue beyond a chart's edge.
 
+use super::cube::CubeCharts;
+use super::equirect::EquirectCharts;
+use super::octahedral::OctahedralCharts;
+use super::tennis_ball::TennisBallCharts;
 use glam::DVec2;
 use octagloss_core::sphere::grid::Grid;
 use octagloss_core::sphere::map::Place;
@@ -49,6 +53,9 @@ pub trait Charts: Debug + Sync {
         named(self.name()).expect("a map of the registry")
     }
 }
+
+/// All maps with box rules; the first is the engines' own.
+pub static CHARTS: [&dyn Charts; 4] = [&OctahedralCharts, &TennisBallCharts, &EquirectCharts, &CubeCharts];
 
 /// Calls `visit` for every interval between multiples of `period` that `low` to `high` is cut into, with the
 /// number of the period and the ends inside it.

@@ -1,6 +1,6 @@
 //! Compares maps as carriers of tables: errors of lobes against exhaustive integration over the source.
 
-use super::boxes::{LobeAnswer, single, stack};
+use super::boxes::{LobeAnswer, stack};
 use super::charts::Charts;
 use super::light::{Light, lamps};
 use super::subject::{Carrier, SUBJECTS, Subject};
@@ -9,7 +9,7 @@ use octagloss_core::analysis::delivered::even_directions;
 use octagloss_core::analysis::oracle::Oracle;
 use octagloss_core::common::error::{Result, wrong};
 use octagloss_core::common::names::named;
-use octagloss_core::cpu::box_filter::StackedBox;
+use octagloss_core::cpu::box_filter::{StackedBox, single_box};
 use octagloss_core::light::environment::{Environment, exact_luminance};
 use octagloss_core::lobe::Lobe;
 use octagloss_core::sphere::map::Place;
@@ -107,6 +107,8 @@ pub struct ErrorAt {
     pub worst_at: (DVec3, Region),
     /// Mean and greatest number of table entries read.
     pub reads: [f64; 2],
+    /// At each of [`Settings::directions`] the root mean square over all rotations of the environment.
+    pub field: Vec<f64>,
 }
 
 /// A row of the comparison.
@@ -220,20 +222,24 @@ struct Sums {
     worst: (f64, Site),
     reads: f64,
     most_reads: usize,
+    /// Squares by even direction.
+    field: Vec<f64>,
 }
 
 impl Sums {
-    fn new() -> Self {
+    fn new(directions: usize) -> Self {
         Self {
             squares: [0.0; 4],
             counts: [0.0; 4],
             worst: (0.0, (DVec3::X, Region::Sphere)),
             reads: 0.0,
             most_reads: 0,
+            field: vec![0.0; directions],
         }
     }
 
-    fn add(&mut self, site: Site, error: f64, reads: usize) {
+    /// Adds the error at site `number`; the even directions come first.
+    fn add(&mut self, number: usize, site: Site, error: f64, reads: usize) {
         let region = site.1 as usize;
         self.squares[region] += error * error;
         self.counts[region] += 1.0;
@@ -242,9 +248,12 @@ impl Sums {
         }
         self.reads += reads as f64;
         self.most_reads = self.most_reads.max(reads);
+        if let Some(square) = self.field.get_mut(number) {
+            *square += error * error;
+        }
     }
 
-    fn result(&self, roughness: f64, mean: f64) -> ErrorAt {
+    fn result(&self, roughness: f64, mean: f64, turns: u32) -> ErrorAt {
         let count: f64 = self.counts.iter().sum();
         ErrorAt {
             roughness,
@@ -252,16 +261,9 @@ impl Sums {
             worst: self.worst.0 / mean,
             worst_at: self.worst.1,
             reads: [self.reads / count, self.most_reads as f64],
+            field: self.field.iter().map(|square| (square / f64::from(turns)).sqrt() / mean).collect(),
         }
     }
-}
-
-/// Size of a carrier, and the least seconds to fill it.
-#[derive(Clone, Copy)]
-struct Built {
-    texels: usize,
-    bytes: [usize; 2],
-    seconds: [f64; 2],
 }
 
 /// A lobe with its boxes.
@@ -274,7 +276,7 @@ struct Prepared {
 impl Prepared {
     fn new(roughness: f64) -> Self {
         let alpha = roughness * roughness;
-        Self { roughness, single: single(Lobe::Ggx, alpha), stack: stack(Lobe::Ggx, alpha, STACK) }
+        Self { roughness, single: vec![single_box(Lobe::Ggx, alpha)], stack: stack(Lobe::Ggx, alpha, STACK) }
     }
 
     fn answer(&self, carrier: &Carrier, method: Method, error: f64, direction: DVec3) -> LobeAnswer {
@@ -288,32 +290,24 @@ impl Prepared {
     }
 }
 
-/// The environment with its oracle, turned by each rotation.
-struct Truth<'a> {
-    environment: &'a Environment,
-    oracle: Oracle<'a>,
-}
-
-impl Truth<'_> {
-    /// Luminance of GGX at every roughness around every site under the environment turned by `turn`.
-    fn luminances(
-        &self,
-        lobes: &[Prepared],
-        sites: &[Site],
-        turn: DMat3,
-        count: &Count<'_>,
-    ) -> Vec<Vec<f64>> {
-        let one = |direction: DVec3| -> Vec<f64> {
-            let direction = turn.transpose() * direction;
-            let luminance = |lobe: &Prepared| {
-                let luminance = exact_luminance(self.oracle.reflected(Lobe::Ggx, lobe.roughness, direction));
-                count.one();
-                luminance
-            };
-            lobes.iter().map(luminance).collect()
+/// Luminance of GGX at every roughness around every site under the environment of `oracle` turned by `turn`.
+fn luminances(
+    oracle: &Oracle<'_>,
+    lobes: &[Prepared],
+    sites: &[Site],
+    turn: DMat3,
+    count: &Count<'_>,
+) -> Vec<Vec<f64>> {
+    let one = |direction: DVec3| -> Vec<f64> {
+        let direction = turn.transpose() * direction;
+        let luminance = |lobe: &Prepared| {
+            let luminance = exact_luminance(oracle.reflected(Lobe::Ggx, lobe.roughness, direction));
+            count.one();
+            luminance
         };
-        sites.par_iter().map(|(direction, _)| one(*direction)).collect()
-    }
+        lobes.iter().map(luminance).collect()
+    };
+    sites.par_iter().map(|(direction, _)| one(*direction)).collect()
 }
 
 /// The greatest solid angle of any box, whatever filters are measured: a row has the same border, and so the
@@ -370,7 +364,9 @@ impl Settings {
         };
         wrong(format!(
             "`size` {} leaves no texel to {} (map {}) inside the border of its widest box; {remedy}",
-            self.size, subject.title, subject.map
+            self.size,
+            subject.title,
+            subject.charts.name()
         ))
     }
 
@@ -416,56 +412,58 @@ pub fn measure(settings: &Settings, environment: &Environment, progress: Progres
     settings.check()?;
     check_light(environment)?;
     let lobes = settings.lobes();
-    let truth = Truth { environment, oracle: Oracle::new(environment) };
-    let even: Vec<Site> =
-        even_directions(settings.directions).into_iter().map(|d| (d, Region::Sphere)).collect();
+    let oracle = Oracle::new(environment);
+    let even = even_directions(settings.directions).into_iter().map(|d| (d, Region::Sphere));
     let special = if settings.regions { special_sites() } else { Vec::new() };
-    let common: Vec<Site> = even.into_iter().chain(special).collect();
-    let seams = if settings.regions { SEAMS } else { 0 };
-    let own: Vec<Vec<Site>> =
-        settings.subjects.iter().map(|subject| seam_sites(subject.charts(), seams)).collect();
-    // Rows of the same map share its seams.
-    let maps: BTreeMap<&str, usize> =
-        settings.subjects.iter().zip(&own).map(|(subject, own)| (subject.map, own.len())).collect();
-    let sites = (common.len() + maps.values().sum::<usize>()) * lobes.len();
+    let common: Vec<Site> = even.chain(special).collect();
+    // Every row with its sums by lobe. Rows of the same map share its seams.
+    let mut rows: Vec<(Row, Vec<Sums>)> = Vec::new();
+    let mut seams: BTreeMap<&str, Vec<Site>> = BTreeMap::new();
+    for subject in &settings.subjects {
+        let count = if settings.regions { SEAMS } else { 0 };
+        seams.entry(subject.charts.name()).or_insert_with(|| seam_sites(subject.charts, count));
+        for method in settings.methods.iter().filter(|method| subject.has(**method)) {
+            let (subject, method, errors) = (*subject, *method, Vec::new());
+            let row = Row { subject, method, texels: 0, bytes: 0, seconds: [f64::INFINITY; 2], errors };
+            rows.push((row, vec![Sums::new(settings.directions); lobes.len()]));
+        }
+    }
+    let sites = (common.len() + seams.values().map(Vec::len).sum::<usize>()) * lobes.len();
     let count = Count { done: AtomicU64::new(0), total: u64::from(settings.turns) * sites as u64, progress };
     let texels = settings.size as usize * settings.size as usize;
-    let mut sums =
-        vec![vec![vec![Sums::new(); lobes.len()]; settings.methods.len()]; settings.subjects.len()];
     let mut means = vec![0.0; lobes.len()];
-    let mut built: Vec<Option<Built>> = vec![None; settings.subjects.len()];
     for k in 0..settings.turns {
         let turn = turn(k);
-        let light = Light::new(truth.environment, turn)?;
-        let expected = truth.luminances(&lobes, &common, turn, &count);
+        let light = Light::new(environment, turn)?;
+        let luminances = |sites: &[Site]| luminances(&oracle, &lobes, sites, turn, &count);
+        let expected = luminances(&common);
         for luminances in &expected[..settings.directions] {
             for (mean, luminance) in means.iter_mut().zip(luminances) {
                 *mean += luminance / (settings.directions as f64 * f64::from(settings.turns));
             }
         }
-        let mut seams_of: BTreeMap<&str, Vec<Vec<f64>>> = BTreeMap::new();
-        for (number, subject) in settings.subjects.iter().enumerate() {
-            let carrier = Carrier::new(*subject, texels, widest(&lobes), &light)?;
-            let seconds = carrier.times.map(|time| time.as_secs_f64());
-            let (texels, bytes) = (carrier.texels(), carrier.bytes());
-            let built = built[number].get_or_insert(Built { texels, bytes, seconds });
-            built.seconds = std::array::from_fn(|k| built.seconds[k].min(seconds[k]));
-            let seams = seams_of
-                .entry(subject.map)
-                .or_insert_with(|| truth.luminances(&lobes, &own[number], turn, &count));
+        let at_seams: BTreeMap<&str, Vec<Vec<f64>>> =
+            seams.iter().map(|(map, sites)| (*map, luminances(sites))).collect();
+        for of_map in rows.chunk_by_mut(|(a, _), (b, _)| a.subject.name == b.subject.name) {
+            let subject = of_map[0].0.subject;
+            let carrier = Carrier::new(subject, texels, widest(&lobes), &light)?;
+            let map = subject.charts.name();
+            let expected = expected.iter().chain(&at_seams[map]);
             let sites: Vec<(Site, &Vec<f64>)> =
-                common.iter().chain(&own[number]).copied().zip(expected.iter().chain(&*seams)).collect();
-            for (of_methods, method) in sums[number].iter_mut().zip(&settings.methods) {
-                if !subject.has(*method) {
-                    continue;
+                common.iter().chain(&seams[map]).copied().zip(expected).collect();
+            for (row, sums) in of_map {
+                row.texels = carrier.texels();
+                row.bytes = carrier.bytes()[usize::from(row.method == Method::Adaptive)];
+                for (least, time) in row.seconds.iter_mut().zip(carrier.times) {
+                    *least = least.min(time.as_secs_f64());
                 }
-                for (index, (sum, lobe)) in of_methods.iter_mut().zip(&lobes).enumerate() {
-                    let answers: Vec<LobeAnswer> = sites
-                        .par_iter()
-                        .map(|((direction, _), _)| lobe.answer(&carrier, *method, settings.error, *direction))
-                        .collect();
-                    for ((site, expected), answer) in sites.iter().zip(answers) {
-                        sum.add(*site, exact_luminance(answer.radiance) - expected[index], answer.reads);
+                for (index, (sums, lobe)) in sums.iter_mut().zip(&lobes).enumerate() {
+                    let answer =
+                        |(site, _): &(Site, _)| lobe.answer(&carrier, row.method, settings.error, site.0);
+                    let answers: Vec<LobeAnswer> = sites.par_iter().map(answer).collect();
+                    for (number, ((site, expected), answer)) in sites.iter().zip(answers).enumerate() {
+                        let error = exact_luminance(answer.radiance) - expected[index];
+                        sums.add(number, *site, error, answer.reads);
                     }
                 }
             }
@@ -478,70 +476,11 @@ pub fn measure(settings: &Settings, environment: &Environment, progress: Progres
             settings.directions
         ));
     }
-    let mut rows = Vec::new();
-    for (number, subject) in settings.subjects.iter().enumerate() {
-        let Built { texels, bytes, seconds } = built[number].expect("at least one turn");
-        let of_methods = settings.methods.iter().zip(&sums[number]);
-        for (method, sums) in of_methods.filter(|(method, _)| subject.has(**method)) {
-            let errors = sums.iter().zip(&lobes).zip(&means);
-            rows.push(Row {
-                subject: *subject,
-                method: *method,
-                texels,
-                bytes: bytes[usize::from(*method == Method::Adaptive)],
-                seconds,
-                errors: errors.map(|((sums, lobe), mean)| sums.result(lobe.roughness, *mean)).collect(),
-            });
-        }
-    }
-    Ok(rows)
-}
-
-/// Errors of a row by direction.
-#[derive(Clone, Debug)]
-pub struct Field {
-    /// The map.
-    pub subject: Subject,
-    /// Directions and the errors there.
-    pub errors: Vec<(DVec3, f64)>,
-}
-
-/// Errors of the first lobe and method of `settings` at evenly spread directions: for every row the root
-/// mean square over all rotations of the environment, relative to the mean luminance.
-///
-/// # Errors
-/// As [`measure`].
-pub fn error_field(settings: &Settings, environment: &Environment) -> Result<Vec<Field>> {
-    settings.check()?;
-    check_light(environment)?;
-    let lobes = [Prepared::new(settings.roughnesses[0])];
-    let method = settings.methods[0];
-    let truth = Truth { environment, oracle: Oracle::new(environment) };
-    let sites: Vec<Site> =
-        even_directions(settings.directions).into_iter().map(|d| (d, Region::Sphere)).collect();
-    let texels = settings.size as usize * settings.size as usize;
-    let total = u64::from(settings.turns) * sites.len() as u64;
-    let count = Count { done: AtomicU64::new(0), total, progress: &|_, _| {} };
-    let mut squares = vec![vec![0.0; sites.len()]; settings.subjects.len()];
-    let mut mean = 0.0;
-    for k in 0..settings.turns {
-        let light = Light::new(environment, turn(k))?;
-        let expected = truth.luminances(&lobes, &sites, turn(k), &count);
-        mean += expected.iter().map(|one| one[0]).sum::<f64>();
-        for (subject, squares) in settings.subjects.iter().zip(&mut squares) {
-            let carrier = Carrier::new(*subject, texels, widest(&lobes), &light)?;
-            squares.par_iter_mut().zip(&sites).zip(&expected).for_each(|((square, site), expected)| {
-                let answer = lobes[0].answer(&carrier, method, settings.error, site.0);
-                *square += (exact_luminance(answer.radiance) - expected[0]).powi(2);
-            });
-        }
-    }
-    let turns = f64::from(settings.turns);
-    mean /= turns * sites.len() as f64;
-    let field = |(subject, squares): (&Subject, Vec<f64>)| {
-        let errors = squares.into_iter().map(|square| (square / turns).sqrt() / mean);
-        let errors = sites.iter().map(|site| site.0).zip(errors).collect();
-        Field { subject: *subject, errors }
+    let finished = |(row, sums): (Row, Vec<Sums>)| {
+        let sums = sums.iter().zip(&lobes).zip(&means);
+        let errors =
+            sums.map(|((sums, lobe), mean)| sums.result(lobe.roughness, *mean, settings.turns)).collect();
+        Row { errors, ..row }
     };
-    Ok(settings.subjects.iter().zip(squares).map(field).collect())
+    Ok(rows.into_iter().map(finished).collect())
 }

@@ -14,7 +14,6 @@ mod equirect;
 pub mod light;
 pub mod measure;
 mod octahedral;
-pub mod registry;
 pub mod subject;
 pub mod tables;
 mod tennis_ball;

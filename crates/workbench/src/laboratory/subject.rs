@@ -1,11 +1,10 @@
 //! Subjects of the comparison: a map with its tables, or two octahedral maps of half the texels each.
 
 use super::adaptive::Adaptive;
-use super::boxes::{Boxes, LobeAnswer};
+use super::boxes::{LobeAnswer, radiance};
 use super::cells::Cells;
-use super::charts::Charts;
+use super::charts::{CHARTS, Charts};
 use super::light::Light;
-use super::registry::{CHARTS, charts_of};
 use super::tables::{Tables, Texels};
 use glam::{DMat3, DVec3};
 use octagloss_core::common::error::Result;
@@ -34,8 +33,8 @@ pub struct Subject {
     pub name: &'static str,
     /// Name in tables and captions.
     pub title: &'static str,
-    /// Name of its map in `sphere::registry`.
-    pub map: &'static str,
+    /// Boxes of its map.
+    pub charts: &'static dyn Charts,
     /// Its answers.
     pub choice: Choice,
     /// Whether the border for boxes counts among its texels.
@@ -45,30 +44,25 @@ pub struct Subject {
 const fn subject(
     name: &'static str,
     title: &'static str,
-    map: &'static str,
+    charts: &'static dyn Charts,
     choice: Choice,
     with_border: bool,
 ) -> Subject {
-    Subject { name, title, map, choice, with_border }
+    Subject { name, title, charts, choice, with_border }
 }
 
 /// All rows.
 pub static SUBJECTS: [Subject; 7] = [
-    subject("octahedral", "Octahedral", "octahedral", Choice::Only, false),
-    subject("octahedral-chosen", "Two octahedral, chosen", "octahedral", Choice::Farthest, false),
-    subject("octahedral-blended", "Two octahedral, blended", "octahedral", Choice::Blend, false),
-    subject("tennis-ball", "Tennis-ball", "tennis-ball", Choice::Only, false),
-    subject("equirect", "Latitude-longitude", "equirect", Choice::Only, false),
-    subject("cube", "Cube", "cube", Choice::Only, false),
-    subject("tennis-ball-small", "Tennis-ball with border", "tennis-ball", Choice::Only, true),
+    subject("octahedral", "Octahedral", CHARTS[0], Choice::Only, false),
+    subject("octahedral-chosen", "Two octahedral, chosen", CHARTS[0], Choice::Farthest, false),
+    subject("octahedral-blended", "Two octahedral, blended", CHARTS[0], Choice::Blend, false),
+    subject("tennis-ball", "Tennis-ball", CHARTS[1], Choice::Only, false),
+    subject("equirect", "Latitude-longitude", CHARTS[2], Choice::Only, false),
+    subject("cube", "Cube", CHARTS[3], Choice::Only, false),
+    subject("tennis-ball-small", "Tennis-ball with border", CHARTS[1], Choice::Only, true),
 ];
 
 impl Subject {
-    /// Boxes of its map.
-    pub fn charts(&self) -> &'static dyn Charts {
-        charts_of(self.map).unwrap_or(CHARTS[0])
-    }
-
     /// Turns the world into the space of each of its maps: two maps are 45 degrees about y apart.
     fn turns(&self) -> Vec<DMat3> {
         match self.choice {
@@ -82,7 +76,7 @@ impl Subject {
     /// # Errors
     /// As [`Grid::new`], if there are too few.
     pub fn grid(&self, texels: usize, widest: f64) -> Result<Grid> {
-        let charts = self.charts();
+        let charts = self.charts;
         let map = charts.named().map();
         let cells = Grid::new(map, 1)?.texel_count() * self.turns().len();
         let mut grid = Grid::new(map, (texels as f64 / cells as f64).sqrt().round() as u32)?;
@@ -108,6 +102,13 @@ struct CarriedMap {
     inner: Option<Tables>,
 }
 
+impl CarriedMap {
+    /// Its tables without a border.
+    fn inner(&self) -> &Tables {
+        self.inner.as_ref().unwrap_or(&self.bordered)
+    }
+}
+
 /// A [`Subject`] filled with light.
 #[derive(Debug)]
 pub struct Carrier {
@@ -124,7 +125,7 @@ impl Carrier {
     /// # Errors
     /// As [`Subject::grid`].
     pub fn new(subject: Subject, texels: usize, widest: f64, light: &Light<'_>) -> Result<Self> {
-        let (grid, charts) = (subject.grid(texels, widest)?, subject.charts());
+        let (grid, charts) = (subject.grid(texels, widest)?, subject.charts);
         let border = charts.border(grid.size(), widest);
         let mut times = [Duration::ZERO; 2];
         let mut filled = |border: u32, light: &Light<'_>| {
@@ -156,20 +157,20 @@ impl Carrier {
 
     /// Bytes of the tables that boxes read, and that adaptive queries read.
     pub fn bytes(&self) -> [usize; 2] {
-        let inner = |part: &CarriedMap| part.inner.as_ref().unwrap_or(&part.bordered).bytes();
-        [self.parts.iter().map(|part| part.bordered.bytes()).sum(), self.parts.iter().map(inner).sum()]
+        let sum =
+            |tables: fn(&CarriedMap) -> &Tables| self.parts.iter().map(|part| tables(part).bytes()).sum();
+        [sum(|part| &part.bordered), sum(CarriedMap::inner)]
     }
 
     /// The boxes of `stack` around `direction`.
     pub fn boxes(&self, stack: &[StackedBox], direction: DVec3) -> LobeAnswer {
-        self.combined(direction, |part, direction| Boxes::new(&part.bordered, stack).radiance(direction))
+        self.combined(direction, |part, direction| radiance(&part.bordered, stack, direction))
     }
 
     /// `lobe` at `alpha` around `direction`, adaptively, to about `error` of the mean.
     pub fn adaptive(&self, lobe: Lobe, alpha: f64, error: f64, direction: DVec3) -> LobeAnswer {
         self.combined(direction, |part, direction| {
-            let tables = part.inner.as_ref().unwrap_or(&part.bordered);
-            Adaptive::new(tables, &self.cells, lobe, alpha, error).radiance(direction).0
+            Adaptive::new(part.inner(), &self.cells, lobe, alpha, error).radiance(direction).0
         })
     }
 
