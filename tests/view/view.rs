@@ -267,9 +267,9 @@ fn looks() -> Vec<(&'static str, Look)> {
     let look = Look { exposure: Exposure::Ev(-1.0), ..Look::default() };
     let camera = |yaw, pitch| Camera { yaw, pitch, ..Camera::default() };
     vec![
-        ("box", Look { filter: Technique::Box, roughness: 0.4, ..look.clone() }),
-        ("pyramid", Look { roughness: 0.7, tone: Tone::Aces, ..look.clone() }),
-        ("a row by the pyramid", Look { object: Object::Row, tone: Tone::Reinhard, ..look.clone() }),
+        ("box", Look { filter: Technique::Box, roughness: 0.4, ..look }),
+        ("pyramid", Look { roughness: 0.7, tone: Tone::Aces, ..look }),
+        ("a row by the pyramid", Look { object: Object::Row, tone: Tone::Reinhard, ..look }),
         (
             "a pyramid from below",
             Look {
@@ -278,7 +278,7 @@ fn looks() -> Vec<(&'static str, Look)> {
                 backdrop: Some(0.5),
                 tone: Tone::Linear,
                 metal: [1.0, 0.7, 0.3],
-                ..look.clone()
+                ..look
             },
         ),
         (
@@ -289,7 +289,7 @@ fn looks() -> Vec<(&'static str, Look)> {
                 roughness: 0.3,
                 tone: Tone::Linear,
                 metal: [1.0, 0.7, 0.3],
-                ..look.clone()
+                ..look
             },
         ),
         (
@@ -301,10 +301,10 @@ fn looks() -> Vec<(&'static str, Look)> {
                 finish: Finish { anisotropy: 0.5, direction: 30.0, clearcoat: 0.6, coat_roughness: 0.2 },
                 tone: Tone::Linear,
                 metal: [1.0, 0.7, 0.3],
-                ..look.clone()
+                ..look
             },
         ),
-        ("a knot by the pyramid", Look { object: Object::Knot, camera: camera(0.5, 0.6), ..look.clone() }),
+        ("a knot by the pyramid", Look { object: Object::Knot, camera: camera(0.5, 0.6), ..look }),
         ("adaptive", Look { filter: Technique::Adaptive, roughness: 0.25, backdrop: Some(0.3), ..look }),
     ]
 }
@@ -359,12 +359,12 @@ fn another_look_is_another_picture() {
     };
     let here = expected(&look, &environment, None);
     let changed = [
-        Look { roughness: 0.43, ..look.clone() },
-        Look { turn: 2.0, ..look.clone() },
-        Look { exposure: Exposure::Ev(-0.95), ..look.clone() },
-        Look { tone: Tone::Aces, ..look.clone() },
-        Look { metal: [0.9, 0.93, 0.88], ..look.clone() },
-        Look { backdrop: Some(0.4), camera: Camera { angle: None, ..camera }, ..look.clone() },
+        Look { roughness: 0.43, ..look },
+        Look { turn: 2.0, ..look },
+        Look { exposure: Exposure::Ev(-0.95), ..look },
+        Look { tone: Tone::Aces, ..look },
+        Look { metal: [0.9, 0.93, 0.88], ..look },
+        Look { backdrop: Some(0.4), camera: Camera { angle: None, ..camera }, ..look },
     ];
     for other in changed {
         let off = difference(&expected(&other, &environment, None), &here);
@@ -412,7 +412,7 @@ fn bands_make_the_same_picture() {
             let look = Look { object, ..Look::default() };
             renderer.draw(&look, &light, WIDTH, HEIGHT).expect("a picture");
             let whole = shown(&mut renderer, &look);
-            let other = Look { exposure: Exposure::Ev(2.0), ..look.clone() };
+            let other = Look { exposure: Exposure::Ev(2.0), ..look };
             renderer.draw(&other, &light, WIDTH, HEIGHT).expect("another picture");
             let before = shown(&mut renderer, &other);
             assert_ne!(before, whole, "{object:?}: another picture");
@@ -448,7 +448,7 @@ fn a_furnace_is_white() {
         let mut renderer = renderer(context);
         let light = renderer.light(&environment, &table(OEM)).expect("tables that fit");
         for (object, filter) in looks {
-            let look = Look { object, filter, ..white.clone() };
+            let look = Look { object, filter, ..white };
             let found = shot_by(context, &mut renderer, &look, &light);
             let grey = display(Tone::Linear, DVec3::splat(0.5))[0];
             let off = |pixel: &[u8; 3]| pixel.iter().any(|c| c.abs_diff(grey) > 1);
@@ -458,7 +458,7 @@ fn a_furnace_is_white() {
         // scattering is that of their mean.
         for (anisotropy, most) in [(0.0, 1), (0.5, 12)] {
             let finish = Finish { anisotropy, clearcoat: 0.7, coat_roughness: 0.3, ..Finish::NONE };
-            let look = Look { filter: Technique::Reflect, roughness: 0.5, finish, ..white.clone() };
+            let look = Look { filter: Technique::Reflect, roughness: 0.5, finish, ..white };
             let found = shot_by(context, &mut renderer, &look, &light);
             let grey = display(Tone::Linear, DVec3::splat(0.5))[0];
             let off = found.iter().flatten().map(|c| c.abs_diff(grey)).max();
@@ -494,8 +494,7 @@ fn errors_of_reflections_are_against_the_surfaces_own() {
         metal: [1.0, 0.5, 0.1],
         ..Look::default()
     };
-    let brushed =
-        Look { finish: Finish { anisotropy: 0.5, direction: 20.0, ..Finish::NONE }, ..look.clone() };
+    let brushed = Look { finish: Finish { anisotropy: 0.5, direction: 20.0, ..Finish::NONE }, ..look };
     let light = ReflectedLight::new(&environment);
     let pyramid = Pyramid::build(&environment, OEM).expect("a size");
     let source_from_world = DMat3::from_rotation_y(look.turn.to_radians()).transpose();

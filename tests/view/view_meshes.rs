@@ -137,8 +137,8 @@ fn materials_reflect_their_expected_colours() {
     let (texel, other) = ([188, 255, 0, 255], [0, 102, 0, 255]);
     let tint = DVec3::new(0.5, 1.0, 0.25);
     let look = front_look();
-    let tinted = Look { tint: tint.as_vec3().to_array(), roughness_factor: 0.5, ..look.clone() };
-    let plain = Look { paint: Paint::Plain, metal: [0.9, 0.5, 0.1], roughness: 0.6, ..look.clone() };
+    let tinted = Look { tint: tint.as_vec3().to_array(), roughness_factor: 0.5, ..look };
+    let plain = Look { paint: Paint::Plain, metal: [0.9, 0.5, 0.1], roughness: 0.6, ..look };
     let cases = [
         ("gold", factors(gold, 1.0, 0.3), texel, &look, reflected(gold, 0.3)),
         ("black plastic", factors(DVec3::ZERO, 0.0, 0.3), texel, &look, plastic(DVec3::ZERO, 0.3)),
@@ -316,8 +316,8 @@ fn automatic_exposure_is_that_of_the_environment() {
         assert!((light.exposure() - expected).abs() < 1e-9, "{} and {expected}", light.exposure());
         let look = Look { filter: Technique::Box, ..Look::default() };
         assert_eq!(look.exposure, Exposure::Auto, "the default");
-        let fixed = Look { exposure: Exposure::Ev(expected), ..look.clone() };
-        let other = Look { exposure: Exposure::Ev(0.0), ..look.clone() };
+        let fixed = Look { exposure: Exposure::Ev(expected), ..look };
+        let other = Look { exposure: Exposure::Ev(0.0), ..look };
         let [automatic, fixed, other] = [look, fixed, other].map(|l| picture(&mut renderer, &l, &light));
         assert_eq!(automatic, fixed);
         assert_ne!(automatic, other);

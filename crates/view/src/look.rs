@@ -88,17 +88,9 @@ impl Show {
         (Self::Sat, "summed-area table"),
         (Self::Error, "error"),
     ];
-
-    /// Whether its colours are display colours, which tone mapping must not change.
-    pub(super) const fn is_false_colour(self) -> bool {
-        match self {
-            Self::Error => true,
-            Self::Scene | Self::Oem | Self::Sat => false,
-        }
-    }
 }
 
-/// Tone mapping from radiance to display.
+/// Tone mapping from radiance to display, in the order of the shader's numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Tone {
@@ -164,7 +156,7 @@ impl Finish {
 }
 
 /// Description of a picture.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     /// The object.
     pub object: Object,
@@ -230,7 +222,7 @@ pub(super) const ROW: u32 = 9;
 /// A sphere of the scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ball {
-    pub(super) centre: [f64; 3],
+    pub(super) centre: DVec3,
     pub(super) radius: f64,
     pub(super) roughness: f64,
 }
@@ -284,11 +276,7 @@ impl Look {
 
     /// Whether the picture needs the certified tier.
     pub fn needs_truth(&self) -> bool {
-        match self.show {
-            Show::Scene => self.filter == Technique::Adaptive,
-            Show::Error => true,
-            Show::Oem | Show::Sat => false,
-        }
+        self.show == Show::Error || (self.show == Show::Scene && self.filter == Technique::Adaptive)
     }
 
     /// Whether errors are those of true reflections.
@@ -305,10 +293,7 @@ impl Look {
 
     /// Whether the picture reads a summed-area table.
     pub const fn reads_sat(&self) -> bool {
-        match self.show {
-            Show::Scene | Show::Error => matches!(self.filter, Technique::Box),
-            Show::Oem | Show::Sat => true,
-        }
+        matches!(self.show, Show::Oem | Show::Sat) || matches!(self.filter, Technique::Box)
     }
 
     /// Whether the picture follows a moving lamp, through tables rebuilt every frame.
@@ -323,13 +308,11 @@ impl Look {
     /// Half the width and the height at distance 1 that a picture shows, at least, if the camera has no
     /// angle.
     pub fn field(&self) -> DVec2 {
-        let spheres = match self.object {
+        let mut spheres: Vec<_> = self.balls().iter().map(|ball| (ball.centre, ball.radius)).collect();
+        if spheres.is_empty() {
             // Meshes are scaled to the unit sphere.
-            Object::Knot | Object::Mesh => vec![(DVec3::ZERO, 1.0)],
-            Object::Sphere | Object::Row => {
-                self.balls().iter().map(|ball| (DVec3::from_array(ball.centre), ball.radius)).collect()
-            }
-        };
+            spheres.push((DVec3::ZERO, 1.0));
+        }
         field_around(spheres)
     }
 
@@ -345,19 +328,23 @@ impl Look {
 
     /// Height of the ground below the spheres, if there is one.
     pub(super) fn floor(&self) -> Option<f64> {
-        let lowest = self.balls().iter().map(|ball| ball.centre[1] - ball.radius).reduce(f64::min);
+        let lowest = self.balls().iter().map(|ball| ball.centre.y - ball.radius).reduce(f64::min);
         lowest.filter(|_| self.ground == Ground::Shadow)
     }
 
     /// The visible spheres.
     pub(super) fn balls(&self) -> Vec<Ball> {
         match self.object {
-            Object::Sphere => vec![Ball { centre: [0.0; 3], radius: 1.0, roughness: self.roughness }],
+            Object::Sphere => vec![Ball { centre: DVec3::ZERO, radius: 1.0, roughness: self.roughness }],
             Object::Row => (0..ROW)
                 .map(|k| {
                     let along = f64::from(k) / f64::from(ROW - 1);
                     // To the right of the default camera.
-                    Ball { centre: [0.0, 0.0, (2.0 * along - 1.0) * 1.7], radius: 0.2, roughness: along }
+                    Ball {
+                        centre: DVec3::new(0.0, 0.0, (2.0 * along - 1.0) * 1.7),
+                        radius: 0.2,
+                        roughness: along,
+                    }
                 })
                 .collect(),
             Object::Knot | Object::Mesh => Vec::new(),

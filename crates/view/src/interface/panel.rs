@@ -115,13 +115,17 @@ impl PanelState {
     }
 }
 
-/// Shows a panel with `contents`; returns what they do, the panel's right edge in points, and the viewport
-/// beside it in a target of these sides.
+/// Shows a panel with `contents`, unless it is hidden; returns what they do, the panel's right edge in points,
+/// and the viewport beside it in a target of these sides.
 pub(crate) fn beside_panel<T>(
     ui: &mut Ui,
     (width, height): (u32, u32),
+    is_hidden: bool,
     contents: impl FnOnce(&mut Ui) -> T,
-) -> (T, f32, Viewport) {
+) -> (Option<T>, f32, Viewport) {
+    if is_hidden {
+        return (None, 0.0, Viewport { x: 0, y: 0, width, height });
+    }
     let shown = egui::Panel::left("panel")
         .exact_size(WIDTH)
         .resizable(false)
@@ -129,7 +133,7 @@ pub(crate) fn beside_panel<T>(
     let right = shown.response.rect.right();
     let edge = (right * ui.ctx().pixels_per_point()).round() as u32;
     let x = edge.min(width.saturating_sub(1));
-    (shown.inner, right, Viewport { x, y: 0, width: width - x, height })
+    (Some(shown.inner), right, Viewport { x, y: 0, width: width - x, height })
 }
 
 /// Shows a line of weak text.
@@ -137,18 +141,18 @@ pub(crate) fn weak(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).weak());
 }
 
-pub(crate) fn choice<T: Copy + PartialEq>(
+/// Shows a box that selects `value` among `choices`.
+pub(crate) fn choice<'a, T: Copy + PartialEq>(
     ui: &mut Ui,
     label: &str,
     value: &mut T,
-    choices: &[(T, &str)],
-    further: Option<(T, &str)>,
+    choices: impl IntoIterator<Item = (T, &'a str), IntoIter: Clone>,
 ) {
     ui.label(label);
-    let all = || choices.iter().copied().chain(further);
-    let shown = all().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
+    let choices = choices.into_iter();
+    let shown = choices.clone().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
     ComboBox::from_id_salt(label).selected_text(shown).show_ui(ui, |ui| {
-        for (choice, name) in all() {
+        for (choice, name) in choices {
             ui.selectable_value(value, choice, name);
         }
     });

@@ -2,10 +2,10 @@
 
 use super::later::{Later, later, taken};
 use super::panel::{PanelState, beside_panel};
-use super::view_panel::{Motion, Status, show_controls};
+use super::view_panel::Motion;
 #[cfg(not(target_arch = "wasm32"))]
 use super::window;
-use super::window::{FromStart, Start, WindowContent};
+use super::window::{Start, WindowContent};
 use crate::look::camera::Camera;
 use crate::look::legend::{self, INSET};
 use crate::look::{Look, Object, Show, Technique};
@@ -23,8 +23,7 @@ use octagloss_core::files::io::{self, ReadOptions};
 use octagloss_core::light::chain::Chain;
 use octagloss_core::light::environment::Environment;
 use octagloss_gpu::Context;
-use octagloss_mesh::Mesh;
-use std::fmt;
+use octagloss_mesh::{Mesh, is_mesh};
 use std::io::Read as _;
 use std::path::Path;
 use std::time::Duration;
@@ -51,17 +50,20 @@ const STEPS: [u32; 4] = [8, 4, 2, 1];
 /// Rotation of the environment in degrees per second.
 const TURN: f64 = 24.0;
 
+/// A look and the pixels or samples of its picture.
+type Picture = (Look, (u32, u32));
+
 /// Progress of the certified tier on one picture.
-#[derive(Debug)]
-struct Refinement {
-    look: Look,
-    /// Pixels of the final picture.
-    full: (u32, u32),
+pub(super) struct Refinement {
+    /// The final picture.
+    of: Picture,
     step: usize,
     /// Samples of this step.
     size: (u32, u32),
-    asked: Later<Vec<PixelQuery>>,
-    answers: Vec<[f32; 4]>,
+    /// The queries that are being read back.
+    pending: Option<Later<Vec<PixelQuery>>>,
+    pub(super) asked: Vec<PixelQuery>,
+    pub(super) answers: Vec<[f32; 4]>,
 }
 
 /// What the last frame drew, if this one follows without idling.
@@ -77,10 +79,8 @@ enum Before {
 }
 
 /// A full picture in progress, drawn in bands that fit a frame.
-#[derive(Debug)]
 struct Bands {
-    look: Look,
-    size: (u32, u32),
+    of: Picture,
     /// Rows done.
     done: u32,
     /// Rows of the next band.
@@ -90,33 +90,26 @@ struct Bands {
 /// The legend of a debug view.
 struct Note {
     /// The picture that it belongs to.
-    of: (Look, (u32, u32)),
+    of: Picture,
     values: Option<Later<Vec<[f16; 4]>>>,
     legend: Option<egui::TextureHandle>,
 }
 
-impl fmt::Debug for Note {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Note").field("of", &self.of).finish_non_exhaustive()
-    }
-}
-
 /// State of the viewer.
-#[derive(Debug)]
 pub(crate) struct Viewer {
     pub(crate) panel: PanelState,
-    renderer: Renderer,
+    pub(super) renderer: Renderer,
     /// Border and scan of the tables.
     table: ReflectorSettings,
-    light: Light,
+    pub(super) light: Light,
     truth: Option<Truth>,
     pub(crate) look: Look,
-    motion: Motion,
+    pub(super) motion: Motion,
     pub(crate) has_mesh: bool,
     /// Position of the roughness slider in the panel.
     pub(crate) slider: Option<egui::Rect>,
     /// Look and samples of the current picture.
-    drawn: Option<(Look, (u32, u32))>,
+    drawn: Option<Picture>,
     /// Pixels available for it.
     full: (u32, u32),
     /// The full picture in progress.
@@ -129,19 +122,19 @@ pub(crate) struct Viewer {
     /// Pixels per sample along an edge during changes.
     coarseness: f64,
     /// Size shown in the panel.
-    reported_size: (u32, u32),
+    pub(super) reported_size: (u32, u32),
     /// What the last frame drew.
     before: Before,
     /// Duration of a frame that draws no picture.
     bare: Option<Duration>,
-    work: Option<Refinement>,
+    pub(super) work: Option<Refinement>,
     note: Option<Note>,
 }
 
 impl Viewer {
     /// Samples of the current picture, columns and rows.
     pub(crate) fn picture_size(&self) -> (u32, u32) {
-        self.drawn.as_ref().map_or((0, 0), |(_, size)| *size)
+        self.drawn.map_or((0, 0), |(_, size)| size)
     }
 
     fn take_mesh(&mut self, mesh: &Mesh) -> Result<()> {
@@ -179,21 +172,10 @@ impl Viewer {
         taken.map(drop)
     }
 
-    /// Whether the legend is not ready.
-    fn is_noting(&self) -> bool {
-        self.look.show != Show::Scene && self.note.as_ref().is_none_or(|note| note.values.is_some())
-    }
-
-    /// Whether the current picture is coarser than possible.
-    fn coarse(&self) -> bool {
-        self.drawn.as_ref().is_some_and(|(_, size)| *size != self.full)
-    }
-
     /// Reads the values of a finished debug view, for its legend.
     fn take_note(&mut self) {
-        let finished =
-            (self.drawn.clone()).filter(|(look, size)| look.show != Show::Scene && *size == self.full);
-        if self.note.as_ref().map(|note| &note.of) != finished.as_ref() {
+        let finished = self.drawn.filter(|(look, size)| look.show != Show::Scene && *size == self.full);
+        if self.note.as_ref().map(|note| note.of) != finished {
             self.note = finished.map(|of| {
                 let values = self.renderer.values().map(|values| later(self.renderer.context(), values));
                 Note { of, values, legend: None }
@@ -202,23 +184,26 @@ impl Viewer {
     }
 
     /// Shows the legend in the lower left corner of the picture, which begins at `left` points.
-    fn show_note(&mut self, context: &egui::Context, left: f32) -> Result<()> {
-        let Some(note) = &mut self.note else { return Ok(()) };
-        if let Some(values) = taken(&mut note.values) {
-            let (look, (width, height)) = &note.of;
-            let shown = legend::shown(look, &values?, look.exposure.ev(self.light.exposure()));
-            note.legend = legend::legend(look, &self.light, [*width, *height], shown).map(|legend| {
-                let size = [legend.width() as usize, legend.height() as usize];
-                let image = egui::ColorImage::from_rgb(size, legend.bytes());
-                context.load_texture("legend", image, egui::TextureOptions::LINEAR)
-            });
+    fn show_note(&mut self, context: &egui::Context, left: f32) {
+        let Some(note) = &mut self.note else { return };
+        match taken(&mut note.values) {
+            None => {}
+            Some(Err(error)) => self.panel.message = Some(error.to_string()),
+            Some(Ok(values)) => {
+                let (look, (width, height)) = note.of;
+                let shown = legend::shown(&look, &values, look.exposure.ev(self.light.exposure()));
+                note.legend = legend::legend(&look, &self.light, [width, height], shown).map(|legend| {
+                    let size = [legend.width() as usize, legend.height() as usize];
+                    let image = egui::ColorImage::from_rgb(size, legend.bytes());
+                    context.load_texture("legend", image, egui::TextureOptions::LINEAR)
+                });
+            }
         }
         if let Some(legend) = &note.legend {
             let offset = egui::vec2(left + INSET as f32, -(INSET as f32));
             let area = egui::Area::new(egui::Id::unique("legend")).anchor(egui::Align2::LEFT_BOTTOM, offset);
             area.interactable(false).show(context, |ui| ui.image(legend));
         }
-        Ok(())
     }
 
     fn try_draw(&mut self, full: (u32, u32)) -> Result<()> {
@@ -245,7 +230,7 @@ impl Viewer {
                     (self.coarseness * self.pace(passed).sqrt().clamp(0.9, 2.0)).clamp(1.0, COARSEST);
             }
         }
-        if self.drawn.as_ref().is_none_or(|(look, _)| *look != self.look) {
+        if self.drawn.is_none_or(|(look, _)| look != self.look) {
             self.changed = now;
         }
         self.take_times(now)?;
@@ -255,8 +240,7 @@ impl Viewer {
         self.work = None;
         let settled = now - self.changed >= IDLE;
         let size = if settled { full } else { coarser(full, self.coarseness) };
-        if self.drawn.as_ref().is_some_and(|(look, drawn)| *look == self.look && (!settled || *drawn == size))
-        {
+        if self.drawn.is_some_and(|(look, drawn)| look == self.look && (!settled || drawn == size)) {
             self.before = Before::Bare;
             return Ok(());
         }
@@ -265,7 +249,7 @@ impl Viewer {
         }
         self.bands = None;
         self.renderer.draw(&self.look, &self.light, size.0, size.1)?;
-        self.drawn = Some((self.look.clone(), size));
+        self.drawn = Some((self.look, size));
         self.before = Before::Coarse;
         Ok(())
     }
@@ -277,75 +261,58 @@ impl Viewer {
 
     /// Draws the next band of the picture of `size`, after a frame of `passed`.
     fn draw_band(&mut self, size: (u32, u32), passed: Duration) -> Result<()> {
-        let (_, height) = size;
-        let under_way = self.bands.take().filter(|bands| bands.look == self.look && bands.size == size);
-        let mut bands = under_way.map_or_else(
-            || Bands {
-                look: self.look.clone(),
-                size,
-                done: 0,
-                rows: f64::from(height) / self.coarseness.powi(2),
-            },
-            |bands| {
-                let least = f64::from(height) / MAX_BANDS;
-                Bands { rows: (bands.rows / self.pace(passed).clamp(0.5, 2.0)).max(least), ..bands }
-            },
-        );
-        let end = bands.done.saturating_add(bands.rows.ceil() as u32).clamp(1, height);
-        self.renderer.draw_rows(&self.look, &self.light, size, bands.done..end)?;
-        bands.done = end;
-        if end < height {
-            self.bands = Some(bands);
+        let height = f64::from(size.1);
+        let under_way = self.bands.take().filter(|bands| bands.of == (self.look, size));
+        let (start, rows) = match under_way {
+            None => (0, height / self.coarseness.powi(2)),
+            Some(Bands { done, rows, .. }) => {
+                (done, (rows / self.pace(passed).clamp(0.5, 2.0)).max(height / MAX_BANDS))
+            }
+        };
+        let done = start.saturating_add(rows.ceil() as u32).clamp(1, size.1);
+        self.renderer.draw_rows(&self.look, &self.light, size, start..done)?;
+        if done < size.1 {
+            self.bands = Some(Bands { of: (self.look, size), done, rows });
         } else {
-            self.drawn = Some((bands.look, size));
+            self.drawn = Some((self.look, size));
         }
         Ok(())
     }
 
     /// Advances the certified tier by one time slice, coarse samples first.
     fn refine(&mut self) -> Result<()> {
-        let done = self.drawn.as_ref().is_some_and(|(look, size)| *look == self.look && *size == self.full);
-        let at_it = self.work.as_ref().is_some_and(|work| work.look == self.look && work.full == self.full);
-        if done && !at_it {
-            return Ok(());
-        }
-        if !at_it {
+        let wanted = (self.look, self.full);
+        if self.work.as_ref().is_none_or(|work| work.of != wanted) {
+            if self.drawn == Some(wanted) {
+                return Ok(());
+            }
             self.work = Some(self.begin(0)?);
         }
         if self.truth.is_none() {
             self.truth = Some(Truth::new(self.light.environment())?);
         }
-        let (Some(mut work), Some(truth)) = (self.work.take(), &self.truth) else { return Ok(()) };
-        let answered = work.asked.borrow_mut().take();
-        let asked = match answered {
-            None => {
-                self.work = Some(work);
-                return Ok(());
-            }
-            Some(asked) => asked?,
-        };
-        let start = Instant::now();
-        let width = work.size.0 as usize;
-        let source_from_world = self.light.source_from_world(work.look.turn);
-        while work.answers.len() < asked.len() {
-            // Whole rows of tiles; true reflections take milliseconds each.
-            let many = if work.look.judges_reflections() { 128 } else { 16 * width };
-            let end = (work.answers.len() + many).min(asked.len());
-            let band = &asked[work.answers.len()..end];
-            work.answers.extend(truth.answers(band, width, source_from_world, work.look.tolerance())?);
-            if start.elapsed() > SLICE {
-                break;
-            }
+        let (Some(work), Some(truth)) = (&mut self.work, &self.truth) else { return Ok(()) };
+        if let Some(asked) = taken(&mut work.pending) {
+            work.asked = asked?;
         }
-        if work.answers.len() < asked.len() {
-            *work.asked.borrow_mut() = Some(Ok(asked));
-            self.work = Some(work);
+        if work.pending.is_some() {
             return Ok(());
         }
+        let start = Instant::now();
         let (step, (width, height)) = (work.step, work.size);
+        let source_from_world = self.light.source_from_world(self.look.turn);
+        // Whole rows of tiles; true reflections take milliseconds each.
+        let many = if self.look.judges_reflections() { 128 } else { 16 * width as usize };
+        while let Some(band) = work.asked[work.answers.len()..].chunks(many).next() {
+            if start.elapsed() > SLICE {
+                return Ok(());
+            }
+            let tolerance = self.look.tolerance();
+            work.answers.extend(truth.answers(band, width as usize, source_from_world, tolerance)?);
+        }
         self.renderer.set_truth(&work.answers, width);
-        self.renderer.draw(&work.look, &self.light, width, height)?;
-        self.drawn = Some((self.look.clone(), (width, height)));
+        self.renderer.draw(&self.look, &self.light, width, height)?;
+        self.drawn = Some((self.look, (width, height)));
         self.work = if step + 1 < STEPS.len() { Some(self.begin(step + 1)?) } else { None };
         Ok(())
     }
@@ -353,8 +320,9 @@ impl Viewer {
     fn begin(&mut self, step: usize) -> Result<Refinement> {
         let size = coarser(self.full, f64::from(STEPS[step]));
         let samples = self.renderer.samples(&self.look, &self.light, size.0, size.1)?;
-        let asked = later(self.renderer.context(), samples);
-        Ok(Refinement { look: self.look.clone(), full: self.full, step, size, asked, answers: Vec::new() })
+        let pending = Some(later(self.renderer.context(), samples));
+        let of = (self.look, self.full);
+        Ok(Refinement { of, step, size, pending, asked: Vec::new(), answers: Vec::new() })
     }
 
     /// Measures the times of the passes at intervals.
@@ -369,17 +337,10 @@ impl Viewer {
             self.motion.timing = times.is_ok();
             self.panel.measure(self.renderer.context(), times?);
             // The measurement drew a full picture.
-            self.drawn = Some((self.look.clone(), self.full));
+            self.drawn = Some((self.look, self.full));
             self.bands = None;
         }
         Ok(())
-    }
-
-    /// [`Viewer::show_note`]; errors become messages.
-    fn note_or_message(&mut self, context: &egui::Context, left: f32) {
-        if let Err(error) = self.show_note(context, left) {
-            self.panel.message = Some(error.to_string());
-        }
     }
 }
 
@@ -389,33 +350,11 @@ impl WindowContent for Viewer {
     }
 
     fn interface(&mut self, ui: &mut egui::Ui, size: (u32, u32)) -> Viewport {
-        let (width, height) = size;
-        if self.panel.is_hidden {
-            self.slider = None;
-            self.note_or_message(ui.ctx(), 0.0);
-            return Viewport { x: 0, y: 0, width, height };
-        }
-        let progress = self.work.as_ref().map(|work| {
-            let asked = work.asked.borrow();
-            let count = asked.as_ref().and_then(|asked| asked.as_ref().ok()).map_or(1, Vec::len);
-            work.answers.len() as f64 / count.max(1) as f64
-        });
-        let size = self.picture_size();
-        self.reported_size = size;
-        let (has_materials, has_levels) = (self.renderer.has_materials(), self.light.own_levels);
-        let exposure = self.light.exposure();
-        let half_height =
-            self.look.camera.frame(f64::from(width) / f64::from(height), self.look.field()).up.length();
-        let automatic = Look { backdrop: None, ..self.look.clone() };
-        let backdrop = automatic.backdrop_roughness(self.light.texel_angle(), half_height);
-        let Self { panel, look, motion, has_mesh, .. } = self;
-        let has_mesh = *has_mesh;
-        let status =
-            Status { panel, has_mesh, has_materials, has_levels, exposure, backdrop, size, progress };
+        let (aspect, is_hidden) = (f64::from(size.0) / f64::from(size.1), self.panel.is_hidden);
         let (slider, right, viewport) =
-            beside_panel(ui, (width, height), |ui| show_controls(ui, look, motion, &status));
-        self.slider = Some(slider);
-        self.note_or_message(ui.ctx(), right);
+            beside_panel(ui, size, is_hidden, |ui| self.show_controls(ui, aspect));
+        self.slider = slider;
+        self.show_note(ui.ctx(), right);
         viewport
     }
 
@@ -424,7 +363,7 @@ impl WindowContent for Viewer {
         self.take_note();
         if let Err(error) = drawn {
             // Do not retry before something changes.
-            self.drawn = Some((self.look.clone(), full));
+            self.drawn = Some((self.look, full));
             self.work = None;
             self.panel.message = Some(error.to_string());
         }
@@ -441,18 +380,12 @@ impl WindowContent for Viewer {
     }
 
     fn is_busy(&self) -> bool {
-        let settled = self.drawn.as_ref().is_some_and(|(look, _)| *look == self.look);
-        let Motion { turning, lamp, timing } = self.motion;
+        let is_final = self.drawn == Some((self.look, self.full));
         // The panel shows the picture's size.
-        let size_shown = self.panel.is_hidden || self.reported_size == self.picture_size();
-        !settled
-            || !size_shown
-            || turning
-            || lamp
-            || timing
-            || self.work.is_some()
-            || self.coarse()
-            || self.is_noting()
+        let is_size_shown = self.panel.is_hidden || self.reported_size == self.picture_size();
+        let is_noted =
+            self.look.show == Show::Scene || self.note.as_ref().is_some_and(|note| note.values.is_none());
+        !(is_final && is_size_shown && is_noted) || self.motion != Motion::default() || self.work.is_some()
     }
 
     fn open(&mut self, path: &Path, bytes: Option<&[u8]>) {
@@ -484,14 +417,9 @@ impl WindowContent for Viewer {
     }
 }
 
-impl FromStart for Viewer {
-    type Start = Start;
-
-    fn adapter(start: &Start) -> Option<&str> {
-        start.adapter.as_deref()
-    }
-
-    fn new(context: Context, start: Start) -> Result<Self> {
+impl Viewer {
+    /// The viewer of `start` on a device.
+    pub(crate) fn new(context: Context, start: Start) -> Result<Self> {
         let Start { environment, name, levels, mesh, look, table, .. } = start;
         let mut renderer = Renderer::new(context)?;
         if let Some(mesh) = &mesh {
@@ -528,10 +456,6 @@ impl FromStart for Viewer {
             note: None,
         })
     }
-
-    fn content(&mut self) -> &mut dyn WindowContent {
-        self
-    }
 }
 
 /// Read options; in a browser limits memory to 1 GiB of WebAssembly's 4.
@@ -541,14 +465,9 @@ pub(crate) fn options() -> ReadOptions {
 }
 
 /// Samples of a picture of `full` pixels at `coarseness` pixels per sample along an edge.
-fn coarser((width, height): (u32, u32), coarseness: f64) -> (u32, u32) {
+pub(crate) fn coarser((width, height): (u32, u32), coarseness: f64) -> (u32, u32) {
     let side = |pixels: u32| ((f64::from(pixels) / coarseness).round() as u32).max(1);
     (side(width), side(height))
-}
-
-pub(crate) fn is_mesh(path: &Path) -> bool {
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    ["gltf", "glb", "obj"].iter().any(|mesh| extension.eq_ignore_ascii_case(mesh))
 }
 
 /// Whether a file that begins with `bytes` may hold a prefiltered chain: KTX, DDS and OpenEXR.
@@ -587,6 +506,6 @@ pub(crate) fn read_mesh(path: &Path, bytes: Option<&[u8]>) -> Result<Mesh> {
 /// [`octagloss_core::common::error::Error::Gpu`] if no window or no device is available.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn run(start: Start) -> Result<()> {
-    let (name, size) = (start.name.clone(), start.size);
-    window::open::<Viewer>(start, &name, size)
+    let (name, size, adapter) = (start.name.clone(), start.size, start.adapter.clone());
+    window::open(Box::new(|context| Viewer::new(context, start)), &name, size, adapter)
 }

@@ -42,20 +42,20 @@ pub struct Start {
     pub size: (u32, u32),
 }
 
-/// Content that a window opens with.
-pub(crate) trait FromStart: Sized + 'static {
-    /// What it is created from.
-    type Start: 'static;
-
-    /// Part of the GPU's name; `None` selects the best that can present.
-    fn adapter(start: &Self::Start) -> Option<&str>;
-
-    /// Creates the content.
-    fn new(context: Context, start: Self::Start) -> Result<Self>;
-
+/// What a window shows: always the same, or one of several.
+pub(crate) trait Shown: 'static {
     /// What the window shows now.
     fn content(&mut self) -> &mut dyn WindowContent;
 }
+
+impl<C: WindowContent + 'static> Shown for C {
+    fn content(&mut self) -> &mut dyn WindowContent {
+        self
+    }
+}
+
+/// Creates what a window shows, on its device.
+pub(crate) type Create<V> = Box<dyn FnOnce(Context) -> Result<V>>;
 
 /// What a window shows: the viewer of an environment or of a scene.
 pub(crate) trait WindowContent {
@@ -97,12 +97,18 @@ pub(crate) trait WindowContent {
 /// Message to the event loop: the device, or why there is none.
 pub(crate) struct Ready<V>(Box<Result<OpenWindow<V>>>);
 
-/// Opens a window of `size` in points, named `name`, and runs its event loop until it is closed.
+/// Opens a window of `size` in points, named `name`, on the GPU of which `adapter` is a part of the name, and
+/// runs its event loop until it is closed.
 ///
 /// # Errors
 /// [`Error::Gpu`] if no window or no device is available.
 #[cfg(not(target_arch = "wasm32"))]
-pub(crate) fn open<V: FromStart>(start: V::Start, name: &str, (width, height): (u32, u32)) -> Result<()> {
+pub(crate) fn open<V: Shown>(
+    create: Create<V>,
+    name: &str,
+    (width, height): (u32, u32),
+    adapter: Option<String>,
+) -> Result<()> {
     // The system's message follows the location in winit's source.
     let refused = |error: winit::error::EventLoopError| {
         let said = error.to_string();
@@ -113,7 +119,7 @@ pub(crate) fn open<V: FromStart>(start: V::Start, name: &str, (width, height): (
         .with_title(format!("{name} - octagloss"))
         .with_inner_size(winit::dpi::LogicalSize::new(width, height));
     let events = winit::event_loop::EventLoop::with_user_event().build().map_err(refused)?;
-    let mut application = Application::<V>::new(start, attributes, events.create_proxy());
+    let mut application = Application::new(create, adapter, attributes, events.create_proxy());
     events.run_app(&mut application).map_err(refused)?;
     application.failure.map_or(Ok(()), Err)
 }
@@ -134,8 +140,8 @@ pub(crate) struct OpenWindow<V> {
 }
 
 /// State of the event loop.
-pub(crate) struct Application<V: FromStart> {
-    start: Option<(V::Start, WindowAttributes)>,
+pub(crate) struct Application<V: 'static> {
+    start: Option<(Create<V>, Option<String>, WindowAttributes)>,
     messages: EventLoopProxy<Ready<V>>,
     /// `None` until the device is ready.
     pub shown: Option<OpenWindow<V>>,
@@ -143,13 +149,14 @@ pub(crate) struct Application<V: FromStart> {
     pub failure: Option<Error>,
 }
 
-impl<V: FromStart> Application<V> {
-    pub(crate) const fn new(
-        start: V::Start,
+impl<V: Shown> Application<V> {
+    pub(crate) fn new(
+        create: Create<V>,
+        adapter: Option<String>,
         attributes: WindowAttributes,
         messages: EventLoopProxy<Ready<V>>,
     ) -> Self {
-        Self { start: Some((start, attributes)), messages, shown: None, failure: None }
+        Self { start: Some((create, adapter, attributes)), messages, shown: None, failure: None }
     }
 
     fn fail(&mut self, event_loop: &ActiveEventLoop, error: Error) {
@@ -158,10 +165,11 @@ impl<V: FromStart> Application<V> {
     }
 }
 
-impl<V: FromStart> OpenWindow<V> {
-    /// Opens the device and creates the content of `start` in `window`.
+impl<V: Shown> OpenWindow<V> {
+    /// Opens the device and creates the content of `window`.
     async fn new(
-        start: V::Start,
+        create: Create<V>,
+        name: Option<String>,
         window: Arc<Window>,
         display: Box<dyn wgpu::wgt::WgpuHasDisplayHandle>,
     ) -> Result<Self> {
@@ -170,27 +178,21 @@ impl<V: FromStart> OpenWindow<V> {
         let surface = instance
             .create_surface(Arc::clone(&window))
             .map_err(|error| Error::Gpu(format!("cannot draw into the window: {error}")))?;
-        let adapter = adapter(&instance, &surface, V::adapter(&start)).await?;
+        let adapter = adapter(&instance, &surface, name.as_deref()).await?;
         let context = Context::new(&adapter).await?;
-        let capabilities = surface.get_capabilities(&adapter);
-        // The shader encodes sRGB itself.
-        let format = capabilities
-            .formats
-            .iter()
-            .copied()
-            .find(|format| !format.is_srgb() && format.components() == 4)
-            .or_else(|| capabilities.formats.first().copied())
-            .ok_or_else(|| Error::Gpu(format!("{} cannot present to windows", context.describe())))?;
         let size = window.inner_size();
         let mut configuration =
             surface
                 .get_default_config(&adapter, size.width.max(1), size.height.max(1))
                 .ok_or_else(|| Error::Gpu(format!("{} cannot present to windows", context.describe())))?;
-        configuration.format = format;
+        // The shader encodes sRGB itself.
+        let is_plain = |format: &wgpu::TextureFormat| !format.is_srgb() && format.components() == 4;
+        let mut formats = surface.get_capabilities(&adapter).formats.into_iter();
+        configuration.format = formats.find(is_plain).unwrap_or(configuration.format);
         surface.configure(context.device(), &configuration);
-        let painter =
-            egui_wgpu::Renderer::new(context.device(), format, egui_wgpu::RendererOptions::default());
-        let viewer = V::new(context.clone(), start)?;
+        let options = egui_wgpu::RendererOptions::default();
+        let painter = egui_wgpu::Renderer::new(context.device(), configuration.format, options);
+        let viewer = create(context.clone())?;
         let egui = egui_winit::State::new(
             egui::Context::default(),
             egui::ViewportId::ROOT,
@@ -383,10 +385,10 @@ async fn adapter(
     })
 }
 
-impl<V: FromStart> ApplicationHandler<Ready<V>> for Application<V> {
+impl<V: Shown> ApplicationHandler<Ready<V>> for Application<V> {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         event_loop.set_control_flow(ControlFlow::Wait);
-        let Some((start, attributes)) = self.start.take() else { return };
+        let Some((create, adapter, attributes)) = self.start.take() else { return };
         let window = match event_loop.create_window(attributes) {
             Ok(window) => Arc::new(window),
             Err(error) => {
@@ -394,7 +396,7 @@ impl<V: FromStart> ApplicationHandler<Ready<V>> for Application<V> {
             }
         };
         let display = Box::new(event_loop.owned_display_handle());
-        let shown = OpenWindow::<V>::new(start, window, display);
+        let shown = OpenWindow::new(create, adapter, window, display);
         let messages = self.messages.clone();
         #[cfg(not(target_arch = "wasm32"))]
         {

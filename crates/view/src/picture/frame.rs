@@ -92,7 +92,7 @@ impl ViewFrame {
         let mut ball = [BallUniform::default(); look::ROW as usize];
         for (uniform, Ball { centre, radius, roughness }) in ball.iter_mut().zip(look.balls()) {
             *uniform = BallUniform {
-                centre: centre.map(|c| c as f32),
+                centre: three(centre),
                 radius: radius as f32,
                 roughness: roughness as f32,
                 pad: [0.0; 3],

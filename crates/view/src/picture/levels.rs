@@ -12,8 +12,8 @@ use octagloss_gpu::device::resources::{filled_texture, write_level};
 /// The levels of a bake, shown unchanged.
 #[derive(Clone, Debug)]
 pub struct Levels {
-    chain: Chain,
-    levels_from_world: DMat3,
+    pub(super) chain: Chain,
+    pub(super) levels_from_world: DMat3,
 }
 
 impl Levels {
@@ -53,34 +53,23 @@ impl Levels {
         }
         Ok(Some(Self { chain, levels_from_world }))
     }
-
-    /// Uploads the levels to the device of `context`; `source_from_world` is that of the light that they
-    /// belong to.
-    pub(super) fn upload(&self, context: &Context, source_from_world: DMat3) -> Result<Cube> {
-        upload(context, &self.chain, self.levels_from_world * source_from_world.transpose())
-    }
 }
 
 /// A prefiltered cube of half floats.
 #[derive(Debug)]
 pub(super) struct Cube {
     pub(super) view: wgpu::TextureView,
-    /// log2 of the ladder's scale: radiance is a texel times 2^`exponent`.
-    exponent: i32,
     pub(super) ladder: LadderUniform,
 }
 
-impl Cube {
-    /// The cube in a world whose light is multiplied by 2^`exponent`.
-    pub(super) fn scaled(mut self, exponent: i32) -> Self {
-        self.exponent += exponent;
-        self.ladder.scale = (self.exponent as f32).exp2();
-        self
-    }
-}
-
-/// Uploads `chain` as a texture, scaled by a power of two if its range exceeds that of half floats.
-pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3) -> Result<Cube> {
+/// Uploads `chain` as a texture, scaled by a power of two if its range exceeds that of half floats, for a
+/// world whose light is multiplied by 2^`light`.
+pub(super) fn upload(
+    context: &Context,
+    chain: &Chain,
+    levels_from_source: DMat3,
+    light: i32,
+) -> Result<Cube> {
     let size = chain.levels[0].size();
     let most = context.device().limits().max_texture_dimension_2d;
     if size > most {
@@ -115,8 +104,8 @@ pub(super) fn upload(context: &Context, chain: &Chain, levels_from_source: DMat3
     for (value, level) in roughness.iter_mut().zip(&chain.levels) {
         *value = level.roughness as f32;
     }
-    let scale = (exponent as f32).exp2();
-    Ok(Cube { view, exponent, ladder: LadderUniform { count, roughness, scale, levels_from_source } })
+    let scale = ((exponent + light) as f32).exp2();
+    Ok(Cube { view, ladder: LadderUniform { count, roughness, scale, levels_from_source } })
 }
 
 /// log2 of the divisor for light of at most `brightest`: 0 if it suits half floats.

@@ -195,8 +195,9 @@ impl Light {
     /// # Errors
     /// [`octagloss_core::common::error::Error::Limit`] if they do not fit the device.
     pub fn set_levels(&mut self, context: &Context, levels: &Levels) -> Result<()> {
-        let cube = levels.upload(context, self.source_from_world)?;
-        self.levels = OnceCell::from(cube.scaled(self.scale.exponent()));
+        let levels_from_source = levels.levels_from_world * self.source_from_world.transpose();
+        let cube = levels::upload(context, &levels.chain, levels_from_source, self.scale.exponent())?;
+        self.levels = OnceCell::from(cube);
         self.own_levels = true;
         Ok(())
     }
@@ -208,7 +209,7 @@ impl Light {
         }
         let settings = BakeSettings { size: LEVELS_SIZE, ..BakeSettings::default() };
         let bake::Bake { chain, .. } = bake(&self.environment, &settings)?;
-        let cube = levels::upload(context, &chain, DMat3::IDENTITY)?;
+        let cube = levels::upload(context, &chain, DMat3::IDENTITY, 0)?;
         Ok(self.levels.get_or_init(|| cube))
     }
 }

@@ -3,6 +3,8 @@
 use octagloss_core::common::parallel;
 use octagloss_drawing::tone::srgb_from_linear;
 use octagloss_mesh::Image;
+use std::borrow::Cow;
+use std::iter::successors;
 
 /// Encoding of texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,6 +30,13 @@ impl Space {
             Self::Srgb => srgb_from_linear(light),
         }
     }
+}
+
+/// `image` and its coarser levels, down to one texel.
+pub(crate) fn all_levels(image: &Image, space: Space) -> impl Iterator<Item = Cow<'_, Image>> {
+    successors(Some(Cow::Borrowed(image)), move |level| {
+        (level.texels.len() > 1).then(|| Cow::Owned(halved(level, space)))
+    })
 }
 
 /// Halves the sides of `image`: averages linear light, not its encoding.

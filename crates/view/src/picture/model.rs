@@ -1,12 +1,13 @@
 //! A mesh on the GPU: triangles, materials and textures.
 
 use super::frame::brush;
-use super::mip_levels::{Space, halved};
+use super::mip_levels::{Space, all_levels};
 use octagloss_core::common::error::{Error, Result, wrong};
 use octagloss_gpu::Context;
 use octagloss_gpu::device::resources::{filled_texture, texture_of, write_level};
 use octagloss_mesh::{Image, Material, Mesh, SubMesh, Texture, Wrap};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// Uniform of a material.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -24,26 +25,29 @@ pub(super) struct MaterialUniform {
     pad: [f32; 3],
 }
 
+/// A texture and how it is sampled.
+type Sampled = (wgpu::TextureView, wgpu::Sampler);
+
 /// A material on the GPU.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     uniform: wgpu::Buffer,
-    base: (wgpu::TextureView, wgpu::Sampler),
-    surface: (wgpu::TextureView, wgpu::Sampler),
+    base: Sampled,
+    surface: Sampled,
 }
 
 impl Surface {
     /// A metal with the reflectance and roughness of the picture's uniform.
     pub(super) fn plain(context: &Context) -> Self {
-        Self::new(context, &Material::default(), false, &white(context), &white(context))
+        Self::new(context, &Material::default(), false, white(context), white(context))
     }
 
     fn new(
         context: &Context,
         material: &Material,
         is_of_file: bool,
-        base: &(wgpu::TextureView, wgpu::Sampler),
-        surface: &(wgpu::TextureView, wgpu::Sampler),
+        base: Sampled,
+        surface: Sampled,
     ) -> Self {
         let uniform = MaterialUniform {
             base: material.base,
@@ -58,7 +62,7 @@ impl Surface {
             pad: [0.0; 3],
         };
         let uniform = context.uniform("material", &uniform);
-        Self { uniform, base: base.clone(), surface: surface.clone() }
+        Self { uniform, base, surface }
     }
 
     /// Resources of the material's bindings.
@@ -74,7 +78,7 @@ impl Surface {
 }
 
 /// A white texture, which leaves factors unchanged.
-fn white(context: &Context) -> (wgpu::TextureView, wgpu::Sampler) {
+fn white(context: &Context) -> Sampled {
     let format = wgpu::TextureFormat::Rgba8Unorm;
     let view = texture_of(context, "white", format, [1; 2], &[255; 4]);
     (view, context.device().create_sampler(&wgpu::SamplerDescriptor::default()))
@@ -125,23 +129,19 @@ impl Model {
             |content, usage, bytes: &[u8]| filled_buffer(context, ["mesh", content], usage, bytes, most);
         let white = white(context);
         let mut views = HashMap::new();
-        let mut texture = |texture: Option<Texture>, space: Space| -> Result<_> {
+        let mut texture = |texture: Option<Texture>, space: Space| -> Result<Sampled> {
             let Some(Texture { image, wrap, nearest }) = texture else { return Ok(white.clone()) };
-            let view = match views.get(&(image, space)) {
-                Some(view) => wgpu::TextureView::clone(view),
-                None => {
-                    let view = upload(context, &mesh.images[image], space)?;
-                    views.insert((image, space), view.clone());
-                    view
-                }
+            let view = match views.entry((image, space)) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(place) => place.insert(upload(context, &mesh.images[image], space)?),
             };
-            Ok((view, sampler(context, wrap, nearest)))
+            Ok((view.clone(), sampler(context, wrap, nearest)))
         };
         let mut surfaces = Vec::with_capacity(mesh.materials.len());
         for material in &mesh.materials {
             let base = texture(material.base_texture, Space::Srgb)?;
             let surface = texture(material.surface_texture, Space::Linear)?;
-            surfaces.push(Surface::new(context, material, true, &base, &surface));
+            surfaces.push(Surface::new(context, material, true, base, surface));
         }
         Ok(Self {
             vertices: buffer("corners", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&mesh.vertices))?,
@@ -185,11 +185,7 @@ fn upload(context: &Context, image: &Image, space: Space) -> Result<wgpu::Textur
         Space::Linear => wgpu::TextureFormat::Rgba8Unorm,
     };
     let texture = filled_texture(context, "texture of a mesh", format, [width, height, 1], levels);
-    let mut level = std::borrow::Cow::Borrowed(image);
-    for mip_level in 0..levels {
-        if mip_level > 0 {
-            level = std::borrow::Cow::Owned(halved(&level, space));
-        }
+    for (mip_level, level) in (0..).zip(all_levels(image, space)) {
         write_level(context, &texture, mip_level, bytemuck::cast_slice(&level.texels));
     }
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))

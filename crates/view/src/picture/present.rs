@@ -1,7 +1,7 @@
 //! Tone-maps a linear picture for the display.
 
 use super::resources::draw_pass;
-use crate::look::{Look, Tone};
+use crate::look::Tone;
 use octagloss_gpu::Context;
 use octagloss_gpu::device::resources::{Draw, group};
 use std::collections::HashMap;
@@ -56,7 +56,7 @@ impl Presenter {
     }
 
     /// Draws the linear `picture` to `display`, tone-mapped, in sRGB.
-    pub(crate) fn present(&mut self, picture: &wgpu::TextureView, display: Display<'_>, look: &Look) {
+    pub(crate) fn present(&mut self, picture: &wgpu::TextureView, display: Display<'_>, tone: Tone) {
         let Display { encoder, view, format, viewport } = display;
         let pipeline = self.pipelines.entry(format).or_insert_with(|| {
             let draw = Draw {
@@ -69,19 +69,12 @@ impl Presenter {
             };
             draw.pipeline(&self.context)
         });
-        let tone = match look.tone {
-            _ if look.show.is_false_colour() => 3,
-            Tone::Neutral => 0,
-            Tone::Aces => 1,
-            Tone::Reinhard => 2,
-            Tone::Linear => 3,
-        };
         let source = picture.texture().size();
         let uniform = Present {
             origin: [viewport.x as f32, viewport.y as f32],
             size: [viewport.width as f32, viewport.height as f32],
             source: [source.width as f32, source.height as f32],
-            tone,
+            tone: tone as u32,
             pad: 0,
         };
         // One for each pass: a write to a shared one would also reach passes recorded before and not yet run.

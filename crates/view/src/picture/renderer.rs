@@ -8,7 +8,7 @@ use super::present::{Display, Presenter};
 use super::resources::{PICTURE, Targets, Times, draw_pass, target};
 use super::roughness_map::{self, roughness_map};
 use super::truth::PixelQuery;
-use crate::look::{Look, Object, Show, Technique};
+use crate::look::{Look, Object, Show, Technique, Tone};
 use bytemuck::Zeroable as _;
 use half::f16;
 use octagloss_core::bake::dfg::{DfgBlue, DfgForm, dfg_table};
@@ -36,10 +36,8 @@ const SAMPLES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 /// What a pass draws into each pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Drawn {
-    /// The picture.
-    Picture,
-    /// The error of the picture, in false colour.
-    Error,
+    /// What the look shows.
+    Shown(Show),
     /// Of the pixel's query: world direction and roughness.
     Lobe,
     /// The surface's normal and anisotropy.
@@ -48,31 +46,18 @@ enum Drawn {
     Tangent,
     /// Its reflectance at normal incidence.
     Reflectance,
-    /// The octahedral map.
-    Oem,
-    /// Its table.
-    Sat,
 }
 
 impl Drawn {
-    const fn of(show: Show) -> Self {
-        match show {
-            Show::Scene => Self::Picture,
-            Show::Error => Self::Error,
-            Show::Oem => Self::Oem,
-            Show::Sat => Self::Sat,
-        }
-    }
-
     /// Whether it is of a scene, by a technique, and not of tables.
     const fn is_of_scene(self) -> bool {
-        !matches!(self, Self::Oem | Self::Sat)
+        !matches!(self, Self::Shown(Show::Oem | Show::Sat))
     }
 
     const fn format(self) -> wgpu::TextureFormat {
         match self {
+            Self::Shown(_) => PICTURE,
             Self::Lobe | Self::Normal | Self::Tangent | Self::Reflectance => SAMPLES,
-            Self::Picture | Self::Error | Self::Oem | Self::Sat => PICTURE,
         }
     }
 
@@ -80,14 +65,14 @@ impl Drawn {
     /// picture.
     const fn entry_points(self, of_mesh: bool) -> [&'static str; 2] {
         let pixels = match self {
-            Self::Picture => ["cover_picture", "mesh_picture"],
-            Self::Error => ["cover_error", "mesh_error"],
+            Self::Shown(Show::Scene) => ["cover_picture", "mesh_picture"],
+            Self::Shown(Show::Error) => ["cover_error", "mesh_error"],
             Self::Lobe => ["cover_samples", "mesh_samples"],
             Self::Normal => ["cover_normals", "mesh_normals"],
             Self::Tangent => ["cover_tangents", "mesh_tangents"],
             Self::Reflectance => ["cover_reflectances", "mesh_reflectances"],
-            Self::Oem => ["oem"; 2],
-            Self::Sat => ["sat"; 2],
+            Self::Shown(Show::Oem) => ["oem"; 2],
+            Self::Shown(Show::Sat) => ["sat"; 2],
         };
         [if of_mesh { "transform" } else { "cover" }, pixels[of_mesh as usize]]
     }
@@ -226,7 +211,7 @@ impl Renderer {
     ) -> Result<()> {
         look.check()?;
         self.make_next(size)?;
-        let drawn = Drawn::of(look.show);
+        let drawn = Drawn::Shown(look.show);
         let source = if drawn.is_of_scene() { look.filter } else { Technique::Box };
         let picture = self.next.as_ref().expect("made").picture.clone();
         let done = rows.end >= size.1;
@@ -250,31 +235,30 @@ impl Renderer {
     ) -> Result<impl Future<Output = Result<Vec<PixelQuery>>> + use<>> {
         look.check()?;
         self.make_next((width, height))?;
-        let mut draw = |drawn: Drawn| -> Result<wgpu::Texture> {
+        let draw = |drawn: Drawn| -> Result<wgpu::Texture> {
             let texture = target(&self.context, "samples", SAMPLES, [width, height]);
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
             self.draw_into(&view, Technique::Adaptive, drawn, look, light, 0..height)?;
             Ok(texture)
         };
-        let lobes = draw(Drawn::Lobe)?;
-        let parts = [Drawn::Normal, Drawn::Tangent, Drawn::Reflectance];
-        let surfaces = if look.judges_reflections() { parts.map(&mut draw).into() } else { Vec::new() };
-        let surfaces: Vec<wgpu::Texture> = surfaces.into_iter().collect::<Result<_>>()?;
+        let all = [Drawn::Lobe, Drawn::Normal, Drawn::Tangent, Drawn::Reflectance];
+        let drawn = if look.judges_reflections() { &all[..] } else { &all[..1] };
+        let textures: Vec<wgpu::Texture> = drawn.iter().copied().map(draw).collect::<Result<_>>()?;
         let context = self.context.clone();
         Ok(async move {
-            let lobes: Vec<[f32; 4]> = readback::read_texture(&context, &lobes).await?;
             let mut texels: Vec<Vec<[f32; 4]>> = Vec::new();
-            for texture in &surfaces {
+            for texture in &textures {
                 texels.push(readback::read_texture(&context, texture).await?);
             }
-            let [normals, tangents, reflectances] = &texels[..] else {
-                return Ok(lobes.into_iter().map(PixelQuery::of_lobe).collect());
+            let query = |(index, lobe): (usize, &[f32; 4])| {
+                let surface = texels.get(1..4).map(|parts| [0, 1, 2].map(|k: usize| parts[k][index]));
+                // The backdrop has no normal.
+                PixelQuery {
+                    lobe: *lobe,
+                    surface: surface.filter(|[[x, y, z, _], ..]| [*x, *y, *z] != [0.0; 3]),
+                }
             };
-            let surfaces = normals.iter().zip(tangents).zip(reflectances);
-            let query = |(lobe, ((normal, tangent), reflectance)): (_, ((&_, &_), &_))| {
-                PixelQuery::of_surface(lobe, [*normal, *tangent, *reflectance])
-            };
-            Ok(lobes.into_iter().zip(surfaces).map(query).collect())
+            Ok(texels[0].iter().enumerate().map(query).collect())
         })
     }
 
@@ -449,10 +433,7 @@ impl Renderer {
     pub fn values(&self) -> Option<impl Future<Output = Result<Vec<[f16; 4]>>> + use<>> {
         let picture = self.shown.as_ref()?.picture.clone();
         let context = self.context.clone();
-        Some(async move {
-            let bits: Vec<[u16; 4]> = readback::read_texture(&context, picture.texture()).await?;
-            Ok(bits.into_iter().map(|channels| channels.map(f16::from_bits)).collect())
-        })
+        Some(async move { readback::read_texture(&context, picture.texture()).await })
     }
 
     /// Draws the last picture to `display`, tone-mapped, in sRGB.
@@ -461,6 +442,8 @@ impl Renderer {
     /// If no picture was drawn.
     pub fn present(&mut self, display: Display<'_>, look: &Look) {
         let picture = &self.shown.as_ref().expect("a picture was drawn").picture;
-        self.presenter.present(picture, display, look);
+        // Errors have display colours, which tone mapping must not change.
+        let tone = if look.show == Show::Error { Tone::Linear } else { look.tone };
+        self.presenter.present(picture, display, tone);
     }
 }

@@ -18,28 +18,13 @@ use std::sync::OnceLock;
 #[derive(Clone, Copy, Debug)]
 pub struct PixelQuery {
     /// World direction and roughness.
-    lobe: [f32; 4],
-    /// The surface there, if what it reflects is asked for.
-    surface: Option<Surface>,
+    pub(super) lobe: [f32; 4],
+    /// The surface there in world space, if what it reflects is asked for: normal and anisotropy, tangent,
+    /// reflectance at normal incidence.
+    pub(super) surface: Option<[[f32; 4]; 3]>,
 }
 
-/// A surface in world space: normal and anisotropy, tangent, reflectance at normal incidence.
-#[derive(Clone, Copy, Debug)]
-struct Surface([[f32; 4]; 3]);
-
 impl PixelQuery {
-    /// The query for a lobe.
-    pub(super) const fn of_lobe(lobe: [f32; 4]) -> Self {
-        Self { lobe, surface: None }
-    }
-
-    /// The query for what a surface of these texels reflects: normal and anisotropy, tangent, reflectance.
-    /// Without a normal there is none.
-    pub(super) fn of_surface(lobe: [f32; 4], texels: [[f32; 4]; 3]) -> Self {
-        let [[x, y, z, _], ..] = texels;
-        Self { lobe, surface: ([x, y, z] != [0.0; 3]).then_some(Surface(texels)) }
-    }
-
     fn roughness(&self) -> f32 {
         self.lobe[3]
     }
@@ -51,7 +36,7 @@ impl PixelQuery {
 
     /// The surface's frame in the source's space, anisotropy and reflectance.
     fn frame(&self, source_from_world: DMat3) -> Option<(Frame, f64, [f64; 3])> {
-        let Surface([normal, tangent, f0]) = self.surface?;
+        let [normal, tangent, f0] = self.surface?;
         let turned = |texel| source_from_world * three(texel);
         let (direction, up) = (turned(self.lobe), turned(normal).normalize());
         // The lobe's direction is the view's, mirrored.

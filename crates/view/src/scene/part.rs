@@ -76,26 +76,11 @@ impl Part {
     /// A box with half edges `half` around its origin, whose faces have `parts` squares along an edge.
     /// `colour` gives albedo and emission by outward axis and position.
     pub fn cuboid(half: DVec3, parts: u32, colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2]) -> Self {
-        Self::faces(half, parts, 1.0, colour)
-    }
-
-    /// The box of [`Self::cuboid`] from inside.
-    pub fn room(half: DVec3, parts: u32, colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2]) -> Self {
-        Self::faces(half, parts, -1.0, colour)
-    }
-
-    /// The faces of a box, with normals along the outward axes times `side_of_normals`.
-    fn faces(
-        half: DVec3,
-        parts: u32,
-        side_of_normals: f64,
-        colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2],
-    ) -> Self {
         let mut part = Self::default();
         for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
             let right = DVec3::new(axis.y, axis.z, axis.x);
             let up = axis.cross(right);
-            let normal = (side_of_normals * axis).as_vec3().to_array();
+            let normal = axis.as_vec3().to_array();
             let side = |k: u32| 2.0 * f64::from(k) / f64::from(parts) - 1.0;
             for (j, i) in (0..parts).flat_map(|j| (0..parts).map(move |i| (j, i))) {
                 // Squares have corners of their own, so that colours may change from one to the next.
@@ -109,6 +94,15 @@ impl Part {
                 }
                 part.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
             }
+        }
+        part
+    }
+
+    /// The box of [`Self::cuboid`] from inside.
+    pub fn room(half: DVec3, parts: u32, colour: impl Fn(DVec3, DVec3) -> [[f32; 3]; 2]) -> Self {
+        let mut part = Self::cuboid(half, parts, colour);
+        for corner in &mut part.corners {
+            corner.normal = corner.normal.map(|along| -along);
         }
         part
     }

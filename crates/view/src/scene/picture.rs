@@ -1,27 +1,20 @@
 //! Pipelines of pictures, and what a picture shows.
 
-use super::content::{Bounds, Scene};
+use super::content::Bounds;
 use super::look::SceneLook;
 use super::probe::SceneBuffers;
+use super::renderer::SceneRenderer;
 use super::uniforms::{FrameUniform, MAX_PROBES, SceneCorner};
 use crate::look::camera::field_of_angle;
 use crate::picture::resources::{PICTURE, Targets, draw_pass};
 use bytemuck::Zeroable as _;
 use glam::DVec3;
+use octagloss_core::common::error::Result;
 use octagloss_gpu::Context;
 use octagloss_gpu::device::resources::{Draw, UNIFORM, added, group, group_layout, storage_binding};
 
 /// Vertical angle of view in radians.
 const ANGLE: f64 = 0.6;
-
-/// What a picture is drawn from.
-#[derive(Debug)]
-pub(super) struct Drawn<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) buffers: &'a SceneBuffers,
-    /// The group of all probes, if there are glossy parts.
-    pub(super) lives: Option<&'a wgpu::BindGroup>,
-}
 
 /// Pipelines of pictures.
 #[derive(Debug)]
@@ -56,21 +49,28 @@ impl Pictures {
             frame_group,
         }
     }
+}
 
-    /// Writes the uniform of a picture `aspect` times as wide as high, of probes at `centres`.
-    pub(super) fn set_frame(
-        &self,
-        context: &Context,
+impl SceneRenderer {
+    /// Records a linear picture of `size` samples.
+    pub(super) fn record_picture(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
         look: &SceneLook,
-        aspect: f64,
-        bounds: &Bounds,
-        centres: &[DVec3],
-    ) {
+        size: (u32, u32),
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> Result<()> {
+        look.check()?;
+        let Self { context, scene, buffers, lives, centres, pictures, targets, .. } = self;
+        if targets.as_ref().is_none_or(|targets| targets.size != size) {
+            *targets = Some(Targets::new(context, size)?);
+        }
+        let Targets { picture, depth, .. } = targets.as_ref().expect("made");
         let three = |v: DVec3| v.as_vec3().to_array();
-        let frame = look.camera.frame(aspect, field_of_angle(ANGLE));
-        let Bounds { low, high, radius } = *bounds;
+        let frame = look.camera.frame(f64::from(size.0) / f64::from(size.1), field_of_angle(ANGLE));
+        let Bounds { low, high, radius } = scene.bounds;
         let mut positions = [[0.0; 4]; MAX_PROBES];
-        for (place, centre) in positions.iter_mut().zip(centres) {
+        for (place, centre) in positions.iter_mut().zip(&*centres) {
             *place = centre.as_vec3().extend(0.0).to_array();
         }
         let uniform = FrameUniform {
@@ -84,33 +84,25 @@ impl Pictures {
             sphere: (0.5 * (low + high)).as_vec3().extend(radius as f32).to_array(),
             centres: positions,
         };
-        context.queue().write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
-    }
+        context.queue().write_buffer(&pictures.frame, 0, bytemuck::bytes_of(&uniform));
 
-    /// Records the pass that draws a scene into `targets`.
-    pub(super) fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &Targets,
-        Drawn { scene, buffers, lives }: &Drawn<'_>,
-        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
-    ) {
-        let depth = Some((&targets.depth, wgpu::StoreOp::Discard));
-        let mut pass = draw_pass(encoder, "picture", &targets.picture, true, depth, timestamp_writes);
+        let depth = Some((depth, wgpu::StoreOp::Discard));
+        let mut pass = draw_pass(encoder, "picture", picture, true, depth, timestamp_writes);
         pass.set_vertex_buffer(0, buffers.corners.slice(..));
         pass.set_index_buffer(buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.set_bind_group(0, &self.frame_group, &[]);
+        pass.set_bind_group(0, &pictures.frame_group, &[]);
         let all = scene.indices.len() as u32;
         let matte = scene.parts.get(scene.glossy().start).map_or(all, |part| part.indices.start);
-        pass.set_pipeline(&self.matte);
+        pass.set_pipeline(&pictures.matte);
         pass.draw_indexed(0..matte, 0, 0..1);
-        pass.set_pipeline(&self.cover);
+        pass.set_pipeline(&pictures.cover);
         pass.draw_indexed(matte..all, 0, 0..1);
         if let Some(lives) = lives {
-            pass.set_pipeline(&self.glossy);
-            pass.set_bind_group(1, *lives, &[]);
+            pass.set_pipeline(&pictures.glossy);
+            pass.set_bind_group(1, lives.bind_group(), &[]);
             pass.draw_indexed(matte..all, 0, 0..1);
         }
+        Ok(())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::content::Scene;
 use super::uniforms::{POSE_GROUP, PoseUniform};
+use bytemuck::Zeroable as _;
 use glam::DVec3;
 use octagloss_core::common::error::Result;
 use octagloss_gpu::Context;
@@ -41,13 +42,14 @@ pub(super) struct SceneBuffers {
 pub(super) struct Probe {
     /// The part.
     pub(super) part: usize,
-    mesh: DirectMesh,
-    target: DirectTarget,
+    pub(super) mesh: DirectMesh,
+    /// The map: a layer per face of a cube.
+    pub(super) target: DirectTarget,
     frame: DirectFrame,
     /// Matte corners, then glossy ones.
     poses: Vec<Pose>,
     /// Passes of [`Probe::fill`].
-    passes: u32,
+    pub(super) passes: u32,
 }
 
 /// A dispatch that places a range of corners.
@@ -125,8 +127,7 @@ impl Probe {
             .filter(|(range, _)| !range.is_empty())
             .map(|(range, pipeline)| {
                 let (first, count) = (range.start, range.len() as u32);
-                let empty = PoseUniform { centre: [0.0; 3], hidden: 0, first, count, pad: [0; 2] };
-                let uniform = context.uniform("scene pose", &empty);
+                let uniform = context.uniform("scene pose", &PoseUniform::zeroed());
                 let SceneBuffers { light, parts, corners, texels, .. } = buffers;
                 let resources = [&uniform, light, parts, corners, texels, mesh.corners()];
                 let resources = resources.map(wgpu::Buffer::as_entire_binding);
@@ -136,11 +137,6 @@ impl Probe {
             .collect();
         let passes = frame.passes() + live.stages(&target.colour)?.count() as u32;
         Ok(Self { part, mesh, target, frame, poses, passes })
-    }
-
-    /// Number of passes of [`Probe::fill`].
-    pub(super) const fn passes(&self) -> u32 {
-        self.passes
     }
 
     /// Records the pass that places the corners around `centre`. Glossy parts reflect `lives`, the group of
@@ -192,15 +188,5 @@ impl Probe {
             labels.push(stage.label());
         }
         Ok(labels)
-    }
-
-    /// The map: a layer per face of a cube.
-    pub(super) const fn map(&self) -> &wgpu::Texture {
-        &self.target.colour
-    }
-
-    /// Triangles of the scene.
-    pub(super) const fn triangles(&self) -> u32 {
-        self.mesh.triangles()
     }
 }

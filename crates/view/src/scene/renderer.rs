@@ -1,9 +1,9 @@
 //! Keeps the probes of a scene up to date and draws pictures.
 
-use super::super::look::{Look, Technique, Tone};
+use super::super::look::{Technique, Tone};
 use super::content::Scene;
 use super::look::SceneLook;
-use super::picture::{Drawn, Pictures};
+use super::picture::Pictures;
 use super::probe::{Probe, ProbePasses, SceneBuffers};
 use super::uniforms::MAX_PROBES;
 use crate::picture::model::filled_buffer;
@@ -60,18 +60,18 @@ pub fn check_scene_filter(filter: Technique) -> Result<()> {
 /// A scene on one device.
 #[derive(Debug)]
 pub struct SceneRenderer {
-    context: Context,
-    scene: Scene,
+    pub(super) context: Context,
+    pub(super) scene: Scene,
     settings: SceneSettings,
     passes: ProbePasses,
-    buffers: SceneBuffers,
+    pub(super) buffers: SceneBuffers,
     probes: Vec<Probe>,
     /// Their tables; `None` without glossy parts.
-    lives: Option<LiveProbes>,
+    pub(super) lives: Option<LiveProbes>,
     /// Where each probe was at its last update.
-    centres: Vec<DVec3>,
-    pictures: Pictures,
-    targets: Option<Targets>,
+    pub(super) centres: Vec<DVec3>,
+    pub(super) pictures: Pictures,
+    pub(super) targets: Option<Targets>,
     presenter: Presenter,
     time: f64,
     roughness: Option<f64>,
@@ -164,7 +164,7 @@ impl SceneRenderer {
 
     /// Triangles of the scene.
     pub fn triangles(&self) -> usize {
-        self.probes.first().map_or(self.scene.indices.len() / 3, |probe| probe.triangles() as usize)
+        self.probes.first().map_or(self.scene.indices.len() / 3, |probe| probe.mesh.triangles() as usize)
     }
 
     /// Moves the parts to `time` in seconds. Glossy parts have `roughness`, or their own.
@@ -205,7 +205,7 @@ impl SceneRenderer {
         let (probe, lives) = (&probes[index], self.lives.as_mut().expect("tables of the probes"));
         let centre = self.scene.place(probe.part, self.time);
         centres[index] = centre;
-        let writes = timer.map(|timer| timer.compute_writes(probe.passes()));
+        let writes = timer.map(|timer| timer.compute_writes(probe.passes));
         probe.pose(context, encoder, centre, lives.bind_group(), writes);
         let mut labels = probe.fill(&mut lives[index], encoder, timer)?;
         labels.push("pose");
@@ -222,26 +222,6 @@ impl SceneRenderer {
         self.record_picture(&mut encoder, look, size, None)?;
         self.context.queue().submit([encoder.finish()]);
         self.context.check()
-    }
-
-    fn record_picture(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        look: &SceneLook,
-        size: (u32, u32),
-        writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
-    ) -> Result<()> {
-        look.check()?;
-        if self.targets.as_ref().is_none_or(|targets| targets.size != size) {
-            self.targets = Some(Targets::new(&self.context, size)?);
-        }
-        let targets = self.targets.as_ref().expect("made");
-        let aspect = f64::from(size.0) / f64::from(size.1);
-        self.pictures.set_frame(&self.context, look, aspect, &self.scene.bounds, &self.centres);
-        let Self { scene, buffers, lives, .. } = self;
-        let lives = lives.as_ref().map(LiveProbes::bind_group);
-        self.pictures.record(encoder, targets, &Drawn { scene, buffers, lives }, writes);
-        Ok(())
     }
 
     /// Seconds of the passes of one probe's update and of a picture, which are done once more: labels in
@@ -293,19 +273,13 @@ impl SceneRenderer {
         })
     }
 
-    /// Whether a picture was drawn.
-    pub(super) const fn has_picture(&self) -> bool {
-        self.targets.is_some()
-    }
-
     /// Draws the last picture to `display`, tone-mapped, in sRGB.
     ///
     /// # Panics
     /// If no picture was drawn.
     pub fn present(&mut self, display: Display<'_>, tone: Tone) {
         let picture = &self.targets.as_ref().expect("a picture was drawn").picture;
-        let look = Look { tone, ..Look::default() };
-        self.presenter.present(picture, display, &look);
+        self.presenter.present(picture, display, tone);
     }
 
     /// Reads the map of a probe: linear radiance, 1 where it shows a triangle, row by row, face by face.
@@ -316,8 +290,9 @@ impl SceneRenderer {
     /// # Panics
     /// If there are fewer probes.
     pub async fn map(&self, probe: usize) -> Result<Vec<[f32; 4]>> {
-        let texels: Vec<[u16; 4]> = readback::read_texture(&self.context, self.probes[probe].map()).await?;
-        Ok(texels.into_iter().map(|texel| texel.map(|bits| f16::from_bits(bits).to_f32())).collect())
+        let map = &self.probes[probe].target.colour;
+        let texels: Vec<[f16; 4]> = readback::read_texture(&self.context, map).await?;
+        Ok(texels.into_iter().map(|texel| texel.map(f16::to_f32)).collect())
     }
 
     /// Reads the last picture: linear radiance times exposure, row by row.
@@ -329,9 +304,8 @@ impl SceneRenderer {
     /// If no picture was drawn.
     pub async fn pixels(&self) -> Result<Vec<[f32; 3]>> {
         let texture = self.targets.as_ref().expect("a picture was drawn").picture.texture();
-        let texels: Vec<[u16; 4]> = readback::read_texture(&self.context, texture).await?;
-        let number = |bits: u16| f16::from_bits(bits).to_f32();
-        Ok(texels.into_iter().map(|[red, green, blue, _]| [red, green, blue].map(number)).collect())
+        let texels: Vec<[f16; 4]> = readback::read_texture(&self.context, texture).await?;
+        Ok(texels.into_iter().map(|[red, green, blue, _]| [red, green, blue].map(f16::to_f32)).collect())
     }
 }
 

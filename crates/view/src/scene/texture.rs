@@ -2,7 +2,7 @@
 //! `shaders/common/view_texture.wgsl` looks them up on the GPU.
 
 use super::uniforms::TextureUniform;
-use crate::picture::mip_levels::{Space, halved};
+use crate::picture::mip_levels::{Space, all_levels, halved};
 use octagloss_core::common::error::{Result, wrong};
 use octagloss_mesh::{Image, Texture, Wrap};
 use std::borrow::Cow;
@@ -61,16 +61,11 @@ impl Texels {
         let images = finest
             .into_iter()
             .map(|image| {
-                let Some(mut level) = image else { return TextureUniform::default() };
-                let (width, height) = (level.width, level.height);
+                let Some(image) = image else { return TextureUniform::default() };
                 // Below 2^25.
                 let first = words.len() as u32;
-                words.extend_from_slice(&level.texels);
-                while level.texels.len() > 1 {
-                    level = Cow::Owned(halved(&level, Space::Srgb));
-                    words.extend_from_slice(&level.texels);
-                }
-                TextureUniform { first, width, height, modes: 0 }
+                all_levels(&image, Space::Srgb).for_each(|level| words.extend_from_slice(&level.texels));
+                TextureUniform { first, width: image.width, height: image.height, modes: 0 }
             })
             .collect();
         if words.is_empty() {

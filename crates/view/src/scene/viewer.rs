@@ -2,15 +2,15 @@
 
 use super::content::Scene;
 use super::look::SceneLook;
-use super::panel::{Controls, Status, show_controls};
+use super::panel::Controls;
 use super::renderer::{ROUNDS, SceneRenderer, SceneSettings};
 use super::schedule::Schedule;
 use crate::interface::later::{Later, later, taken};
 use crate::interface::panel::{PanelState, beside_panel};
-use crate::interface::viewer::{COARSEST, FRAME, read_mesh};
+use crate::interface::viewer::{COARSEST, FRAME, coarser, read_mesh};
+use crate::interface::window::WindowContent;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::interface::window::open;
-use crate::interface::window::{FromStart, WindowContent};
 use crate::look::camera::Camera;
 use crate::picture::present::{Display, Viewport};
 use egui::Ui;
@@ -53,8 +53,8 @@ pub struct SceneStart {
 /// [`octagloss_core::common::error::Error::Limit`] if the scene does not fit it.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn run_scene(start: SceneStart) -> Result<()> {
-    let (name, size) = (start.name.clone(), start.size);
-    open::<SceneViewer>(start, &name, size)
+    let (name, size, adapter) = (start.name.clone(), start.size, start.adapter.clone());
+    open(Box::new(|context| SceneViewer::new(context, start)), &name, size, adapter)
 }
 
 /// What the maps of the probes depend on: settings, time and roughness.
@@ -73,33 +73,16 @@ pub(crate) struct SceneViewer {
     maps: Option<Maps>,
     due: usize,
     /// Probes updated in the last frame.
-    updated: usize,
+    pub(super) updated: usize,
     /// In a browser, the GPU's work of the last frame: nothing else keeps frames from piling up.
     submitted: Option<Later<()>>,
     last_frame: Instant,
     /// Duration of the last frame, if frames follow each other.
-    passed: Duration,
+    pub(super) passed: Duration,
     /// Pixels per sample along an edge.
     coarseness: f64,
     /// What the last frame drew: look, maps, and samples.
     drawn: Option<(SceneLook, Maps, (u32, u32))>,
-}
-
-#[cfg(target_arch = "wasm32")]
-impl SceneViewer {
-    /// Changes what the panel selects.
-    ///
-    /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] naming a value and its range,
-    /// [`octagloss_core::common::error::Error::Limit`] for maps that do not fit the device; nothing changes
-    /// then.
-    pub(crate) fn set_controls(&mut self, mut controls: Controls) -> Result<()> {
-        controls.check()?;
-        controls.settings.probes = controls.settings.probes.min(self.renderer.scene().glossy_parts());
-        self.configure(controls.settings)?;
-        self.controls = controls;
-        Ok(())
-    }
 }
 
 impl SceneViewer {
@@ -124,7 +107,7 @@ impl SceneViewer {
     }
 
     /// Replaces the probes, if `settings` do.
-    fn configure(&mut self, settings: SceneSettings) -> Result<()> {
+    pub(crate) fn configure(&mut self, settings: SceneSettings) -> Result<()> {
         if settings != self.renderer.settings() {
             self.renderer.configure(settings)?;
             self.schedule = Schedule::default();
@@ -162,8 +145,7 @@ impl SceneViewer {
         }
         let Controls { look, time, budget, limited, .. } = self.controls;
         self.renderer.set_time(time, look.roughness);
-        let side = |pixels: u32| ((f64::from(pixels) / self.coarseness).round() as u32).max(1);
-        let size = if moving { (side(full.0), side(full.1)) } else { full };
+        let size = if moving { coarser(full, self.coarseness) } else { full };
         self.measure(now, size)?;
         let mut turn = Vec::new();
         if self.due > 0 {
@@ -206,14 +188,9 @@ impl SceneViewer {
     }
 }
 
-impl FromStart for SceneViewer {
-    type Start = SceneStart;
-
-    fn adapter(start: &SceneStart) -> Option<&str> {
-        start.adapter.as_deref()
-    }
-
-    fn new(context: Context, start: SceneStart) -> Result<Self> {
+impl SceneViewer {
+    /// The viewer of `start` on a device.
+    pub(crate) fn new(context: Context, start: SceneStart) -> Result<Self> {
         let SceneStart { scene, name, look, settings, time, budget, .. } = start;
         let settings = SceneSettings { probes: settings.probes.min(scene.glossy_parts()), ..settings };
         Ok(Self {
@@ -240,10 +217,6 @@ impl FromStart for SceneViewer {
             drawn: None,
         })
     }
-
-    fn content(&mut self) -> &mut dyn WindowContent {
-        self
-    }
 }
 
 impl WindowContent for SceneViewer {
@@ -251,19 +224,9 @@ impl WindowContent for SceneViewer {
         self.renderer.context()
     }
 
-    fn interface(&mut self, ui: &mut Ui, (width, height): (u32, u32)) -> Viewport {
-        if self.panel.is_hidden {
-            return Viewport { x: 0, y: 0, width, height };
-        }
-        let status = Status {
-            panel: &self.panel,
-            glossy: self.renderer.scene().glossy_parts(),
-            triangles: self.renderer.triangles(),
-            updated: [self.updated, self.renderer.probes()],
-            frame: self.passed.as_secs_f64(),
-        };
-        let controls = &mut self.controls;
-        beside_panel(ui, (width, height), |ui| show_controls(ui, controls, &status)).2
+    fn interface(&mut self, ui: &mut Ui, size: (u32, u32)) -> Viewport {
+        let is_hidden = self.panel.is_hidden;
+        beside_panel(ui, size, is_hidden, |ui| self.show_controls(ui)).2
     }
 
     fn draw(&mut self, full: (u32, u32)) {
@@ -282,7 +245,7 @@ impl WindowContent for SceneViewer {
     }
 
     fn present(&mut self, display: Display<'_>) {
-        if self.renderer.has_picture() {
+        if self.renderer.targets.is_some() {
             self.renderer.present(display, self.controls.look.tone);
         }
     }

@@ -6,14 +6,14 @@ mod view_side;
 
 use super::look::Look;
 use super::scene::Scene;
-use crate::interface::viewer::{is_mesh, options};
-use crate::interface::window::{Application, FromStart as _, OpenWindow, Ready, Start};
+use crate::interface::viewer::options;
+use crate::interface::window::{Application, OpenWindow, Ready, Shown as _, Start};
 use js_sys::Function;
 use octagloss_core::common::error::Error;
 use octagloss_core::cpu::reflector::ReflectorSettings;
 use octagloss_core::files::io;
-use octagloss_mesh::Mesh;
-use sides::{Side, SideName, Sides};
+use octagloss_mesh::{Mesh, is_mesh};
+use sides::{SideName, Sides};
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
@@ -71,7 +71,8 @@ impl Page {
         };
         let attributes = Window::default_attributes().with_canvas(Some(canvas));
         let events = EventLoop::with_user_event().build()?;
-        let application = Application::new(start, attributes, events.create_proxy());
+        let create = Box::new(|context| Sides::new(context, start));
+        let application = Application::new(create, None, attributes, events.create_proxy());
         let page = Self { application: Rc::new(RefCell::new(application)), on_event };
         events.spawn_app(page.clone());
         Ok(page)
@@ -103,10 +104,7 @@ impl Page {
     /// None in practice: the state always serialises.
     pub fn state(&self) -> Result<String, JsError> {
         let mut application = self.application.borrow_mut();
-        let state = application.shown.as_mut().map(|OpenWindow { viewer, .. }| match viewer.shown() {
-            Side::View(viewer) => view_side::state(viewer),
-            Side::Scene(scene) => scene_side::state(scene),
-        });
+        let state = application.shown.as_mut().map(|OpenWindow { viewer, .. }| viewer.shown().state());
         Ok(serde_json::to_string(&state)?)
     }
 
@@ -119,11 +117,7 @@ impl Page {
     /// # Errors
     /// If a field is unknown or its value out of range; nothing changes then.
     pub fn set(&self, change: &str) -> Result<(), JsError> {
-        let set = self.act(|sides| match sides.shown() {
-            Side::View(viewer) => Ok(serde_json::from_str::<view_side::Change>(change)?.apply(viewer)?),
-            Side::Scene(scene) => Ok(serde_json::from_str::<scene_side::Change>(change)?.apply(scene)?),
-        });
-        set.unwrap_or(Ok(()))
+        self.act(|sides| sides.shown().set(change)).unwrap_or(Ok(()))
     }
 }
 

@@ -1,19 +1,22 @@
 //! Settings and state of the scene side as JSON, by the names of the command line's options.
 
 use super::super::look::{Technique, Tone};
-use super::super::scene::{Controls, Proxy, SceneViewer, check_scene_filter};
+use super::super::scene::{Controls, MAX_BUDGET, Proxy, SceneViewer, check_scene_filter};
 use super::parsed;
+use super::sides::Side;
 use crate::interface::window::WindowContent as _;
-use octagloss_core::common::error::Result;
+use octagloss_core::common::error::{Result, wrong};
 use octagloss_gpu::direct::Method;
 use serde::{Deserialize, Deserializer};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use wasm_bindgen::JsError;
 
 /// Changes of the controls; absent fields stay unchanged.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Change {
+struct Change {
     /// `null` for the objects' own.
     #[serde(default, deserialize_with = "given")]
     roughness: Option<Option<f64>>,
@@ -38,63 +41,80 @@ fn given<'de, D: Deserializer<'de>, T: Deserialize<'de>>(field: D) -> Result<Opt
     T::deserialize(field).map(Some)
 }
 
-/// The state reported to the page.
-pub(super) fn state(viewer: &SceneViewer) -> Value {
-    let Controls { look, settings, time, moving, budget, limited, .. } = viewer.controls;
-    json!({
-        "side": "scene",
-        "scene": viewer.panel.name,
-        "message": viewer.panel.message,
-        "adapter": viewer.context().describe(),
-        "roughness": look.roughness,
-        "exposure": look.exposure,
-        "tone": look.tone.name(),
-        "scene_time": time,
-        "moving": moving,
-        "probes": settings.probes,
-        "probe_budget": limited.then_some(budget),
-        "proxy": look.proxy.name(),
-        "direct": settings.method.name(),
-        "filter": Technique::Pyramid.name(),
-        "oem_size": settings.size,
-        "triangles": viewer.renderer.triangles(),
-        // Seconds of the passes, if they were measured.
-        "gpu_times": viewer.panel.times.iter().copied().collect::<BTreeMap<_, _>>(),
-        // Samples of the picture, and whether it is final.
-        "size": viewer.picture_size(),
-        "settled": !viewer.is_busy(),
-        "panel": !viewer.panel.is_hidden,
-    })
+/// Edges of maps.
+const SIZES: RangeInclusive<u32> = 16..=8192;
+
+/// Checks that every value is in its range, as the command line's parser does.
+fn check(controls: &Controls) -> Result<()> {
+    controls.look.check()?;
+    if !(0.0..=MAX_BUDGET).contains(&controls.budget) {
+        let message = format!("`probe_budget` {}; use 0 to {MAX_BUDGET} milliseconds", controls.budget);
+        return wrong(message);
+    }
+    let size = controls.settings.size;
+    if !(SIZES.contains(&size) && size.is_power_of_two()) {
+        let [least, most] = [SIZES.start(), SIZES.end()];
+        return wrong(format!("`oem_size` {size}; use a power of two from {least} to {most}"));
+    }
+    Ok(())
 }
 
-impl Change {
-    /// Applies the change to `viewer`.
-    ///
-    /// # Errors
-    /// [`octagloss_core::common::error::Error::Parameter`] naming a value; nothing changes then.
-    pub(super) fn apply(self, viewer: &mut SceneViewer) -> Result<()> {
-        let tone: Option<Tone> = parsed("tone", self.tone)?;
-        let proxy: Option<Proxy> = parsed("proxy", self.proxy)?;
-        let method: Option<Method> = parsed("direct", self.direct)?;
-        parsed("filter", self.filter)?.map_or(Ok(()), check_scene_filter)?;
-        let mut controls = viewer.controls;
+impl Side for SceneViewer {
+    fn state(&self) -> Value {
+        let Controls { look, settings, time, moving, budget, limited, .. } = self.controls;
+        json!({
+            "side": "scene",
+            "scene": self.panel.name,
+            "message": self.panel.message,
+            "adapter": self.context().describe(),
+            "roughness": look.roughness,
+            "exposure": look.exposure,
+            "tone": look.tone.name(),
+            "scene_time": time,
+            "moving": moving,
+            "probes": settings.probes,
+            "probe_budget": limited.then_some(budget),
+            "proxy": look.proxy.name(),
+            "direct": settings.method.name(),
+            "filter": Technique::Pyramid.name(),
+            "oem_size": settings.size,
+            "triangles": self.renderer.triangles(),
+            // Seconds of the passes, if they were measured.
+            "gpu_times": self.panel.times.iter().copied().collect::<BTreeMap<_, _>>(),
+            // Samples of the picture, and whether it is final.
+            "size": self.picture_size(),
+            "settled": !self.is_busy(),
+            "panel": !self.panel.is_hidden,
+        })
+    }
+
+    fn set(&mut self, change: &str) -> Result<(), JsError> {
+        let change: Change = serde_json::from_str(change)?;
+        let tone: Option<Tone> = parsed("tone", change.tone)?;
+        let proxy: Option<Proxy> = parsed("proxy", change.proxy)?;
+        let method: Option<Method> = parsed("direct", change.direct)?;
+        parsed("filter", change.filter)?.map_or(Ok(()), check_scene_filter)?;
+        let mut controls = self.controls;
         let Controls { look, settings, time, moving, budget, limited, timing } = &mut controls;
-        look.roughness = self.roughness.unwrap_or(look.roughness);
-        look.exposure = self.exposure.unwrap_or(look.exposure);
+        look.roughness = change.roughness.unwrap_or(look.roughness);
+        look.exposure = change.exposure.unwrap_or(look.exposure);
         look.tone = tone.unwrap_or(look.tone);
         look.proxy = proxy.unwrap_or(look.proxy);
         settings.method = method.unwrap_or(settings.method);
-        settings.probes = self.probes.unwrap_or(settings.probes);
-        settings.size = self.oem_size.unwrap_or(settings.size);
-        *time = self.scene_time.unwrap_or(*time);
-        *moving = self.moving.unwrap_or(*moving);
-        if let Some(given) = self.probe_budget {
+        settings.probes = change.probes.unwrap_or(settings.probes);
+        settings.size = change.oem_size.unwrap_or(settings.size);
+        *time = change.scene_time.unwrap_or(*time);
+        *moving = change.moving.unwrap_or(*moving);
+        if let Some(given) = change.probe_budget {
             (*limited, *budget) = (given.is_some(), given.unwrap_or(*budget));
         }
-        *timing = self.gpu_times.unwrap_or(*timing);
-        viewer.set_controls(controls)?;
-        if self.panel.is_some_and(|shown| shown == viewer.panel.is_hidden) {
-            viewer.toggle_panel();
+        *timing = change.gpu_times.unwrap_or(*timing);
+        check(&controls)?;
+        controls.settings.probes = controls.settings.probes.min(self.renderer.scene().glossy_parts());
+        self.configure(controls.settings)?;
+        self.controls = controls;
+        if change.panel.is_some_and(|shown| shown == self.panel.is_hidden) {
+            self.toggle_panel();
         }
         Ok(())
     }

@@ -2,10 +2,12 @@
 
 use super::super::scene::{Scene, SceneSettings, SceneStart, SceneViewer};
 use crate::interface::viewer::Viewer;
-use crate::interface::window::{FromStart, Start, WindowContent};
+use crate::interface::window::{Shown, Start, WindowContent};
 use octagloss_core::common::error::Result;
 use octagloss_core::common::names::named;
 use octagloss_gpu::Context;
+use serde_json::Value;
+use wasm_bindgen::JsError;
 
 /// A side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +21,6 @@ pub(super) enum SideName {
 named!(SideName { View = "view", Scene = "scene" });
 
 /// Both sides, of which one is shown.
-#[derive(Debug)]
 pub(super) struct Sides {
     viewer: Viewer,
     /// Created when it is first shown.
@@ -27,13 +28,25 @@ pub(super) struct Sides {
     side: SideName,
 }
 
-/// The side that is shown.
-pub(super) enum Side<'a> {
-    View(&'a mut Viewer),
-    Scene(&'a mut SceneViewer),
+/// What a side shows, and its state and settings as JSON.
+pub(super) trait Side: WindowContent {
+    /// The state reported to the page.
+    fn state(&self) -> Value;
+
+    /// Applies `change`, an object whose absent fields stay unchanged.
+    ///
+    /// # Errors
+    /// A message that names an unknown field or a value; nothing changes then.
+    fn set(&mut self, change: &str) -> Result<(), JsError>;
 }
 
 impl Sides {
+    /// Both sides, of which the viewer of `start` is shown first.
+    pub(super) fn new(context: Context, start: Start) -> Result<Self> {
+        let viewer = Viewer::new(context, start)?;
+        Ok(Self { viewer, scene: None, side: SideName::View })
+    }
+
     /// Shows `side`, with or without the panel as before.
     ///
     /// # Errors
@@ -63,30 +76,16 @@ impl Sides {
     }
 
     /// The side that is shown.
-    pub(super) const fn shown(&mut self) -> Side<'_> {
+    pub(super) fn shown(&mut self) -> &mut dyn Side {
         match (self.side, &mut self.scene) {
-            (SideName::Scene, Some(scene)) => Side::Scene(scene),
-            _ => Side::View(&mut self.viewer),
+            (SideName::Scene, Some(scene)) => scene,
+            _ => &mut self.viewer,
         }
     }
 }
 
-impl FromStart for Sides {
-    type Start = Start;
-
-    fn adapter(start: &Start) -> Option<&str> {
-        Viewer::adapter(start)
-    }
-
-    fn new(context: Context, start: Start) -> Result<Self> {
-        let viewer = Viewer::new(context, start)?;
-        Ok(Self { viewer, scene: None, side: SideName::View })
-    }
-
+impl Shown for Sides {
     fn content(&mut self) -> &mut dyn WindowContent {
-        match self.shown() {
-            Side::View(viewer) => viewer,
-            Side::Scene(scene) => scene,
-        }
+        self.shown()
     }
 }
