@@ -13,8 +13,8 @@ pub const FAMILY: &str = "Ubuntu, Arial, sans-serif";
 
 static OUTLINES: &[u8] = include_bytes!("ubuntu-light.bin");
 
-static FONT: LazyLock<Font> =
-    LazyLock::new(|| Font::read(OUTLINES).expect("the program's own font is whole"));
+static GLYPHS: LazyLock<HashMap<char, Glyph>> =
+    LazyLock::new(|| read(OUTLINES).expect("the program's own font is whole"));
 
 /// Offset of a second copy of each outline in pixels, which makes the light font legible.
 const WEIGHT: f64 = 0.25;
@@ -27,66 +27,50 @@ const BOX: f64 = 0.96;
 const BOX_DIGITS: f64 = 0.52;
 const BOX_GAP: f64 = 0.06;
 
-/// A part of an outline, in ems to the right and upwards.
-#[derive(Clone, Copy, Debug)]
-enum Piece {
-    Line([DVec2; 2]),
-    Curve([DVec2; 3]),
-}
-
 #[derive(Debug)]
 struct Glyph {
     advance: f64,
-    pieces: Vec<Piece>,
+    /// Quadratic curves in ems to the right and upwards.
+    pieces: Vec<[DVec2; 3]>,
 }
 
-#[derive(Debug)]
-struct Font {
-    glyphs: HashMap<char, Glyph>,
-}
-
-impl Font {
-    /// Reads outlines; `None` if they end early.
-    fn read(bytes: &[u8]) -> Option<Self> {
-        let mut bytes = bytes.iter().copied();
-        let units = f64::from(unsigned(&mut bytes)?);
-        let (mut glyphs, mut last) = (HashMap::new(), 0);
-        while let Some(step) = unsigned(&mut bytes) {
-            last += step;
-            let advance = f64::from(unsigned(&mut bytes)?) / units;
-            let commands = unsigned(&mut bytes)?;
-            let (mut pieces, mut at, mut start) = (Vec::new(), [0; 2], [0; 2]);
-            let place = |[x, y]: [i32; 2]| DVec2::new(f64::from(x), f64::from(y)) / units;
-            for _ in 0..commands {
-                let code = unsigned(&mut bytes)?;
-                let mut point = |from: [i32; 2]| -> Option<[i32; 2]> {
-                    Some([from[0] + signed(&mut bytes)?, from[1] + signed(&mut bytes)?])
-                };
-                let from = at;
-                match code {
-                    0 => {
-                        at = start;
-                        pieces.push(Piece::Line([place(from), place(at)]));
-                    }
-                    1 => {
-                        at = point(from)?;
-                        pieces.push(Piece::Line([place(from), place(at)]));
-                    }
-                    2 => {
-                        let control = point(from)?;
-                        at = point(control)?;
-                        pieces.push(Piece::Curve([place(from), place(control), place(at)]));
-                    }
-                    _ => {
-                        at = point(from)?;
-                        start = at;
-                    }
+/// Reads outlines; `None` if they end early.
+fn read(bytes: &[u8]) -> Option<HashMap<char, Glyph>> {
+    let mut bytes = bytes.iter().copied();
+    let units = f64::from(unsigned(&mut bytes)?);
+    let (mut glyphs, mut last) = (HashMap::new(), 0);
+    while let Some(step) = unsigned(&mut bytes) {
+        last += step;
+        let advance = f64::from(unsigned(&mut bytes)?) / units;
+        let commands = unsigned(&mut bytes)?;
+        let (mut pieces, mut at, mut start) = (Vec::new(), [0; 2], [0; 2]);
+        let place = |[x, y]: [i32; 2]| DVec2::new(f64::from(x), f64::from(y)) / units;
+        for _ in 0..commands {
+            let code = unsigned(&mut bytes)?;
+            let mut point = |from: [i32; 2]| -> Option<[i32; 2]> {
+                Some([from[0] + signed(&mut bytes)?, from[1] + signed(&mut bytes)?])
+            };
+            let from = at;
+            match code {
+                0 | 1 => {
+                    at = if code == 0 { start } else { point(from)? };
+                    let [from, to] = [from, at].map(place);
+                    pieces.push([from, from.midpoint(to), to]);
+                }
+                2 => {
+                    let control = point(from)?;
+                    at = point(control)?;
+                    pieces.push([from, control, at].map(place));
+                }
+                _ => {
+                    at = point(from)?;
+                    start = at;
                 }
             }
-            glyphs.insert(char::from_u32(last)?, Glyph { advance, pieces });
         }
-        Some(Self { glyphs })
+        glyphs.insert(char::from_u32(last)?, Glyph { advance, pieces });
     }
+    Some(glyphs)
 }
 
 /// Reads a number of seven bits a byte, the lowest first.
@@ -110,7 +94,7 @@ fn signed(bytes: &mut impl Iterator<Item = u8>) -> Option<i32> {
 /// The glyph of `character`, or a box with its number. Spaces and controls are blank.
 fn drawn(character: char) -> Drawn {
     let shown = if character.is_control() || character.is_whitespace() { ' ' } else { character };
-    match FONT.glyphs.get(&shown) {
+    match GLYPHS.get(&shown) {
         Some(glyph) => Drawn::Glyph(glyph),
         None => {
             let digits = format!("{:04X}", u32::from(character));
@@ -162,12 +146,7 @@ fn add_text(path: &mut Path, text: &str, em: f64, place: &dyn Fn(DVec2) -> DVec2
         let at = |point: DVec2| place((point + DVec2::new(start, 0.0)) * em);
         match &drawn {
             Drawn::Glyph(glyph) => {
-                for piece in &glyph.pieces {
-                    match piece {
-                        Piece::Line(points) => path.line(points.map(at)),
-                        Piece::Curve(points) => path.curve(points.map(at)),
-                    }
-                }
+                glyph.pieces.iter().for_each(|points| path.curve(points.map(at)));
             }
             Drawn::Box(rows) => {
                 let low = DVec2::new(BOX_GAP, CAPITALS / 2.0 - BOX / 2.0);
