@@ -53,7 +53,12 @@ impl<'a> Confined<'a> {
             Some(data) => decoded(data).map_err(|message| Error::input(self.path, message))?,
             None => self.file(uri)?,
         };
-        self.left = self.left.checked_sub(bytes.len() as u64).ok_or_else(|| self.too_large(uri))?;
+        self.left = self.left.checked_sub(bytes.len() as u64).ok_or_else(|| Error::Limit {
+            what: format!("{}: {} with the files before it", self.path.display(), quoted(uri)),
+            needed: self.limit.saturating_add(1),
+            available: self.limit,
+            remedy: "use a smaller mesh".to_owned(),
+        })?;
         Ok(bytes)
     }
 
@@ -102,15 +107,6 @@ impl<'a> Confined<'a> {
         let mut bytes = Vec::new();
         file.take(self.left.saturating_add(1)).read_to_end(&mut bytes).map_err(missing)?;
         Ok(bytes)
-    }
-
-    fn too_large(&self, uri: &str) -> Error {
-        Error::Limit {
-            what: format!("{}: {} with the files before it", self.path.display(), quoted(uri)),
-            needed: self.limit.saturating_add(1),
-            available: self.limit,
-            remedy: "use a smaller mesh".to_owned(),
-        }
     }
 }
 
