@@ -97,19 +97,23 @@ impl Chart {
     pub fn figure(&self) -> Result<Figure> {
         let x = Placed::new(&self.x, &self.values(0), "x")?;
         let y = Placed::new(&self.y, &self.values(1), "y")?;
-        let legend: Vec<(&Series, Colour)> = (0..)
-            .zip(&self.series)
-            .filter(|(_, series)| !series.name.is_empty())
-            .map(|(k, series)| (series, rgb(SERIES[k % SERIES.len()])))
-            .collect();
-        let lines = legend_lines(&legend, WIDTH - 2.0 * MARGIN - LEFT);
-        let legend_height = LEGEND_LINE * lines.len() as f64;
+        // Entries of the legend and their places; one that is longer than a line has its own.
+        let mut legend = Vec::new();
+        let (mut x_of_next, mut lines) = (f64::INFINITY, 0.0);
+        for (k, series) in self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty()) {
+            if x_of_next + legend_width(series) > WIDTH - MARGIN {
+                (x_of_next, lines) = (MARGIN + LEFT, lines + 1.0);
+            }
+            legend.push((k, DVec2::new(x_of_next, LEGEND_LINE * (lines - 1.0))));
+            x_of_next += legend_width(series);
+        }
+        let legend_height = LEGEND_LINE * lines;
         let (mut scene, body) = page(WIDTH, HEIGHT + legend_height + 62.0, &self.title, &self.caption);
         let low = body.low + DVec2::new(LEFT, legend_height);
         let frame = Frame::new(low, DVec2::new(body.high.x - 6.0, low.y + HEIGHT));
-        for (line, number) in lines.iter().zip(0..) {
-            let top = body.low.y + 8.0 + LEGEND_LINE * f64::from(number);
-            draw_legend(&mut scene, line, DVec2::new(frame.low.x, top));
+        for (k, place) in legend {
+            let at = place + DVec2::new(0.0, body.low.y + 8.0);
+            draw_legend(&mut scene, &self.series[k], colour_of(k), at);
         }
         let place = |point: [f64; 2]| {
             let across = x.at(point[0], frame.low.x, frame.high.x);
@@ -119,7 +123,7 @@ impl Chart {
         // Draw marks twice: labels avoid marks, and their plates must not cover any.
         let draw = |scene: &mut Scene| {
             for (k, series) in self.series.iter().enumerate() {
-                draw_series(scene, series, rgb(SERIES[k % SERIES.len()]), place);
+                draw_series(scene, series, colour_of(k), place);
             }
         };
         draw(&mut scene);
@@ -193,36 +197,23 @@ fn mark(scene: &mut Scene, marks: Marks, at: DVec2, colour: Colour) {
     }
 }
 
-fn draw_legend(scene: &mut Scene, legend: &[(&Series, Colour)], mut at: DVec2) {
-    for (series, colour) in legend {
-        let centre = at + DVec2::new(14.0, 0.0);
-        if matches!(series.marks, Marks::Line | Marks::LineAndDots) {
-            scene.line(vec![at, at + DVec2::new(28.0, 0.0)], 2.2, *colour);
-        }
-        mark(scene, series.marks, centre, *colour);
-        scene.text(at + DVec2::new(36.0, 0.35 * SMALL), &series.name, SMALL, Anchor::Start, INK);
-        at.x += legend_width(series);
+/// Draws the entry of `series` in the legend, from the middle of its left edge on.
+fn draw_legend(scene: &mut Scene, series: &Series, colour: Colour, at: DVec2) {
+    if matches!(series.marks, Marks::Line | Marks::LineAndDots) {
+        scene.line(vec![at, at + DVec2::new(28.0, 0.0)], 2.2, colour);
     }
+    mark(scene, series.marks, at + DVec2::new(14.0, 0.0), colour);
+    scene.text(at + DVec2::new(36.0, 0.35 * SMALL), &series.name, SMALL, Anchor::Start, INK);
+}
+
+/// The colour of series `k`.
+const fn colour_of(k: usize) -> Colour {
+    rgb(SERIES[k % SERIES.len()])
 }
 
 /// Pixels of an entry of the legend, with the gap to the next one.
 fn legend_width(series: &Series) -> f64 {
     36.0 + octagloss_drawing::font::text_width(&series.name, SMALL) + 28.0
-}
-
-/// Breaks the legend into lines of at most `width` pixels; a longer entry has a line of its own.
-fn legend_lines<'a>(legend: &[(&'a Series, Colour)], width: f64) -> Vec<Vec<(&'a Series, Colour)>> {
-    let mut lines: Vec<Vec<(&Series, Colour)>> = Vec::new();
-    let mut used = f64::INFINITY;
-    for entry in legend {
-        if used + legend_width(entry.0) > width {
-            lines.push(Vec::new());
-            used = 0.0;
-        }
-        used += legend_width(entry.0);
-        lines.last_mut().expect("the first entry starts a line").push(*entry);
-    }
-    lines
 }
 
 /// An axis with its range.
