@@ -22,12 +22,11 @@ pub(super) fn run(args: &FigureArgs) -> Outcome {
     // Check the outputs before drawing.
     output::recover(folder);
     let is_new = !folder.exists();
+    let path = |entry: &Entry, form: Form| format!("{}.{}", entry.name(), form.name());
     if is_new {
         output::check_folder(folder, existing)?;
-    }
-    let path = |entry: &Entry, form: Form| format!("{}.{}", entry.name(), form.name());
-    for (entry, form) in entries.iter().flat_map(|entry| Form::ALL.map(|form| (entry, form))) {
-        if !is_new {
+    } else {
+        for (entry, form) in entries.iter().flat_map(|entry| Form::ALL.map(|form| (entry, form))) {
             output::check_file(&folder.join(path(entry, form)), existing)?;
         }
     }
@@ -98,7 +97,8 @@ fn check_options(args: &FigureArgs, entries: &[Entry]) -> Outcome {
             && !entries.iter().any(|entry| entry.kind == kind)
         {
             return usage(format!(
-                "--{option} {value} is for the figure {kind}, which is not drawn; omit it or add --figure {kind}"
+                "--{option} {value} is for the figure {kind}, which is not drawn; omit it or add --figure \
+                 {kind}"
             ));
         }
     }

@@ -110,14 +110,9 @@ fn text_table(settings: &Settings, rows: &[Row]) -> String {
             }
         }
     }
-    text += "\nBuild, least of all turns:";
-    text += "  milliseconds to resample and to scan\n";
-    let mut named = Vec::new();
-    for row in rows {
-        if named.contains(&row.subject.name) {
-            continue;
-        }
-        named.push(row.subject.name);
+    text += "\nBuild, least of all turns:  milliseconds to resample and to scan\n";
+    for of_map in rows.chunk_by(|a, b| a.subject.name == b.subject.name) {
+        let row = &of_map[0];
         let [resample, scan] = row.seconds.map(|seconds| seconds * 1e3);
         text += &format!("{:<24}{:>8} texels{resample:>10.1}{scan:>8.2}\n", row.subject.name, row.texels);
     }

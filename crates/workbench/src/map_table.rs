@@ -95,26 +95,19 @@ pub fn rows() -> Vec<Row> {
     rows.extend(MAPS.iter().filter(|map| printed_row(map.name).is_none()).map(row));
     // Square texels, and a hexagonal lattice of the same area, over the whole sphere.
     let hexagonal = DVec3::new(0.5, 0.75_f64.sqrt(), 0.0);
-    rows.push(Row {
+    let limit = |title, printed, by_v, note| Row {
         name: None,
-        title: "Isometric (limit)",
+        title,
         source: "Snyder and Mitchell 2001",
-        printed: printed("12.57", "1", "inf"),
-        metrics: limit(Stretch::from_derivatives(DVec3::X, DVec3::Y)),
-        note: None,
-    });
-    rows.push(Row {
-        name: None,
-        title: "Non-isometric (limit)",
-        source: "Snyder and Mitchell 2001",
-        printed: printed("10.9", "1.73", "inf"),
-        metrics: limit(Stretch::from_derivatives(DVec3::X, hexagonal)),
-        note: Some(
-            "10.9 is no value of equation 6, which gives 4 pi sqrt(3) = 21.8. It is M, 4 pi sqrt(3)/2: \
-             texels stretched by sqrt(3) along a diagonal form a hexagonal lattice, which packs frequencies \
-             best.",
-        ),
-    });
+        printed,
+        metrics: limit(Stretch::from_derivatives(DVec3::X, by_v)),
+        note,
+    };
+    let note = "10.9 is no value of equation 6, which gives 4 pi sqrt(3) = 21.8. It is M, 4 pi sqrt(3)/2: \
+                texels stretched by sqrt(3) along a diagonal form a hexagonal lattice, which packs \
+                frequencies best.";
+    rows.push(limit("Isometric (limit)", printed("12.57", "1", "inf"), DVec3::Y, None));
+    rows.push(limit("Non-isometric (limit)", printed("10.9", "1.73", "inf"), hexagonal, Some(note)));
     rows
 }
 

@@ -174,33 +174,24 @@ fn extremes(map: &dyn SphereMap, component: u32, inset: f64) -> Extremes {
         (along, across, step / 5.0),
         (across, along, step / 5.0),
     ];
-    let row = |y: u32| {
-        let mut row = Extremes::NONE;
-        for x in 0..CELLS {
-            for (right, down, step) in offsets {
-                let at = DVec2::new(f64::from(x) + right, f64::from(y) + down);
-                let uv = rectangle.low + cell * at;
-                if !map.contains(component, uv) {
-                    continue;
-                }
-                row = row.and(Extremes::of(Stretch::at(map, component, uv, step)));
-            }
-        }
-        row
+    let around_corner = |k: u32| {
+        let corner = DVec2::new(f64::from(k % CELLS), f64::from(k / CELLS));
+        let stretches = offsets.into_iter().filter_map(|(right, down, step)| {
+            let uv = rectangle.low + cell * (corner + DVec2::new(right, down));
+            map.contains(component, uv).then(|| Extremes::of(Stretch::at(map, component, uv, step)))
+        });
+        stretches.fold(Extremes::NONE, Extremes::and)
     };
-    (0..CELLS).into_par_iter().map(row).reduce(|| Extremes::NONE, Extremes::and)
+    (0..CELLS * CELLS).into_par_iter().map(around_corner).reduce(|| Extremes::NONE, Extremes::and)
 }
 
 /// Share of the rectangle of `component` in its domain, counted over 1024 x 1024 points.
 fn used_share(map: &dyn SphereMap, component: u32) -> f64 {
     let rectangle = map.component(component);
     let n = 1024;
-    let row = |y: u32| {
-        let inside = |x: &u32| {
-            let share = DVec2::new(f64::from(*x) + 0.5, f64::from(y) + 0.5) / f64::from(n);
-            map.contains(component, rectangle.low + rectangle.extent() * share)
-        };
-        (0..n).filter(inside).count()
+    let is_inside = |k: &u32| {
+        let share = DVec2::new(f64::from(k % n) + 0.5, f64::from(k / n) + 0.5) / f64::from(n);
+        map.contains(component, rectangle.low + rectangle.extent() * share)
     };
-    (0..n).into_par_iter().map(row).sum::<usize>() as f64 / f64::from(n * n)
+    (0..n * n).into_par_iter().filter(is_inside).count() as f64 / f64::from(n * n)
 }

@@ -47,25 +47,21 @@ pub(super) fn border(size: u32, border: u32) -> Figure {
     scene.outline(inner.corners(), 2.4, INK);
     scene.outline(outer.corners(), 1.2, INK);
     // Dimensions at the top and left.
-    let spans = [(outer.low, inner.low, "b"), (inner.low, inner.high, "s"), (inner.high, outer.high, "b")];
-    for (from, to, label) in spans {
+    let [own, around] = [format!("s = {size}"), format!("b = {border}")];
+    let spans =
+        [(outer.low, inner.low, &around), (inner.low, inner.high, &own), (inner.high, outer.high, &around)];
+    for (from, to, text) in spans {
         if from.x == to.x {
             continue;
         }
         let (y, x) = (origin.y - 14.0, origin.x - 14.0);
-        let (middle, text) = (
-            (from + to) / 2.0,
-            match label {
-                "s" => format!("s = {size}"),
-                _ => format!("b = {border}"),
-            },
-        );
+        let middle = (from + to) / 2.0;
         scene.arrow(DVec2::new(middle.x, y), DVec2::new(from.x, y), 1.2, INK);
         scene.arrow(DVec2::new(middle.x, y), DVec2::new(to.x, y), 1.2, INK);
-        scene.text(DVec2::new(middle.x, y - 9.0), &text, SMALL, Anchor::Middle, INK);
+        scene.text(DVec2::new(middle.x, y - 9.0), text, SMALL, Anchor::Middle, INK);
         scene.arrow(DVec2::new(x, middle.y), DVec2::new(x, from.y), 1.2, INK);
         scene.arrow(DVec2::new(x, middle.y), DVec2::new(x, to.y), 1.2, INK);
-        scene.upwards(DVec2::new(x - 14.0, middle.y), &text, LABEL - 1.5, INK);
+        scene.upwards(DVec2::new(x - 14.0, middle.y), text, LABEL - 1.5, INK);
     }
     Figure::new(title, caption.to_owned(), scene)
 }

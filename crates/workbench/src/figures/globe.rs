@@ -72,19 +72,17 @@ impl Globe {
     pub(super) fn fill(&self, scene: &mut Scene, colour: impl Fn(DVec3) -> Colour + Sync) {
         let side = (2.0 * self.radius * f64::from(FINENESS)).ceil() as u32;
         let half = f64::from(side) / f64::from(2 * FINENESS);
-        let row = |j: u32| -> Vec<Colour> {
-            let pixel = |i: u32| {
-                let at = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(FINENESS) - half;
-                let (x, y) = (at.x / self.radius, -at.y / self.radius);
-                let squared = 1.0 - x * x - y * y;
-                if squared < 0.0 {
-                    return PAPER;
-                }
-                colour(self.right * x + self.up * y + self.eye * squared.sqrt())
-            };
-            (0..side).map(pixel).collect()
+        let pixel = |index: usize| {
+            let (i, j) = (index as u32 % side, index as u32 / side);
+            let at = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(FINENESS) - half;
+            let (x, y) = (at.x / self.radius, -at.y / self.radius);
+            let squared = 1.0 - x * x - y * y;
+            if squared < 0.0 {
+                return PAPER;
+            }
+            colour(self.right * x + self.up * y + self.eye * squared.sqrt())
         };
-        let pixels = Bitmap::new(side, side, parallel::map(0..side, row).concat());
+        let pixels = Bitmap::new(side, side, parallel::values((side * side) as usize, pixel));
         scene.picture_at(self.centre - half, self.centre + half, pixels);
         scene.circle(self.centre, self.radius, 1.2, INK);
     }
@@ -97,8 +95,21 @@ impl Globe {
         colour: impl Fn(DVec3) -> Colour + Sync,
     ) {
         self.fill(scene, colour);
-        self.planes(scene);
-        self.rims(scene, map);
+        // Great circles of the planes x = 0, y = 0 and z = 0.
+        for (a, b) in [(DVec3::X, DVec3::Y), (DVec3::Y, DVec3::Z), (DVec3::Z, DVec3::X)] {
+            let circle: Vec<DVec3> = (0..=240)
+                .map(|k| {
+                    let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 240.0).sin_cos();
+                    a * cos + b * sin
+                })
+                .collect();
+            self.line(scene, &circle, 0.8, THIN);
+        }
+        for component in 0..map.components() {
+            let rim: Vec<DVec3> =
+                boundary(map, component, 400).into_iter().map(|uv| map.direction(component, uv)).collect();
+            self.line(scene, &rim, 1.4, INK);
+        }
         self.axes(scene);
     }
 
@@ -111,38 +122,9 @@ impl Globe {
 
     /// Parts of the line through `points` on the visible or the hidden side.
     pub(super) fn pieces(&self, points: &[DVec3], visible: bool) -> Vec<Vec<DVec2>> {
-        let mut pieces = vec![Vec::new()];
-        for point in points {
-            let (at, before) = self.place(*point);
-            if before == visible {
-                pieces.last_mut().expect("never empty").push(at);
-            } else if pieces.last().is_some_and(|piece| !piece.is_empty()) {
-                pieces.push(Vec::new());
-            }
-        }
-        pieces
-    }
-
-    /// Great circles of the planes x = 0, y = 0 and z = 0.
-    fn planes(&self, scene: &mut Scene) {
-        for (a, b) in [(DVec3::X, DVec3::Y), (DVec3::Y, DVec3::Z), (DVec3::Z, DVec3::X)] {
-            let circle: Vec<DVec3> = (0..=240)
-                .map(|k| {
-                    let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 240.0).sin_cos();
-                    a * cos + b * sin
-                })
-                .collect();
-            self.line(scene, &circle, 0.8, THIN);
-        }
-    }
-
-    /// Outlines of the components of `map`.
-    fn rims(&self, scene: &mut Scene, map: &dyn SphereMap) {
-        for component in 0..map.components() {
-            let rim: Vec<DVec3> =
-                boundary(map, component, 400).into_iter().map(|uv| map.direction(component, uv)).collect();
-            self.line(scene, &rim, 1.4, INK);
-        }
+        let places: Vec<(DVec2, bool)> = points.iter().map(|point| self.place(*point)).collect();
+        let pieces = places.chunk_by(|a, b| a.1 == b.1).filter(|piece| piece[0].1 == visible);
+        pieces.map(|piece| piece.iter().map(|(at, _)| *at).collect()).collect()
     }
 
     /// Dots and names of the axes on the visible side.

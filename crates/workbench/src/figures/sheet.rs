@@ -99,15 +99,13 @@ impl Sheet {
         let map = self.map();
         for component in 0..map.components() {
             let [width, height] = self.grid.sides(component).map(|side| side * fineness);
-            let row = |y: u32| -> Vec<Colour> {
-                let pixel = |x: u32| {
-                    let at = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / f64::from(fineness);
-                    let uv = self.grid.uv(component, at.x, at.y);
-                    if map.contains(component, uv) { colour(component, uv) } else { OUTSIDE }
-                };
-                (0..width).map(pixel).collect()
+            let pixel = |index: usize| {
+                let (x, y) = (index as u32 % width, index as u32 / width);
+                let at = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / f64::from(fineness);
+                let uv = self.grid.uv(component, at.x, at.y);
+                if map.contains(component, uv) { colour(component, uv) } else { OUTSIDE }
             };
-            let pixels = Bitmap::new(width, height, parallel::map(0..height, row).concat());
+            let pixels = Bitmap::new(width, height, parallel::values((width * height) as usize, pixel));
             let frame = self.frame(component);
             scene.picture_at(frame.low, frame.high, pixels);
         }
@@ -133,12 +131,9 @@ impl Sheet {
                 boundary(map, k, 240).into_iter().map(|uv| self.at(Place { component: k, uv })).collect();
             scene.outline(rim, 1.4, INK);
             let own = self.cell(k);
-            let cells = (0..map.components()).map(|other| self.cell(other));
-            let (mut below, mut left) = (false, false);
-            for other in cells {
-                below |= other[0] == own[0] && other[1] > own[1];
-                left |= other[1] == own[1] && other[0] < own[0];
-            }
+            let mut cells = (0..map.components()).map(|other| self.cell(other));
+            let below = cells.clone().any(|other| other[0] == own[0] && other[1] > own[1]);
+            let left = cells.any(|other| other[1] == own[1] && other[0] < own[0]);
             // Components of other extents have their own ticks.
             let is_like = |other: &Component| other.low == component.low && other.high == component.high;
             let alike = components.iter().all(is_like);
@@ -152,31 +147,25 @@ impl Sheet {
     }
 
     /// Draws parallels and meridians every `degrees`; the equator and the planes x = 0 and z = 0 are thick.
-    pub(super) fn graticule(&self, scene: &mut Scene, degrees: u32) {
+    pub(super) fn graticule(&self, scene: &mut Scene, degrees: i32) {
         // Offset slightly from the planes, where maps are cut.
         let hair = 1e-9;
-        for longitude in (0..360).step_by(degrees as usize) {
-            let (sin, cos) = (f64::from(longitude).to_radians() + hair).sin_cos();
-            let point = |angle: f64| {
-                let (up, across) = angle.sin_cos();
-                DVec3::new(across * cos, up, across * sin)
-            };
+        let point = |latitude: f64, longitude: f64| {
+            let ((up, across), (sin, cos)) = (latitude.sin_cos(), longitude.sin_cos());
+            DVec3::new(across * cos, up, across * sin)
+        };
+        for longitude in (0..360).filter(|longitude| longitude % degrees == 0) {
             let width = if longitude % 90 == 0 { 1.5 } else { 0.7 };
+            let longitude = f64::from(longitude).to_radians() + hair;
             let quarter = TAU / 4.0 - 1e-6;
-            self.curve(scene, point, [-quarter, quarter], 180, width, LONGITUDE);
+            let meridian = |latitude| point(latitude, longitude);
+            self.curve(scene, meridian, [-quarter, quarter], 180, width, LONGITUDE);
         }
-        let mut latitude = degrees as i32 * (90 / degrees as i32);
-        while latitude > -90 {
-            if latitude < 90 {
-                let (up, across) = (f64::from(latitude).to_radians() + hair).sin_cos();
-                let point = |angle: f64| {
-                    let (sin, cos) = angle.sin_cos();
-                    DVec3::new(across * cos, up, across * sin)
-                };
-                let width = if latitude == 0 { 1.5 } else { 0.7 };
-                self.curve(scene, point, [hair, TAU + hair], 360, width, LATITUDE);
-            }
-            latitude -= degrees as i32;
+        for latitude in (-89..90).rev().filter(|latitude| latitude % degrees == 0) {
+            let width = if latitude == 0 { 1.5 } else { 0.7 };
+            let latitude = f64::from(latitude).to_radians() + hair;
+            let parallel = |longitude| point(latitude, longitude);
+            self.curve(scene, parallel, [hair, TAU + hair], 360, width, LATITUDE);
         }
     }
 
@@ -311,11 +300,8 @@ pub(super) fn boundary(map: &dyn SphereMap, component: u32, steps: u32) -> Vec<D
             }
             for _ in 0..50 {
                 let share = (inside + outside) / 2.0;
-                if map.contains(component, middle.lerp(outer, share)) {
-                    inside = share;
-                } else {
-                    outside = share;
-                }
+                let is_inside = map.contains(component, middle.lerp(outer, share));
+                *(if is_inside { &mut inside } else { &mut outside }) = share;
             }
             rim.push(middle.lerp(outer, inside));
         }
@@ -327,9 +313,8 @@ pub(super) fn boundary(map: &dyn SphereMap, component: u32, steps: u32) -> Vec<D
 /// The name of a component of the map `map`; empty if there is only one.
 fn component_name(map: &str, component: u32) -> String {
     let k = component as usize;
-    let faces = ["+X", "\u{2212}X", "+Y", "\u{2212}Y", "+Z", "\u{2212}Z"];
     match map {
-        "cube" => format!("{k}: {}", faces[k]),
+        "cube" => format!("{k}: {}", AXES[k].1),
         "tennis-ball" => ["C\u{2081}", "C\u{2082}"][k].to_owned(),
         "polar-capped" | "polar-capped-conformal" => ["band", "cap +Y", "cap \u{2212}Y"][k].to_owned(),
         "dual-equidistant" | "dual-paraboloid" => ["0: +Z", "1: \u{2212}Z"][k].to_owned(),

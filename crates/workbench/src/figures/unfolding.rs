@@ -20,13 +20,12 @@ pub(super) fn unfolding() -> Figure {
     let (mut scene, body) = page(WIDTH, 776.0, &title, caption);
     let third = body.extent().x / 3.0;
     let eye = DVec3::new(0.45, 0.95, 1.0);
-    for (k, (share, label)) in
-        [(0.0, "octahedron"), (0.5, "lower faces turn outwards"), (0.85, "nearly flat")]
-            .into_iter()
-            .enumerate()
-    {
-        let centre = DVec2::new(body.low.x + third * (k as f64 + 0.5), body.low.y + 130.0);
-        let radius = [128.0, 112.0, 96.0][k];
+    for (place, share, radius, label) in [
+        (0.5, 0.0, 128.0, "octahedron"),
+        (1.5, 0.5, 112.0, "lower faces turn outwards"),
+        (2.5, 0.85, 96.0, "nearly flat"),
+    ] {
+        let centre = DVec2::new(body.low.x + third * place, body.low.y + 130.0);
         draw_octahedron(&mut scene, &Globe::new(centre, radius, eye), share);
         let below = DVec2::new(centre.x, body.low.y + 302.0);
         scene.text(below, label, LABEL, Anchor::Middle, INK);
