@@ -115,8 +115,8 @@ impl PanelState {
     }
 }
 
-/// Shows a panel with `contents`, unless it is hidden; returns what they do, the panel's right edge in points,
-/// and the viewport beside it in a target of these sides.
+/// Shows a panel with `contents`, unless it is hidden; returns what they do, the panel's right edge in
+/// points, and the viewport beside it in a target of these sides.
 pub(crate) fn beside_panel<T>(
     ui: &mut Ui,
     (width, height): (u32, u32),

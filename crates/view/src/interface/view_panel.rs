@@ -19,8 +19,8 @@ pub(super) struct Motion {
 }
 
 impl Viewer {
-    /// Shows the panel's contents beside a picture `aspect` times as wide as high; returns the position of the
-    /// roughness slider.
+    /// Shows the panel's contents beside a picture `aspect` times as wide as high; returns the position of
+    /// the roughness slider.
     pub(super) fn show_controls(&mut self, ui: &mut Ui, aspect: f64) -> Rect {
         let has_materials = self.renderer.has_materials();
         let half_height = self.look.camera.frame(aspect, self.look.field()).up.length();

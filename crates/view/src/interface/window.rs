@@ -438,13 +438,11 @@ impl<V: Shown> ApplicationHandler<Ready<V>> for Application<V> {
             }
             _ => {
                 // A drag that began on the picture may end over the panel.
-                let released = match &event {
-                    WindowEvent::MouseInput { state, .. } => *state == ElementState::Released,
-                    WindowEvent::Touch(touch) => {
-                        matches!(touch.phase, TouchPhase::Ended | TouchPhase::Cancelled)
-                    }
-                    _ => false,
-                };
+                let released = matches!(
+                    event,
+                    WindowEvent::MouseInput { state: ElementState::Released, .. }
+                        | WindowEvent::Touch(Touch { phase: TouchPhase::Ended | TouchPhase::Cancelled, .. })
+                );
                 if !response.consumed || released {
                     shown.on_event(&event);
                 }

@@ -275,9 +275,9 @@ impl Renderer {
         width: u32,
         height: u32,
     ) -> Result<impl Future<Output = Result<Times>> + use<>> {
-        let stages: Vec<_> = light.stages().iter().collect();
+        let stages = light.stages();
         let timer = Timer::new(&self.context, stages.len() as u32 + 1)?;
-        for (place, stage) in (0..).zip(&stages) {
+        for (place, stage) in (0..).zip(stages) {
             let writes = timer.compute_writes(place);
             self.context.submit(|encoder| stage.record_timed(encoder, Some(writes)));
         }
@@ -354,20 +354,20 @@ impl Renderer {
                 (part.indices.clone(), group)
             })
             .collect();
-        let answers = match (source, cube) {
-            (Technique::Box, _) => Some(light.boxes.bind_group(&self.context, &self.layouts[&source])),
-            (Technique::Pyramid, _) => Some(light.pyramid.bind_group(&self.context, &self.layouts[&source])),
-            (Technique::Reflect, _) => {
+        let answers = match source {
+            Technique::Box => Some(light.boxes.bind_group(&self.context, &self.layouts[&source])),
+            Technique::Pyramid => Some(light.pyramid.bind_group(&self.context, &self.layouts[&source])),
+            Technique::Reflect => {
                 let is_brushed = look.finish.anisotropy > 0.0 || mesh.is_some_and(|mesh| mesh.is_brushed);
                 let surfaces = if is_brushed { Surfaces::Any } else { Surfaces::Isotropic };
                 Some(light.reflections(&self.context, surfaces, &self.layouts[&source]))
             }
-            (Technique::Levels, Some(cube)) => {
+            Technique::Levels => cube.map(|cube| {
                 let view = wgpu::BindingResource::TextureView(&cube.view);
                 let sampler = wgpu::BindingResource::Sampler(&self.trilinear);
-                Some(group(&self.context, "prefiltered cube", &self.layouts[&source], [view, sampler]))
-            }
-            (Technique::Levels, None) | (Technique::Adaptive, _) => None,
+                group(&self.context, "prefiltered cube", &self.layouts[&source], [view, sampler])
+            }),
+            Technique::Adaptive => None,
         };
         let (first, last) = (rows.start == 0, rows.end >= *height);
         self.context.submit(|encoder| {

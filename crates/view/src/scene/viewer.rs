@@ -230,9 +230,6 @@ impl WindowContent for SceneViewer {
     }
 
     fn draw(&mut self, full: (u32, u32)) {
-        if !self.is_busy() && self.picture_size() == full {
-            return;
-        }
         if let Err(error) = self.try_draw(full) {
             // Do not retry before something changes.
             self.panel.message = Some(error.to_string());
