@@ -6,18 +6,23 @@ use crate::laboratory::measure::Method;
 use octagloss_core::common::error::Result;
 use octagloss_core::sphere::registry::{MAPS, NamedMap};
 use octagloss_plot::figure::Figure;
-use std::fmt;
+
+/// Draws a figure of a map.
+type DrawMap = fn(&'static NamedMap, &FigureContent) -> Figure;
 
 /// The figures that every map has: their kinds and what draws them.
-const OF_MAPS: [(&str, fn(&'static NamedMap, &FigureContent) -> Figure); 4] = [
+const OF_MAPS: [(&str, DrawMap); 4] = [
     ("solid-angle", |map, _| stretch::solid_angle(map)),
     ("anisotropy", |map, _| stretch::anisotropy(map)),
     ("layout", |map, _| layout::layout(map)),
     ("panorama", panorama::panorama),
 ];
 
+/// Draws another figure.
+type Draw = fn(&FigureContent) -> Result<Figure>;
+
 /// The others.
-const OTHERS: [(&str, fn(&FigureContent) -> Result<Figure>); 14] = [
+const OTHERS: [(&str, Draw); 14] = [
     ("compared", |_| Ok(stretch::compared())),
     ("unfolding", |_| Ok(unfolding::unfolding())),
     ("border", |content| Ok(border::border(content.size, content.border))),
@@ -40,30 +45,30 @@ pub fn kinds() -> impl Iterator<Item = &'static str> {
 }
 
 /// An available figure.
+#[derive(Clone, Copy, Debug)]
 pub struct Entry {
     /// Its kind.
     pub kind: &'static str,
     /// Its map, for a figure of one map.
     pub map: Option<&'static NamedMap>,
-    draw: Box<dyn Fn(&FigureContent) -> Result<Figure> + Send + Sync>,
+    with: With,
 }
 
-impl fmt::Debug for Entry {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.name())
-    }
+/// What draws a figure.
+#[derive(Clone, Copy, Debug)]
+enum With {
+    OfMap(&'static NamedMap, DrawMap),
+    Other(Draw),
 }
 
 /// All figures: map by map, then figures of several maps.
 pub fn entries() -> Vec<Entry> {
-    let of_maps = MAPS.iter().flat_map(|map| OF_MAPS.iter().map(move |(kind, draw)| (map, *kind, draw)));
-    let of_map = |(map, kind, draw): (&'static NamedMap, _, &'static fn(_, &_) -> _)| Entry {
-        kind,
-        map: Some(map),
-        draw: Box::new(move |content| Ok(draw(map, content))),
+    let of_map = |map| {
+        let entry = move |(kind, draw)| Entry { kind, map: Some(map), with: With::OfMap(map, draw) };
+        OF_MAPS.into_iter().map(entry)
     };
-    let others = OTHERS.iter().map(|(kind, draw)| Entry { kind, map: None, draw: Box::new(draw) });
-    of_maps.map(of_map).chain(others).collect()
+    let others = OTHERS.into_iter().map(|(kind, draw)| Entry { kind, map: None, with: With::Other(draw) });
+    MAPS.iter().flat_map(of_map).chain(others).collect()
 }
 
 impl Entry {
@@ -81,6 +86,9 @@ impl Entry {
     /// As [`FigureContent::check`].
     pub fn draw(&self, content: &FigureContent) -> Result<Figure> {
         content.check()?;
-        (self.draw)(content)
+        match self.with {
+            With::OfMap(map, draw) => Ok(draw(map, content)),
+            With::Other(draw) => draw(content),
+        }
     }
 }
