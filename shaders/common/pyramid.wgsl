@@ -4,7 +4,7 @@
 #include "common/harmonics.wgsl"
 #include "common/light.wgsl"
 
-const INTERVALS = 640u;
+const INTERVALS = 860u;
 
 // `direction` in the environment `probe`, as a unit vector. As dot products, which begin with `direction`:
 // where a condition depends on an expression that begins with a constant place in a stage's fourth uniform
@@ -50,8 +50,8 @@ fn octagloss_radiance(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
 fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> vec3<f32> {
     let d = source_from_world(probe, direction);
     let at = place_of(d);
-    // 640 / log2(51).
-    let node = log2(1.0 + 50.0 * roughness) * 112.826518;
+    // 860 / log2(31).
+    let node = log2(1.0 + 30.0 * roughness) * 173.590214;
     let k = min(u32(node), INTERVALS - 1u);
     let share = node - f32(k);
     let low = node_weights(k);
@@ -60,6 +60,7 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     let b = mix(low[1], high[1], share);
     let c = mix(low[2], high[2], share);
     let e = mix(low[3], high[3], share);
+    let f = mix(low[4], high[4], share);
     var sum = vec3<f32>();
     if a.x != 0.0 {
         sum += a.x * read_mirror(probe, at);
@@ -75,9 +76,15 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
         }
     }
     if c.y != 0.0 {
-        sum += c.y * read_cosine(probe, at);
+        sum += c.y * read_middle(probe, at, 0.0);
     }
-    sum += harmonics_around(probe, d, array<f32, 5>(c.z, c.w, e.x, e.y, e.z));
+    if c.z != 0.0 {
+        sum += c.z * read_middle(probe, at, 1.0);
+    }
+    if c.w != 0.0 {
+        sum += c.w * read_cosine(probe, at);
+    }
+    sum += harmonics_around(probe, d, array<f32, 5>(e.x, e.y, e.z, e.w, f.x));
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
     // GGX around the suns: `glossy` of crates/core/src/pyramid/suns.rs.
     // Sharper lobes read the mirror; a sun of one texel is a point there.
@@ -105,7 +112,7 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
             lobe = select(inside, outside, nearness > vec3<f32>());
         }
         // 1 / (2 pi): a disc has half of the light.
-        sum += sun.energy * (lobe * (1.0 - 2.0 * s) * (0.15915494 * e.w * (1.0 - a.x)));
+        sum += sun.energy * (lobe * (1.0 - 2.0 * s) * (0.15915494 * f.y * (1.0 - a.x)));
     }
     return sum;
 }

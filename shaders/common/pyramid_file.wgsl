@@ -3,10 +3,13 @@
 #include "common/pyramid_squares.wgsl"
 
 // Squares of the array. The finest mip of the others has the mirror and the sharp level, the coarsest of the
-// second the cosine.
+// second the cosine, and those before it the middle levels.
 const LEVELS = 0i;
 const MIRROR = 1i;
 const SHARP = 2i;
+
+// The table's first row of weights.
+const WEIGHTS_FROM = 27u;
 
 // Texels along an edge of the finest squares, without their borders.
 fn map_inner() -> f32 {
@@ -26,7 +29,16 @@ fn read_levels(probe: u32, at: vec2<f32>, level: f32) -> vec3<f32> {
     return textureSampleLevel(octagloss_maps, octagloss_linear, at, LEVELS, level).xyz;
 }
 
+// A middle level, 0 the finer.
+fn read_middle(probe: u32, at: vec2<f32>, middle: f32) -> vec3<f32> {
+    let first = max(coarsest_mip() - 2.0, 1.0);
+    return textureSampleLevel(octagloss_maps, octagloss_linear, at, MIRROR, first + middle).xyz;
+}
+
 fn read_cosine(probe: u32, at: vec2<f32>) -> vec3<f32> {
-    let last = round(log2(map_inner() / 32.0));
-    return textureSampleLevel(octagloss_maps, octagloss_linear, at, MIRROR, last).xyz;
+    return textureSampleLevel(octagloss_maps, octagloss_linear, at, MIRROR, coarsest_mip()).xyz;
+}
+
+fn coarsest_mip() -> f32 {
+    return round(log2(map_inner() / 32.0));
 }

@@ -1,5 +1,5 @@
 // Reads of a pyramid on a cube in its files: MIP level 0 has the mirror, 1 the sharp level, then the levels
-// come from fine to coarse.
+// come from fine to coarse. There are no middle levels.
 #include "common/pyramid_file_tables.wgsl"
 
 // A unit vector.
@@ -8,6 +8,9 @@ alias MapPlace = vec3<f32>;
 fn place_of(direction: vec3<f32>) -> MapPlace {
     return direction;
 }
+
+// The table's first row of weights.
+const WEIGHTS_FROM = 32u;
 
 fn map_inner() -> f32 {
     return f32(textureDimensions(octagloss_maps).x);
@@ -24,6 +27,10 @@ fn read_sharp(probe: u32, at: MapPlace) -> vec3<f32> {
 // Between levels, 0 the finest.
 fn read_levels(probe: u32, at: MapPlace, level: f32) -> vec3<f32> {
     return textureSampleLevel(octagloss_maps, octagloss_linear, at, level + 2.0).xyz;
+}
+
+fn read_middle(probe: u32, at: MapPlace, middle: f32) -> vec3<f32> {
+    return vec3<f32>();
 }
 
 // The clamped cosine, to order 4.

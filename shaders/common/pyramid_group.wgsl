@@ -3,6 +3,6 @@
 @group(0) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, 1>;
 @group(0) @binding(2) var octagloss_levels: texture_2d_array<f32>;
 @group(0) @binding(3) var octagloss_sharp: texture_2d_array<f32>;
-@group(0) @binding(4) var octagloss_cosine: texture_2d_array<f32>;
+@group(0) @binding(4) var octagloss_middles: texture_2d_array<f32>;
 @group(0) @binding(5) var octagloss_linear: sampler;
 #include "common/pyramid_maps.wgsl"

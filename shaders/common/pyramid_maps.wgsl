@@ -2,7 +2,7 @@
 #include "common/pyramid.wgsl"
 #include "common/pyramid_squares.wgsl"
 
-const NODES_A_ROW = 64u;
+const NODES_A_ROW = 32u;
 
 // Texels along an edge of the finest maps, without their borders: beside the table's nodes.
 fn map_inner() -> f32 {
@@ -10,16 +10,17 @@ fn map_inner() -> f32 {
 }
 
 // A node of the table of crates/core/src/pyramid/fit.rs: weights of the mirror, the sharp level, seven levels
-// from fine to coarse, the cosine, harmonics of order 0 to 4; 1 over the integral of GGX. In a texture: the
-// pixels of a group read several nodes, which uniform buffers serve one after another.
-fn node_weights(node: u32) -> array<vec4<f32>, 4> {
-    return array<vec4<f32>, 4>(
-        weights_texel(node, 0u), weights_texel(node, 1u), weights_texel(node, 2u), weights_texel(node, 3u));
+// from fine to coarse, two middle levels, the cosine, harmonics of order 0 to 4; 1 over the integral of GGX.
+// In a texture: the pixels of a group read several nodes, which uniform buffers serve one after another.
+fn node_weights(node: u32) -> array<vec4<f32>, 5> {
+    return array<vec4<f32>, 5>(
+        weights_texel(node, 0u), weights_texel(node, 1u), weights_texel(node, 2u), weights_texel(node, 3u),
+        weights_texel(node, 4u));
 }
 
 // Four weights of a node.
 fn weights_texel(node: u32, part: u32) -> vec4<f32> {
-    return textureLoad(octagloss_weights, vec2<u32>(node % NODES_A_ROW * 4u + part, node / NODES_A_ROW), 0);
+    return textureLoad(octagloss_weights, vec2<u32>(node % NODES_A_ROW * 5u + part, node / NODES_A_ROW), 0);
 }
 
 fn read_mirror(probe: u32, at: vec2<f32>) -> vec3<f32> {
@@ -35,6 +36,11 @@ fn read_levels(probe: u32, at: vec2<f32>, level: f32) -> vec3<f32> {
     return textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, level).xyz;
 }
 
+// A middle level, 0 the finer; after them comes the cosine.
+fn read_middle(probe: u32, at: vec2<f32>, middle: f32) -> vec3<f32> {
+    return textureSampleLevel(octagloss_middles, octagloss_linear, at, probe, middle).xyz;
+}
+
 fn read_cosine(probe: u32, at: vec2<f32>) -> vec3<f32> {
-    return textureSampleLevel(octagloss_cosine, octagloss_linear, at, probe, 0.0).xyz;
+    return read_middle(probe, at, clamp(round(log2(map_inner() / 64.0)), 0.0, 2.0));
 }

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 3f6d1ce640f49a4e.
+// Translated from pyramid_cube.wgsl, FNV-1a 332da9bf09febe67.
 #else
-// Translated from pyramid.wgsl, FNV-1a 37a331223386c472.
+// Translated from pyramid.wgsl, FNV-1a 3a2ce98256792918.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -46,8 +46,11 @@ struct octagloss_Row {
     float skew;
 };
 const uint octagloss_SUNS = 8u;
-const uint octagloss_INTERVALS = 640u;
-#ifndef OCTAGLOSS_CUBE
+const uint octagloss_INTERVALS = 860u;
+#ifdef OCTAGLOSS_CUBE
+const uint octagloss_WEIGHTS_FROM = 32u;
+#else
+const uint octagloss_WEIGHTS_FROM = 27u;
 const int octagloss_MIRROR = 1;
 const int octagloss_SHARP = 2;
 const int octagloss_LEVELS = 0;
@@ -59,7 +62,7 @@ const float octagloss_LEAST_COSINE = 0.01;
 const vec2 octagloss_ALBEDO_NODES = vec2(91.0, 75.0);
 const vec4 octagloss_DIP = vec4(0.222, 0.634, 0.098, 0.3126);
 const float octagloss_LEAST_ALPHA = 1e-6;
-const vec2 octagloss_TABLES = vec2(864.0, 39.0);
+const vec2 octagloss_TABLES = vec2(864.0, 45.0);
 const vec4 octagloss_ROW_NODES = vec4(16.0, 10.0, 8.0, 7.0);
 const uint octagloss_ROW_MIDDLE = 7u;
 const uint octagloss_ROW_PAIRS = 8u;
@@ -153,8 +156,8 @@ vec2 octagloss_place_of(vec3 direction_1) {
 #endif
 }
 
-vec4[4] octagloss_node_weights(uint node) {
-    vec4 weights_1[4] = vec4[4](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+vec4[5] octagloss_node_weights(uint node) {
+    vec4 weights_1[5] = vec4[5](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     uint row = 0u;
     bool loop_init = true;
     while(true) {
@@ -164,24 +167,29 @@ vec4[4] octagloss_node_weights(uint node) {
         }
         loop_init = false;
         uint _e5 = row;
-        if ((_e5 < 4u)) {
+        if ((_e5 < 5u)) {
         } else {
             break;
         }
         {
             uint _e8 = row;
             uint _e12 = row;
-            vec4 _e16 = texelFetch(octagloss_tables, ivec2(uvec2(node, (27u + _e12))), 0);
+            vec4 _e16 = texelFetch(octagloss_tables, ivec2(uvec2(node, (octagloss_WEIGHTS_FROM + _e12))), 0);
             weights_1[_e8] = _e16;
         }
     }
-    vec4 _e20[4] = weights_1;
+    vec4 _e20[5] = weights_1;
     return _e20;
 #ifndef OCTAGLOSS_CUBE
 }
 
 vec3 octagloss_read_mirror(uint probe_4, vec2 at_1) {
     vec4 _e6 = textureLod(octagloss_maps, vec3(at_1, octagloss_MIRROR), 0.0);
+    return _e6.xyz;
+}
+
+vec3 octagloss_read_sharp(uint probe_5, vec2 at_2) {
+    vec4 _e6 = textureLod(octagloss_maps, vec3(at_2, octagloss_SHARP), 0.0);
     return _e6.xyz;
 #endif
 }
@@ -191,8 +199,8 @@ vec3 octagloss_read_mirror(uint probe_4, vec3 at_1) {
     vec4 _e5 = textureLod(octagloss_maps, vec3(at_1), 0.0);
     return _e5.xyz;
 #else
-vec3 octagloss_read_sharp(uint probe_5, vec2 at_2) {
-    vec4 _e6 = textureLod(octagloss_maps, vec3(at_2, octagloss_SHARP), 0.0);
+vec3 octagloss_read_levels(uint probe_6, vec2 at_3, float level) {
+    vec4 _e6 = textureLod(octagloss_maps, vec3(at_3, octagloss_LEVELS), level);
     return _e6.xyz;
 #endif
 }
@@ -202,9 +210,8 @@ vec3 octagloss_read_sharp(uint probe_5, vec3 at_2) {
     vec4 _e5 = textureLod(octagloss_maps, vec3(at_2), 1.0);
     return _e5.xyz;
 #else
-vec3 octagloss_read_levels(uint probe_6, vec2 at_3, float level) {
-    vec4 _e6 = textureLod(octagloss_maps, vec3(at_3, octagloss_LEVELS), level);
-    return _e6.xyz;
+float octagloss_map_inner() {
+    return (float(uvec2(textureSize(octagloss_maps, 0).xy).x) * 0.9411765);
 #endif
 }
 
@@ -213,29 +220,41 @@ vec3 octagloss_read_levels(uint probe_6, vec3 at_3, float level) {
     vec4 _e7 = textureLod(octagloss_maps, vec3(at_3), (level + 2.0));
     return _e7.xyz;
 #else
-float octagloss_map_inner() {
-    return (float(uvec2(textureSize(octagloss_maps, 0).xy).x) * 0.9411765);
+float octagloss_coarsest_mip() {
+    float _e0 = octagloss_map_inner();
+    return roundEven(log2((_e0 / 32.0)));
 #endif
 }
 
 #ifdef OCTAGLOSS_CUBE
-vec3 octagloss_read_cosine(uint probe_7, vec3 at_4) {
-    vec3 _e8 = octagloss_harmonics_around(probe_7, at_4, float[5](1.0, 0.6666667, 0.25, 0.0, -0.041666668));
-    return _e8;
+vec3 octagloss_read_middle(uint probe_7, vec3 at_4, float middle) {
+    return vec3(0.0);
 #else
-vec3 octagloss_read_cosine(uint probe_7, vec2 at_4) {
-    float _e2 = octagloss_map_inner();
-    float last = roundEven(log2((_e2 / 32.0)));
-    vec4 _e10 = textureLod(octagloss_maps, vec3(at_4, octagloss_MIRROR), last);
-    return _e10.xyz;
+vec3 octagloss_read_middle(uint probe_7, vec2 at_4, float middle) {
+    float _e3 = octagloss_coarsest_mip();
+    float first_1 = max((_e3 - 2.0), 1.0);
+    vec4 _e12 = textureLod(octagloss_maps, vec3(at_4, octagloss_MIRROR), (first_1 + middle));
+    return _e12.xyz;
 #endif
 }
 
-vec3 octagloss_half_axis_of(uint probe_8, uint disc) {
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_read_cosine(uint probe_8, vec3 at_5) {
+    vec3 _e8 = octagloss_harmonics_around(probe_8, at_5, float[5](1.0, 0.6666667, 0.25, 0.0, -0.041666668));
+    return _e8;
+#else
+vec3 octagloss_read_cosine(uint probe_8, vec2 at_5) {
+    float _e5 = octagloss_coarsest_mip();
+    vec4 _e6 = textureLod(octagloss_maps, vec3(at_5, octagloss_MIRROR), _e5);
+    return _e6.xyz;
+#endif
+}
+
+vec3 octagloss_half_axis_of(uint probe_9, uint disc) {
     uint k_3 = (3u * (disc / 2u));
-    float _e11 = octagloss_lights[probe_8].harmonics[k_3].w;
-    float _e19 = octagloss_lights[probe_8].harmonics[(k_3 + 1u)].w;
-    float _e27 = octagloss_lights[probe_8].harmonics[(k_3 + 2u)].w;
+    float _e11 = octagloss_lights[probe_9].harmonics[k_3].w;
+    float _e19 = octagloss_lights[probe_9].harmonics[(k_3 + 1u)].w;
+    float _e27 = octagloss_lights[probe_9].harmonics[(k_3 + 2u)].w;
     vec3 half_axis = vec3(_e11, _e19, _e27);
     return (((disc % 2u) == 0u) ? half_axis : -(half_axis));
 }
@@ -244,99 +263,110 @@ float octagloss_squared(vec3 v) {
     return dot(v, v);
 }
 
-vec3 octagloss_radiance_of(uint probe_9, vec3 direction_2, float roughness) {
+vec3 octagloss_radiance_of(uint probe_10, vec3 direction_2, float roughness) {
     vec3 sum = vec3(0.0);
     float levels[7] = float[7](0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     uint level_1 = 0u;
     uint disc_1 = 0u;
     vec3 lobe = vec3(0.0);
-    vec3 _e3 = octagloss_source_from_world(probe_9, direction_2);
+    vec3 _e3 = octagloss_source_from_world(probe_10, direction_2);
 #ifdef OCTAGLOSS_CUBE
     vec3 _e4 = octagloss_place_of(_e3);
 #else
     vec2 _e4 = octagloss_place_of(_e3);
 #endif
-    float node_1 = (log2((1.0 + (50.0 * roughness))) * 112.826515);
-    uint k_4 = min(uint(node_1), 639u);
+    float node_1 = (log2((1.0 + (30.0 * roughness))) * 173.59021);
+    uint k_4 = min(uint(node_1), 859u);
     float share = (node_1 - float(k_4));
-    vec4 _e17[4] = octagloss_node_weights(k_4);
-    vec4 _e20[4] = octagloss_node_weights((k_4 + 1u));
+    vec4 _e17[5] = octagloss_node_weights(k_4);
+    vec4 _e20[5] = octagloss_node_weights((k_4 + 1u));
     vec4 a_1 = mix(_e17[0], _e20[0], share);
     vec4 b_2 = mix(_e17[1], _e20[1], share);
     vec4 c_2 = mix(_e17[2], _e20[2], share);
     vec4 e = mix(_e17[3], _e20[3], share);
+    vec4 f = mix(_e17[4], _e20[4], share);
     if ((a_1.x != 0.0)) {
-        vec3 _e38 = sum;
-        vec3 _e40 = octagloss_read_mirror(probe_9, _e4);
-        sum = (_e38 + (a_1.x * _e40));
+        vec3 _e41 = sum;
+        vec3 _e43 = octagloss_read_mirror(probe_10, _e4);
+        sum = (_e41 + (a_1.x * _e43));
     }
     if ((a_1.y != 0.0)) {
-        vec3 _e46 = sum;
-        vec3 _e48 = octagloss_read_sharp(probe_9, _e4);
-        sum = (_e46 + (a_1.y * _e48));
+        vec3 _e49 = sum;
+        vec3 _e51 = octagloss_read_sharp(probe_10, _e4);
+        sum = (_e49 + (a_1.y * _e51));
     }
     levels = float[7](a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e80 = level_1;
-            level_1 = (_e80 + 1u);
+            uint _e83 = level_1;
+            level_1 = (_e83 + 1u);
         }
         loop_init_1 = false;
-        uint _e62 = level_1;
-        if ((_e62 < 7u)) {
+        uint _e65 = level_1;
+        if ((_e65 < 7u)) {
         } else {
             break;
         }
         {
-            uint _e65 = level_1;
-            float _e67 = levels[_e65];
-            if ((_e67 != 0.0)) {
-                vec3 _e70 = sum;
-                uint _e71 = level_1;
-                float _e73 = levels[_e71];
+            uint _e68 = level_1;
+            float _e70 = levels[_e68];
+            if ((_e70 != 0.0)) {
+                vec3 _e73 = sum;
                 uint _e74 = level_1;
-                vec3 _e76 = octagloss_read_levels(probe_9, _e4, float(_e74));
-                sum = (_e70 + (_e73 * _e76));
+                float _e76 = levels[_e74];
+                uint _e77 = level_1;
+                vec3 _e79 = octagloss_read_levels(probe_10, _e4, float(_e77));
+                sum = (_e73 + (_e76 * _e79));
             }
         }
     }
     if ((c_2.y != 0.0)) {
-        vec3 _e85 = sum;
-        vec3 _e87 = octagloss_read_cosine(probe_9, _e4);
-        sum = (_e85 + (c_2.y * _e87));
+        vec3 _e88 = sum;
+        vec3 _e91 = octagloss_read_middle(probe_10, _e4, 0.0);
+        sum = (_e88 + (c_2.y * _e91));
     }
-    vec3 _e90 = sum;
-    vec3 _e97 = octagloss_harmonics_around(probe_9, _e3, float[5](c_2.z, c_2.w, e.x, e.y, e.z));
-    sum = (_e90 + _e97);
-    vec3 _e99 = sum;
-    float _e105 = octagloss_lights[probe_9].unscale;
-    sum = (max(_e99, vec3(0.0)) * _e105);
+    if ((c_2.z != 0.0)) {
+        vec3 _e97 = sum;
+        vec3 _e100 = octagloss_read_middle(probe_10, _e4, 1.0);
+        sum = (_e97 + (c_2.z * _e100));
+    }
+    if ((c_2.w != 0.0)) {
+        vec3 _e106 = sum;
+        vec3 _e108 = octagloss_read_cosine(probe_10, _e4);
+        sum = (_e106 + (c_2.w * _e108));
+    }
+    vec3 _e111 = sum;
+    vec3 _e118 = octagloss_harmonics_around(probe_10, _e3, float[5](e.x, e.y, e.z, e.w, f.x));
+    sum = (_e111 + _e118);
+    vec3 _e120 = sum;
+    float _e126 = octagloss_lights[probe_10].unscale;
+    sum = (max(_e120, vec3(0.0)) * _e126);
     float a2_ = max((((roughness * roughness) * roughness) * roughness), 1e-12);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e231 = disc_1;
-            disc_1 = (_e231 + 1u);
+            uint _e252 = disc_1;
+            disc_1 = (_e252 + 1u);
         }
         loop_init_2 = false;
-        uint _e114 = disc_1;
-        if ((_e114 < 16u)) {
+        uint _e135 = disc_1;
+        if ((_e135 < 16u)) {
         } else {
             break;
         }
         {
-            uint _e120 = disc_1;
-            OctaglossSun sun = octagloss_lights[probe_9].suns[(_e120 / 2u)];
-            uint _e125 = disc_1;
-            vec3 _e126 = octagloss_half_axis_of(probe_9, _e125);
-            float _e127 = octagloss_squared(_e126);
-            float nearer = (1.0 - (0.5 * _e127));
-            vec3 to = (_e3 - _e126);
-            float _e137 = octagloss_squared((to - (nearer * sun.red.xyz)));
-            float _e142 = octagloss_squared((to - (nearer * sun.green.xyz)));
-            float _e147 = octagloss_squared((to - (nearer * sun.blue.xyz)));
-            vec3 apart = vec3(_e137, _e142, _e147);
+            uint _e141 = disc_1;
+            OctaglossSun sun = octagloss_lights[probe_10].suns[(_e141 / 2u)];
+            uint _e146 = disc_1;
+            vec3 _e147 = octagloss_half_axis_of(probe_10, _e146);
+            float _e148 = octagloss_squared(_e147);
+            float nearer = (1.0 - (0.5 * _e148));
+            vec3 to = (_e3 - _e147);
+            float _e158 = octagloss_squared((to - (nearer * sun.red.xyz)));
+            float _e163 = octagloss_squared((to - (nearer * sun.green.xyz)));
+            float _e168 = octagloss_squared((to - (nearer * sun.blue.xyz)));
+            vec3 apart = vec3(_e158, _e163, _e168);
             vec3 s = min((0.25 * apart), vec3(0.5));
             vec3 radius2_ = (0.5 * vec3(sun.red.w, sun.green.w, sun.blue.w));
             vec3 nearness = ((s + (a2_ * (vec3(1.0) - s))) - radius2_);
@@ -349,13 +379,13 @@ vec3 octagloss_radiance_of(uint probe_9, vec3 direction_2, float roughness) {
                 vec3 inside = ((root - nearness) / ((2.0 * max(radius2_, vec3(1e-30))) * root));
                 lobe = mix(inside, outside, greaterThan(nearness, vec3(0.0)));
             }
-            vec3 _e211 = sum;
-            vec3 _e213 = lobe;
-            sum = (_e211 + (sun.energy * ((_e213 * (vec3(1.0) - (2.0 * s))) * ((0.15915494 * e.w) * (1.0 - a_1.x)))));
+            vec3 _e232 = sum;
+            vec3 _e234 = lobe;
+            sum = (_e232 + (sun.energy * ((_e234 * (vec3(1.0) - (2.0 * s))) * ((0.15915494 * f.y) * (1.0 - a_1.x)))));
         }
     }
-    vec3 _e233 = sum;
-    return _e233;
+    vec3 _e254 = sum;
+    return _e254;
 }
 
 vec3 octagloss_radiance(vec3 direction_3, float roughness_1) {
@@ -363,17 +393,17 @@ vec3 octagloss_radiance(vec3 direction_3, float roughness_1) {
     return _e3;
 }
 
-vec3 octagloss_irradiance_of(uint probe_10, vec3 normal) {
+vec3 octagloss_irradiance_of(uint probe_11, vec3 normal) {
     vec3 sum_1 = vec3(0.0);
     uint k_1 = 0u;
-    vec3 _e2 = octagloss_source_from_world(probe_10, normal);
+    vec3 _e2 = octagloss_source_from_world(probe_11, normal);
 #ifdef OCTAGLOSS_CUBE
     vec3 _e3 = octagloss_place_of(_e2);
 #else
     vec2 _e3 = octagloss_place_of(_e2);
 #endif
-    vec3 _e4 = octagloss_read_cosine(probe_10, _e3);
-    float _e8 = octagloss_lights[probe_10].unscale;
+    vec3 _e4 = octagloss_read_cosine(probe_11, _e3);
+    float _e8 = octagloss_lights[probe_11].unscale;
     sum_1 = (_e4 * _e8);
     bool loop_init_3 = true;
     while(true) {
@@ -389,7 +419,7 @@ vec3 octagloss_irradiance_of(uint probe_10, vec3 normal) {
         }
         {
             uint _e19 = k_1;
-            OctaglossSun sun_1 = octagloss_lights[probe_10].suns[_e19];
+            OctaglossSun sun_1 = octagloss_lights[probe_11].suns[_e19];
             vec3 facing = vec3(dot(_e2, sun_1.red.xyz), dot(_e2, sun_1.green.xyz), dot(_e2, sun_1.blue.xyz));
             vec3 _e32 = sum_1;
             sum_1 = (_e32 + (sun_1.energy * (0.31830987 * max(facing, vec3(0.0)))));
@@ -404,22 +434,22 @@ vec3 octagloss_irradiance(vec3 normal_1) {
     return _e2;
 }
 
-vec4 octagloss_read_reflections(uint layer, vec2 at_5) {
+vec4 octagloss_read_reflections(uint layer, vec2 at_6) {
     vec2 corner = vec2((1.0 + (float(layer) * 48.0)), 0.0);
-    vec4 _e17 = textureLod(octagloss_tables, vec2((((at_5 * octagloss_NODES) + corner) / octagloss_TABLES)), 0.0);
+    vec4 _e17 = textureLod(octagloss_tables, vec2((((at_6 * octagloss_NODES) + corner) / octagloss_TABLES)), 0.0);
     return _e17;
 }
 
 vec4 octagloss_reflection_node(uint layer_1, float roughness_2, float cosine) {
     float sine = sqrt(max((1.0 - (cosine * cosine)), 0.0));
     vec2 place_3 = vec2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * inversesqrt((1.0 + sine)))));
-    vec2 at_7 = (((place_3 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
-    vec4 _e31 = octagloss_read_reflections(layer_1, at_7);
+    vec2 at_8 = (((place_3 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
+    vec4 _e31 = octagloss_read_reflections(layer_1, at_8);
     return _e31;
 }
 
 vec4 octagloss_read_albedo(uint texel) {
-    vec4 _e9 = texelFetch(octagloss_tables, ivec2(uvec2((texel % 864u), (31u + (texel / 864u)))), 0);
+    vec4 _e9 = texelFetch(octagloss_tables, ivec2(uvec2((texel % 864u), (37u + (texel / 864u)))), 0);
     return _e9;
 }
 
@@ -429,32 +459,38 @@ vec2 octagloss_round_albedo(float cosine_1, float roughness_3) {
     vec2 place_4 = (clamp(places, vec2(0.0), vec2(1.0)) * vec2(90.0, 74.0));
     vec2 node_2 = min(floor(place_4), vec2(89.0, 73.0));
     vec2 share_1 = (place_4 - node_2);
+#ifdef OCTAGLOSS_CUBE
     uint first_1 = uint((node_2.x + (91.0 * node_2.y)));
     vec4 _e39 = octagloss_read_albedo(first_1);
     vec4 _e42 = octagloss_read_albedo((first_1 + 91u));
+#else
+    uint first_2 = uint((node_2.x + (91.0 * node_2.y)));
+    vec4 _e39 = octagloss_read_albedo(first_2);
+    vec4 _e42 = octagloss_read_albedo((first_2 + 91u));
+#endif
     vec4 pair = mix(_e39, _e42, share_1.y);
     float t = (seen / max((roughness_3 * roughness_3), octagloss_LEAST_ALPHA));
     float left = (1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126))))))));
     return (left * mix(pair.xy, pair.zw, share_1.x));
 }
 
-vec3 octagloss_between_levels(uint probe_11, vec3 direction_4, float level_2) {
+vec3 octagloss_between_levels(uint probe_12, vec3 direction_4, float level_2) {
 #ifdef OCTAGLOSS_CUBE
     vec3 _e3 = octagloss_place_of(direction_4);
 #else
     vec2 _e3 = octagloss_place_of(direction_4);
 #endif
     if ((level_2 >= 2.0)) {
-        vec3 _e8 = octagloss_read_levels(probe_11, _e3, (level_2 - 2.0));
+        vec3 _e8 = octagloss_read_levels(probe_12, _e3, (level_2 - 2.0));
         return _e8;
     }
     if ((level_2 >= 1.0)) {
-        vec3 _e11 = octagloss_read_sharp(probe_11, _e3);
-        vec3 _e13 = octagloss_read_levels(probe_11, _e3, 0.0);
+        vec3 _e11 = octagloss_read_sharp(probe_12, _e3);
+        vec3 _e13 = octagloss_read_levels(probe_12, _e3, 0.0);
         return mix(_e11, _e13, (level_2 - 1.0));
     }
-    vec3 _e17 = octagloss_read_mirror(probe_11, _e3);
-    vec3 _e18 = octagloss_read_sharp(probe_11, _e3);
+    vec3 _e17 = octagloss_read_mirror(probe_12, _e3);
+    vec3 _e18 = octagloss_read_sharp(probe_12, _e3);
     return mix(_e17, _e18, level_2);
 }
 
@@ -479,9 +515,9 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
     float left_1 = min(((0.5 * (light.z + radius)) / max(radius, 1e-9)), 1.0);
     vec3 l = normalize(vec3(light.xy, max(light.z, (left_1 * radius))));
     float above = ((spread * left_1) * left_1);
-    vec3 middle = (view + ((1.0 - above) * l));
-    float length2_ = dot(middle, middle);
-    vec3 h = (middle * inversesqrt(length2_));
+    vec3 middle_1 = (view + ((1.0 - above) * l));
+    float length2_ = dot(middle_1, middle_1);
+    vec3 h = (middle_1 * inversesqrt(length2_));
     vec3 shape = vec3((alpha_1.y / alpha_1.x), (alpha_1.x / alpha_1.y), (alpha_1.x * alpha_1.y));
     vec3 bent = (shape * h);
     float bend = dot(h, bent);
@@ -493,11 +529,7 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
     float _e64 = octagloss_masking_of(l, alpha_1);
     float determinant_ = (((size * size) * _e64) * _e64);
     float near = (((shape.z * along_2) * along_2) / ((bend * _e64) * _e64));
-#ifdef OCTAGLOSS_CUBE
     float last = (determinant_ * near);
-#else
-    float last_1 = (determinant_ * near);
-#endif
     float linear = (1.0 - trace);
     x = max((0.5 * (linear + sqrt(((linear * linear) + ((4.0 * trace) * near))))), near);
     bool loop_init_4 = true;
@@ -523,20 +555,12 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
             x = (_e97 + ((_e98 * (_e99 - ((((_e100 + trace) * _e102) + determinant_) * _e105))) / _e109));
             float _e112 = x;
             float _e114 = x;
-#ifdef OCTAGLOSS_CUBE
             side = (((_e112 + aside) * _e114) + last);
-#else
-            side = (((_e112 + aside) * _e114) + last_1);
-#endif
             float _e117 = x;
             float _e121 = x;
             float _e129 = x;
             float _e135 = x;
-#ifdef OCTAGLOSS_CUBE
             slope = (((((((((_e117 + (2.0 * aside)) * _e121) + (3.0 * last)) + (trace * aside)) - determinant_) * _e129) + ((2.0 * trace) * last)) * _e135) + (determinant_ * last));
-#else
-            slope = (((((((((_e117 + (2.0 * aside)) * _e121) + (3.0 * last_1)) + (trace * aside)) - determinant_) * _e129) + ((2.0 * trace) * last_1)) * _e135) + (determinant_ * last_1));
-#endif
         }
     }
     float _e143 = x;
@@ -559,13 +583,13 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
     return vec2(((((((share_2 * 2.0) * along_2) * cosine_11) / length2_) * lobe_1) * visible), _e205);
 }
 
-vec3 octagloss_cosine_light(uint probe_12, vec3 n) {
+vec3 octagloss_cosine_light(uint probe_13, vec3 n) {
 #ifdef OCTAGLOSS_CUBE
     vec3 _e2 = octagloss_place_of(n);
 #else
     vec2 _e2 = octagloss_place_of(n);
 #endif
-    vec3 _e3 = octagloss_read_cosine(probe_12, _e2);
+    vec3 _e3 = octagloss_read_cosine(probe_13, _e2);
     return _e3;
 }
 
@@ -573,19 +597,19 @@ mat2x3 octagloss_weighed(vec3 light_1, vec2 weights_2) {
     return mat2x3((light_1 * weights_2.x), (light_1 * weights_2.y));
 }
 
-mat2x3 octagloss_harmonics_reflected(uint probe_13, octagloss_SurfaceFrame surface, vec4 pairs[8]) {
+mat2x3 octagloss_harmonics_reflected(uint probe_14, octagloss_SurfaceFrame surface, vec4 pairs[8]) {
     vec3 n_1 = surface.normal;
     vec3 t_1 = surface.towards;
     float _e5[25] = octagloss_harmonic_basis(n_1);
-    vec3 _e6[5] = octagloss_orders_of(probe_13, _e5);
+    vec3 _e6[5] = octagloss_orders_of(probe_14, _e5);
     float _e12[25] = octagloss_harmonic_basis(((n_1 * 0.309017) + (t_1 * 0.95105654)));
-    vec3 _e13[5] = octagloss_orders_of(probe_13, _e12);
+    vec3 _e13[5] = octagloss_orders_of(probe_14, _e12);
     float _e19[25] = octagloss_harmonic_basis(((n_1 * -0.809017) + (t_1 * 0.58778524)));
-    vec3 _e20[5] = octagloss_orders_of(probe_13, _e19);
+    vec3 _e20[5] = octagloss_orders_of(probe_14, _e19);
     float _e26[25] = octagloss_harmonic_basis(((n_1 * 0.809017) + (t_1 * 0.58778524)));
-    vec3 _e27[5] = octagloss_orders_of(probe_13, _e26);
+    vec3 _e27[5] = octagloss_orders_of(probe_14, _e26);
     float _e33[25] = octagloss_harmonic_basis(((n_1 * -0.309017) + (t_1 * 0.95105654)));
-    vec3 _e34[5] = octagloss_orders_of(probe_13, _e33);
+    vec3 _e34[5] = octagloss_orders_of(probe_14, _e33);
     mat2x3 _e38 = octagloss_weighed(_e6[0], pairs[0].xy);
     mat2x3 _e42 = octagloss_weighed(_e6[1], pairs[0].zw);
     mat2x3 _e47 = octagloss_weighed(_e6[2], pairs[1].xy);
@@ -610,7 +634,7 @@ float octagloss_map_inner() {
 #endif
 }
 
-vec3 octagloss_suns_reflected(uint probe_14, octagloss_SurfaceFrame surface_1, vec2 tangent, vec2 alpha_2, vec3 f0_, float f90_) {
+vec3 octagloss_suns_reflected(uint probe_15, octagloss_SurfaceFrame surface_1, vec2 tangent, vec2 alpha_2, vec3 f0_, float f90_) {
     vec3 sum_2 = vec3(0.0);
     uint disc_2 = 0u;
     uint c = 0u;
@@ -634,9 +658,9 @@ vec3 octagloss_suns_reflected(uint probe_14, octagloss_SurfaceFrame surface_1, v
         }
         {
             uint _e45 = disc_2;
-            OctaglossSun sun_2 = octagloss_lights[probe_14].suns[(_e45 / 2u)];
+            OctaglossSun sun_2 = octagloss_lights[probe_15].suns[(_e45 / 2u)];
             uint _e50 = disc_2;
-            vec3 _e51 = octagloss_half_axis_of(probe_14, _e50);
+            vec3 _e51 = octagloss_half_axis_of(probe_15, _e50);
             float _e52 = octagloss_squared(_e51);
             float nearer_1 = (1.0 - (0.5 * _e52));
             c = 0u;
@@ -674,7 +698,7 @@ vec2 octagloss_albedo_share(vec2 albedo, vec2 sums) {
     return ((albedo + vec2(0.0001)) / (max(sums, vec2(0.0)) + vec2(0.0001)));
 }
 
-vec3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_1, float f90_1) {
+vec3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_1, float f90_1) {
     mat2x3 sum_3 = mat2x3(0.0);
     float in_mirror = 0.0;
     vec2 white = vec2(0.0);
@@ -685,7 +709,7 @@ vec3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface
     vec3 v_1 = (along_3 + (n_2 * cosine_12));
     vec4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12);
     vec2 rest_1 = _e13.xy;
-    vec3 _e15 = octagloss_cosine_light(probe_15, n_2);
+    vec3 _e15 = octagloss_cosine_light(probe_16, n_2);
     mat2x3 _e16 = octagloss_weighed(_e15, rest_1);
     sum_3 = _e16;
     white = rest_1;
@@ -707,7 +731,7 @@ vec3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface
             vec3 half_vector = normalize((n_2 + (_e27.x * along_3)));
             vec3 direction_5 = ((half_vector * (2.0 * dot(v_1, half_vector))) - v_1);
             mat2x3 _e37 = sum_3;
-            vec3 _e39 = octagloss_between_levels(probe_15, direction_5, _e27.y);
+            vec3 _e39 = octagloss_between_levels(probe_16, direction_5, _e27.y);
             mat2x3 _e41 = octagloss_weighed(_e39, _e27.zw);
             sum_3 = (_e37 + _e41);
             vec2 _e43 = white;
@@ -726,7 +750,7 @@ vec3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface
     vec4 _e75 = octagloss_reflection_node(17u, roughness_4, cosine_12);
     vec4 pairs_1[8] = vec4[8](_e61, _e63, _e65, _e67, _e69, _e71, _e73, _e75);
     mat2x3 _e77 = sum_3;
-    mat2x3 _e78 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1);
+    mat2x3 _e78 = octagloss_harmonics_reflected(probe_16, surface_2, pairs_1);
     sum_3 = (_e77 + _e78);
     vec2 _e80 = white;
     white = (_e80 + pairs_1[0].xy);
@@ -735,21 +759,21 @@ vec3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface
     vec2 _e86 = octagloss_albedo_share(_e84, _e85);
     vec3 _e90 = sum_3[0];
     vec3 _e95 = sum_3[1];
-    float _e103 = octagloss_lights[probe_15].unscale;
+    float _e103 = octagloss_lights[probe_16].unscale;
     vec3 lit_1 = (max((((f0_1 * _e86.x) * _e90) + ((f90_1 * _e86.y) * _e95)), vec3(0.0)) * _e103);
     float _e105 = in_mirror;
     float _e107 = white.x;
     float _e109 = white.y;
     float share_3 = max((1.0 - (_e105 / (_e107 + _e109))), 0.0);
     vec2 alpha_11 = vec2((roughness_4 * roughness_4));
-    vec3 _e121 = octagloss_suns_reflected(probe_15, surface_2, vec2(1.0, 0.0), alpha_11, f0_1, f90_1);
+    vec3 _e121 = octagloss_suns_reflected(probe_16, surface_2, vec2(1.0, 0.0), alpha_11, f0_1, f90_1);
     return (lit_1 + (share_3 * _e121));
 }
 
-octagloss_SurfaceFrame octagloss_surface_of(uint probe_16, vec3 normal_2, vec3 view_1) {
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_17, vec3 normal_2, vec3 view_1) {
     vec3 level_view = vec3(0.0);
-    vec3 _e3 = octagloss_source_from_world(probe_16, normal_2);
-    vec3 _e4 = octagloss_source_from_world(probe_16, view_1);
+    vec3 _e3 = octagloss_source_from_world(probe_17, normal_2);
+    vec3 _e4 = octagloss_source_from_world(probe_17, view_1);
     float cosine_13 = clamp(dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = (_e4 - (_e3 * dot(_e3, _e4)));
     vec3 _e13 = level_view;
@@ -794,23 +818,28 @@ octagloss_RowPlace octagloss_row_place(vec2 alpha_5, float cosine_4, vec2 tangen
     return octagloss_RowPlace((texel_1 / octagloss_ROW_SIZE), (place_5.w - lower));
 }
 
-vec4 octagloss_read_rows(vec3 at_6) {
-    vec4 _e4 = textureLod(octagloss_rows, vec3(at_6), 0.0);
+vec4 octagloss_read_rows(vec3 at_7) {
+    vec4 _e4 = textureLod(octagloss_rows, vec3(at_7), 0.0);
     return _e4;
 }
 
 vec4 octagloss_row_node(uint layer_2, octagloss_RowPlace place) {
-    vec3 at_8 = vec3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
-    vec4 _e11 = octagloss_read_rows(at_8);
-    vec4 _e18 = octagloss_read_rows(vec3(at_8.x, (at_8.y + 0.125), at_8.z));
+    vec3 at_9 = vec3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
+    vec4 _e11 = octagloss_read_rows(at_9);
+    vec4 _e18 = octagloss_read_rows(vec3(at_9.x, (at_9.y + 0.125), at_9.z));
     return mix(_e11, _e18, place.share);
 }
 
 vec4 octagloss_row_block(float block, vec3 place_1) {
     float row_2 = floor(((block + 0.5) / octagloss_ROW_BLOCKS));
     vec2 corner_1 = (vec2(16.0, 10.0) * vec2((block - (octagloss_ROW_BLOCKS * row_2)), row_2));
+#ifdef OCTAGLOSS_CUBE
     vec3 first_2 = vec3(corner_1.x, (corner_1.y + 70.0), 0.0);
     vec4 _e27 = octagloss_read_rows((((first_2 + place_1) + vec3(0.5)) / octagloss_ROW_SIZE));
+#else
+    vec3 first_3 = vec3(corner_1.x, (corner_1.y + 70.0), 0.0);
+    vec4 _e27 = octagloss_read_rows((((first_3 + place_1) + vec3(0.5)) / octagloss_ROW_SIZE));
+#endif
     return _e27;
 }
 
@@ -877,35 +906,26 @@ vec2 octagloss_row_read(octagloss_Row row_1, uint read) {
     float growth = (row_1.steps.w * slope_1);
     float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
     float _e44 = octagloss_map_inner();
-#ifdef OCTAGLOSS_CUBE
     float last_1 = (log2(_e44) - 3.0);
     float sharp_1 = (last_1 + log2((max(width, 1e-9) / 0.35)));
-#else
-    float last_2 = (log2(_e44) - 3.0);
-    float sharp_1 = (last_2 + log2((max(width, 1e-9) / 0.35)));
-#endif
     float below = max((log2(((max(width, 1e-9) * _e44) / 1.8)) * 0.610706), 0.0);
-#ifdef OCTAGLOSS_CUBE
     return vec2(slope_1, ((sharp_1 >= 1.0) ? min(sharp_1, last_1) : below));
-#else
-    return vec2(slope_1, ((sharp_1 >= 1.0) ? min(sharp_1, last_2) : below));
-#endif
 }
 
-vec3[5] octagloss_orders_aside(uint probe_17, octagloss_SurfaceFrame surface_3, vec3 across, vec3 d_2) {
+vec3[5] octagloss_orders_aside(uint probe_18, octagloss_SurfaceFrame surface_3, vec3 across, vec3 d_2) {
     vec3 level_4 = ((surface_3.towards * d_2.x) + (surface_3.normal * d_2.z));
     float _e14[25] = octagloss_harmonic_basis((level_4 + (across * d_2.y)));
     float _e18[25] = octagloss_harmonic_basis((level_4 - (across * d_2.y)));
     float difference_1[25] = float[25]((_e14[0] - _e18[0]), (_e14[1] - _e18[1]), (_e14[2] - _e18[2]), (_e14[3] - _e18[3]), (_e14[4] - _e18[4]), (_e14[5] - _e18[5]), (_e14[6] - _e18[6]), (_e14[7] - _e18[7]), (_e14[8] - _e18[8]), (_e14[9] - _e18[9]), (_e14[10] - _e18[10]), (_e14[11] - _e18[11]), (_e14[12] - _e18[12]), (_e14[13] - _e18[13]), (_e14[14] - _e18[14]), (_e14[15] - _e18[15]), (_e14[16] - _e18[16]), (_e14[17] - _e18[17]), (_e14[18] - _e18[18]), (_e14[19] - _e18[19]), (_e14[20] - _e18[20]), (_e14[21] - _e18[21]), (_e14[22] - _e18[22]), (_e14[23] - _e18[23]), (_e14[24] - _e18[24]));
-    vec3 _e95[5] = octagloss_orders_of(probe_17, difference_1);
+    vec3 _e95[5] = octagloss_orders_of(probe_18, difference_1);
     return _e95;
 }
 
-mat2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4, vec3 across_1, octagloss_RowPlace place_2, vec2 first) {
-    vec3 _e9[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.4620342, 0.54655075, -0.6984316));
-    vec3 _e14[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.8966183, 0.38650447, 0.21607853));
-    vec3 _e19[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.11814805, 0.3835753, 0.91592085));
-    vec3 _e24[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.14011177, 0.8172301, -0.5590202));
+mat2x3 octagloss_harmonics_aside(uint probe_19, octagloss_SurfaceFrame surface_4, vec3 across_1, octagloss_RowPlace place_2, vec2 first) {
+    vec3 _e9[5] = octagloss_orders_aside(probe_19, surface_4, across_1, vec3(0.4620342, 0.54655075, -0.6984316));
+    vec3 _e14[5] = octagloss_orders_aside(probe_19, surface_4, across_1, vec3(0.8966183, 0.38650447, 0.21607853));
+    vec3 _e19[5] = octagloss_orders_aside(probe_19, surface_4, across_1, vec3(0.11814805, 0.3835753, 0.91592085));
+    vec3 _e24[5] = octagloss_orders_aside(probe_19, surface_4, across_1, vec3(0.14011177, 0.8172301, -0.5590202));
     vec4 _e26 = octagloss_row_node(16u, place_2);
     vec4 _e28 = octagloss_row_node(17u, place_2);
     vec4 _e30 = octagloss_row_node(18u, place_2);
@@ -924,7 +944,7 @@ mat2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4
     return (((((((((_e34 + _e37) + _e41) + _e45) + _e49) + _e53) + _e57) + _e61) + _e65) + _e71);
 }
 
-vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, vec2 tangent_5, vec2 alpha_9, vec3 f0_3, float f90_3) {
+vec3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5, vec2 tangent_5, vec2 alpha_9, vec3 f0_3, float f90_3) {
     mat2x3 sum_4 = mat2x3(0.0);
     vec2 in_mirror_1 = vec2(0.0);
     vec2 white_1 = vec2(0.0);
@@ -958,7 +978,7 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
             uint _e44 = distance_;
             if ((_e44 == 0u)) {
                 mat2x3 _e47 = sum_4;
-                vec3 _e48 = octagloss_cosine_light(probe_19, n_3);
+                vec3 _e48 = octagloss_cosine_light(probe_20, n_3);
                 mat2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
                 sum_4 = (_e47 + _e50);
                 vec2 _e52 = white_1;
@@ -995,7 +1015,7 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
                     vec3 half_vector_1 = normalize((n_3 + (_e96.x * axis_2)));
                     vec3 direction_6 = ((half_vector_1 * (2.0 * dot(v_2, half_vector_1))) - v_2);
                     mat2x3 _e106 = sum_4;
-                    vec3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y);
+                    vec3 _e108 = octagloss_between_levels(probe_20, direction_6, _e96.y);
                     mat2x3 _e109 = octagloss_weighed(_e108, weights_3);
                     sum_4 = (_e106 + _e109);
                     vec2 _e111 = white_1;
@@ -1016,13 +1036,13 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
     vec4 _e142 = octagloss_row_node(15u, _e16);
     vec4 pairs_2[8] = vec4[8](_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142);
     mat2x3 _e144 = sum_4;
-    mat2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2);
+    mat2x3 _e145 = octagloss_harmonics_reflected(probe_20, surface_5, pairs_2);
     sum_4 = (_e144 + _e145);
     vec2 _e147 = white_1;
     white_1 = (_e147 + pairs_2[0].xy);
     vec3 mirrored = (across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
     mat2x3 _e160 = sum_4;
-    mat2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2[7].zw);
+    mat2x3 _e163 = octagloss_harmonics_aside(probe_20, surface_5, mirrored, _e16, pairs_2[7].zw);
     sum_4 = (_e160 + _e163);
     vec4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5);
     vec2 beyond = _e166.xy;
@@ -1031,18 +1051,18 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
     vec2 shares = (_e172 / _e173);
     vec3 _e178 = sum_4[0];
     vec3 _e183 = sum_4[1];
-    float _e191 = octagloss_lights[probe_19].unscale;
+    float _e191 = octagloss_lights[probe_20].unscale;
     vec3 lit_2 = (max((((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183)), vec3(0.0)) * _e191);
     vec2 _e193 = in_mirror_1;
     float share_4 = max((1.0 - (dot(shares, _e193) / (_e172.x + _e172.y))), 0.0);
-    vec3 _e203 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+    vec3 _e203 = octagloss_suns_reflected(probe_20, surface_5, tangent_5, alpha_9, f0_3, f90_3);
     return (lit_2 + (share_4 * _e203));
 }
 
-vec3 octagloss_reflect_of(uint probe_20, vec3 normal_4, vec3 view_3, vec3 tangent_6, float roughness_7, float anisotropy_1, vec3 f0_4, float f90_4) {
+vec3 octagloss_reflect_of(uint probe_21, vec3 normal_4, vec3 view_3, vec3 tangent_6, float roughness_7, float anisotropy_1, vec3 f0_4, float f90_4) {
     vec2 level_3 = vec2(0.0);
     bool local = false;
-    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_20, normal_4, view_3);
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_21, normal_4, view_3);
     if ((anisotropy_1 > 0.0)) {
         local = (dot(tangent_6, tangent_6) > 0.0);
     } else {
@@ -1050,26 +1070,26 @@ vec3 octagloss_reflect_of(uint probe_20, vec3 normal_4, vec3 view_3, vec3 tangen
     }
     bool _e19 = local;
     if (_e19) {
-        vec3 _e20 = octagloss_source_from_world(probe_20, tangent_6);
+        vec3 _e20 = octagloss_source_from_world(probe_21, tangent_6);
         vec3 across_5 = cross(_e8.normal, _e8.towards);
         level_3 = vec2(dot(_e20, _e8.towards), dot(_e20, across_5));
     }
     vec2 _e28 = level_3;
     vec2 _e29 = level_3;
     if ((dot(_e28, _e29) < 1e-10)) {
-        vec3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_4, f90_4);
+        vec3 _e33 = octagloss_reflected_isotropic(probe_21, _e8, roughness_7, f0_4, f90_4);
         return _e33;
     }
     vec2 _e36 = octagloss_row_alphas(roughness_7, min(anisotropy_1, 1.0));
     float _e37 = octagloss_row_share(_e36);
     vec2 _e38 = level_3;
-    vec3 _e40 = octagloss_reflect_in_row(probe_20, _e8, normalize(_e38), _e36, f0_4, f90_4);
+    vec3 _e40 = octagloss_reflect_in_row(probe_21, _e8, normalize(_e38), _e36, f0_4, f90_4);
     vec3 sum_5 = (_e37 * _e40);
     if ((_e37 == 1.0)) {
         return sum_5;
     }
     float round_ = sqrt(sqrt((_e36.x * _e36.y)));
-    vec3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round_, f0_4, f90_4);
+    vec3 _e51 = octagloss_reflected_isotropic(probe_21, _e8, round_, f0_4, f90_4);
     return (sum_5 + ((1.0 - _e37) * _e51));
 }
 

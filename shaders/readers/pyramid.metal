@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 3f6d1ce640f49a4e.
+// Translated from pyramid_cube.wgsl, FNV-1a 332da9bf09febe67.
 #else
-// Translated from pyramid.wgsl, FNV-1a 37a331223386c472.
+// Translated from pyramid.wgsl, FNV-1a 3a2ce98256792918.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
@@ -59,7 +59,7 @@ struct type_15 {
 typedef metal::float2 octagloss_MapPlace;
 struct type_16 {
 #endif
-    metal::float4 inner[4];
+    metal::float4 inner[5];
 };
 #ifdef OCTAGLOSS_CUBE
 struct type_17 {
@@ -103,8 +103,11 @@ struct type_23 {
     metal::float4 inner[3];
 };
 constant uint octagloss_SUNS = 8u;
-constant uint octagloss_INTERVALS = 640u;
-#ifndef OCTAGLOSS_CUBE
+constant uint octagloss_INTERVALS = 860u;
+#ifdef OCTAGLOSS_CUBE
+constant uint octagloss_WEIGHTS_FROM = 32u;
+#else
+constant uint octagloss_WEIGHTS_FROM = 27u;
 constant int octagloss_MIRROR = 1;
 constant int octagloss_SHARP = 2;
 constant int octagloss_LEVELS = 0;
@@ -116,7 +119,7 @@ constant float octagloss_LEAST_COSINE = 0.01;
 constant metal::float2 octagloss_ALBEDO_NODES = metal::float2(91.0, 75.0);
 constant metal::float4 octagloss_DIP = metal::float4(0.222, 0.634, 0.098, 0.3126);
 constant float octagloss_LEAST_ALPHA = 0.000001;
-constant metal::float2 octagloss_TABLES = metal::float2(864.0, 39.0);
+constant metal::float2 octagloss_TABLES = metal::float2(864.0, 45.0);
 constant metal::float4 octagloss_ROW_NODES = metal::float4(16.0, 10.0, 8.0, 7.0);
 constant uint octagloss_ROW_MIDDLE = 7u;
 constant uint octagloss_ROW_PAIRS = 8u;
@@ -240,14 +243,14 @@ type_16 octagloss_node_weights(
         }
         loop_init = false;
         uint _e5 = row;
-        if (_e5 < 4u) {
+        if (_e5 < 5u) {
         } else {
             break;
         }
         {
             uint _e8 = row;
             uint _e12 = row;
-            metal::float4 _e16 = octagloss_tables.read(metal::uint2(metal::uint2(node, 27u + _e12)), 0);
+            metal::float4 _e16 = octagloss_tables.read(metal::uint2(metal::uint2(node, octagloss_WEIGHTS_FROM + _e12)), 0);
             weights_1.inner[_e8] = _e16;
         }
     }
@@ -321,35 +324,63 @@ metal::float3 octagloss_read_levels(
 
 float octagloss_map_inner(
     metal::texture2d_array<float, metal::access::sample> octagloss_maps
+) {
+    return static_cast<float>(metal::uint2(octagloss_maps.get_width(), octagloss_maps.get_height()).x) * 0.9411765;
+}
+
+float octagloss_coarsest_mip(
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
 #endif
 ) {
 #ifdef OCTAGLOSS_CUBE
     metal::float4 _e7 = octagloss_maps.sample(octagloss_linear, at_2, metal::level(level + 2.0));
     return _e7.xyz;
 #else
-    return static_cast<float>(metal::uint2(octagloss_maps.get_width(), octagloss_maps.get_height()).x) * 0.9411765;
+    float _e0 = octagloss_map_inner(octagloss_maps);
+    return metal::rint(metal::log2(_e0 / 32.0));
 #endif
 }
 
-metal::float3 octagloss_read_cosine(
+metal::float3 octagloss_read_middle(
     uint probe_7,
 #ifdef OCTAGLOSS_CUBE
     octagloss_MapPlace at_3,
-    constant type_7& octagloss_lights
+    float middle
 #else
     metal::float2 at_3,
+    float middle,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
     metal::sampler octagloss_linear
 #endif
 ) {
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e8 = octagloss_harmonics_around(probe_7, at_3, type_14 {{1.0, 0.6666667, 0.25, 0.0, -0.041666668}}, octagloss_lights);
+    return metal::float3 {};
+#else
+    float _e3 = octagloss_coarsest_mip(octagloss_maps);
+    float first_1 = metal::max(_e3 - 2.0, 1.0);
+    metal::float4 _e12 = octagloss_maps.sample(octagloss_linear, at_3, octagloss_MIRROR, metal::level(first_1 + middle));
+    return _e12.xyz;
+#endif
+}
+
+metal::float3 octagloss_read_cosine(
+    uint probe_8,
+#ifdef OCTAGLOSS_CUBE
+    octagloss_MapPlace at_4,
+    constant type_7& octagloss_lights
+#else
+    metal::float2 at_4,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+    metal::sampler octagloss_linear
+#endif
+) {
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e8 = octagloss_harmonics_around(probe_8, at_4, type_14 {{1.0, 0.6666667, 0.25, 0.0, -0.041666668}}, octagloss_lights);
     return _e8;
 #else
-    float _e2 = octagloss_map_inner(octagloss_maps);
-    float last = metal::rint(metal::log2(_e2 / 32.0));
-    metal::float4 _e10 = octagloss_maps.sample(octagloss_linear, at_3, octagloss_MIRROR, metal::level(last));
-    return _e10.xyz;
+    float _e5 = octagloss_coarsest_mip(octagloss_maps);
+    metal::float4 _e6 = octagloss_maps.sample(octagloss_linear, at_4, octagloss_MIRROR, metal::level(_e5));
+    return _e6.xyz;
 #endif
 }
 
@@ -362,14 +393,14 @@ uint naga_mod(uint lhs, uint rhs) {
 }
 
 metal::float3 octagloss_half_axis_of(
-    uint probe_8,
+    uint probe_9,
     uint disc,
     constant type_7& octagloss_lights
 ) {
     uint k_3 = 3u * naga_div(disc, 2u);
-    float _e11 = octagloss_lights.inner[probe_8].harmonics.inner[k_3].w;
-    float _e19 = octagloss_lights.inner[probe_8].harmonics.inner[k_3 + 1u].w;
-    float _e27 = octagloss_lights.inner[probe_8].harmonics.inner[k_3 + 2u].w;
+    float _e11 = octagloss_lights.inner[probe_9].harmonics.inner[k_3].w;
+    float _e19 = octagloss_lights.inner[probe_9].harmonics.inner[k_3 + 1u].w;
+    float _e27 = octagloss_lights.inner[probe_9].harmonics.inner[k_3 + 2u].w;
     metal::float3 half_axis = metal::float3(_e11, _e19, _e27);
     return (naga_mod(disc, 2u) == 0u) ? half_axis : -(half_axis);
 }
@@ -385,7 +416,7 @@ uint naga_f2u32(float value) {
 }
 
 metal::float3 octagloss_radiance_of(
-    uint probe_9,
+    uint probe_10,
     metal::float3 direction_2,
     float roughness,
     constant type_7& octagloss_lights,
@@ -406,10 +437,10 @@ metal::float3 octagloss_radiance_of(
     uint level_1 = 0u;
     uint disc_1 = 0u;
     metal::float3 lobe = {};
-    metal::float3 _e3 = octagloss_source_from_world(probe_9, direction_2, octagloss_lights);
+    metal::float3 _e3 = octagloss_source_from_world(probe_10, direction_2, octagloss_lights);
     octagloss_MapPlace _e4 = octagloss_place_of(_e3);
-    float node_1 = metal::log2(1.0 + (50.0 * roughness)) * 112.826515;
-    uint k_4 = metal::min(naga_f2u32(node_1), 639u);
+    float node_1 = metal::log2(1.0 + (30.0 * roughness)) * 173.59021;
+    uint k_4 = metal::min(naga_f2u32(node_1), 859u);
     float share = node_1 - static_cast<float>(k_4);
 #ifdef OCTAGLOSS_CUBE
     type_15 _e17 = octagloss_node_weights(k_4, octagloss_tables);
@@ -422,15 +453,16 @@ metal::float3 octagloss_radiance_of(
     metal::float4 b_2 = metal::mix(_e17.inner[1], _e20.inner[1], share);
     metal::float4 c_2 = metal::mix(_e17.inner[2], _e20.inner[2], share);
     metal::float4 e = metal::mix(_e17.inner[3], _e20.inner[3], share);
+    metal::float4 f = metal::mix(_e17.inner[4], _e20.inner[4], share);
     if (a_1.x != 0.0) {
-        metal::float3 _e38 = sum;
-        metal::float3 _e40 = octagloss_read_mirror(probe_9, _e4, octagloss_maps, octagloss_linear);
-        sum = _e38 + (a_1.x * _e40);
+        metal::float3 _e41 = sum;
+        metal::float3 _e43 = octagloss_read_mirror(probe_10, _e4, octagloss_maps, octagloss_linear);
+        sum = _e41 + (a_1.x * _e43);
     }
     if (a_1.y != 0.0) {
-        metal::float3 _e46 = sum;
-        metal::float3 _e48 = octagloss_read_sharp(probe_9, _e4, octagloss_maps, octagloss_linear);
-        sum = _e46 + (a_1.y * _e48);
+        metal::float3 _e49 = sum;
+        metal::float3 _e51 = octagloss_read_sharp(probe_10, _e4, octagloss_maps, octagloss_linear);
+        sum = _e49 + (a_1.y * _e51);
     }
 #ifdef OCTAGLOSS_CUBE
     levels = type_17 {{a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x}};
@@ -440,68 +472,86 @@ metal::float3 octagloss_radiance_of(
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e80 = level_1;
-            level_1 = _e80 + 1u;
+            uint _e83 = level_1;
+            level_1 = _e83 + 1u;
         }
         loop_init_1 = false;
-        uint _e62 = level_1;
-        if (_e62 < 7u) {
+        uint _e65 = level_1;
+        if (_e65 < 7u) {
         } else {
             break;
         }
         {
-            uint _e65 = level_1;
-            float _e67 = levels.inner[_e65];
-            if (_e67 != 0.0) {
-                metal::float3 _e70 = sum;
-                uint _e71 = level_1;
-                float _e73 = levels.inner[_e71];
+            uint _e68 = level_1;
+            float _e70 = levels.inner[_e68];
+            if (_e70 != 0.0) {
+                metal::float3 _e73 = sum;
                 uint _e74 = level_1;
-                metal::float3 _e76 = octagloss_read_levels(probe_9, _e4, static_cast<float>(_e74), octagloss_maps, octagloss_linear);
-                sum = _e70 + (_e73 * _e76);
+                float _e76 = levels.inner[_e74];
+                uint _e77 = level_1;
+                metal::float3 _e79 = octagloss_read_levels(probe_10, _e4, static_cast<float>(_e77), octagloss_maps, octagloss_linear);
+                sum = _e73 + (_e76 * _e79);
             }
         }
     }
     if (c_2.y != 0.0) {
-        metal::float3 _e85 = sum;
+        metal::float3 _e88 = sum;
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e87 = octagloss_read_cosine(probe_9, _e4, octagloss_lights);
+        metal::float3 _e91 = octagloss_read_middle(probe_10, _e4, 0.0);
 #else
-        metal::float3 _e87 = octagloss_read_cosine(probe_9, _e4, octagloss_maps, octagloss_linear);
+        metal::float3 _e91 = octagloss_read_middle(probe_10, _e4, 0.0, octagloss_maps, octagloss_linear);
 #endif
-        sum = _e85 + (c_2.y * _e87);
+        sum = _e88 + (c_2.y * _e91);
     }
-    metal::float3 _e90 = sum;
-    metal::float3 _e97 = octagloss_harmonics_around(probe_9, _e3, type_14 {{c_2.z, c_2.w, e.x, e.y, e.z}}, octagloss_lights);
-    sum = _e90 + _e97;
-    metal::float3 _e99 = sum;
-    float _e105 = octagloss_lights.inner[probe_9].unscale;
-    sum = metal::max(_e99, metal::float3 {}) * _e105;
+    if (c_2.z != 0.0) {
+        metal::float3 _e97 = sum;
+#ifdef OCTAGLOSS_CUBE
+        metal::float3 _e100 = octagloss_read_middle(probe_10, _e4, 1.0);
+#else
+        metal::float3 _e100 = octagloss_read_middle(probe_10, _e4, 1.0, octagloss_maps, octagloss_linear);
+#endif
+        sum = _e97 + (c_2.z * _e100);
+    }
+    if (c_2.w != 0.0) {
+        metal::float3 _e106 = sum;
+#ifdef OCTAGLOSS_CUBE
+        metal::float3 _e108 = octagloss_read_cosine(probe_10, _e4, octagloss_lights);
+#else
+        metal::float3 _e108 = octagloss_read_cosine(probe_10, _e4, octagloss_maps, octagloss_linear);
+#endif
+        sum = _e106 + (c_2.w * _e108);
+    }
+    metal::float3 _e111 = sum;
+    metal::float3 _e118 = octagloss_harmonics_around(probe_10, _e3, type_14 {{e.x, e.y, e.z, e.w, f.x}}, octagloss_lights);
+    sum = _e111 + _e118;
+    metal::float3 _e120 = sum;
+    float _e126 = octagloss_lights.inner[probe_10].unscale;
+    sum = metal::max(_e120, metal::float3 {}) * _e126;
     float a2_ = metal::max(((roughness * roughness) * roughness) * roughness, 0.000000000001);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e231 = disc_1;
-            disc_1 = _e231 + 1u;
+            uint _e252 = disc_1;
+            disc_1 = _e252 + 1u;
         }
         loop_init_2 = false;
-        uint _e114 = disc_1;
-        if (_e114 < 16u) {
+        uint _e135 = disc_1;
+        if (_e135 < 16u) {
         } else {
             break;
         }
         {
-            uint _e120 = disc_1;
-            OctaglossSun sun = octagloss_lights.inner[probe_9].suns.inner[naga_div(_e120, 2u)];
-            uint _e125 = disc_1;
-            metal::float3 _e126 = octagloss_half_axis_of(probe_9, _e125, octagloss_lights);
-            float _e127 = octagloss_squared(_e126);
-            float nearer = 1.0 - (0.5 * _e127);
-            metal::float3 to = _e3 - _e126;
-            float _e137 = octagloss_squared(to - (nearer * sun.red.xyz));
-            float _e142 = octagloss_squared(to - (nearer * sun.green.xyz));
-            float _e147 = octagloss_squared(to - (nearer * sun.blue.xyz));
-            metal::float3 apart = metal::float3(_e137, _e142, _e147);
+            uint _e141 = disc_1;
+            OctaglossSun sun = octagloss_lights.inner[probe_10].suns.inner[naga_div(_e141, 2u)];
+            uint _e146 = disc_1;
+            metal::float3 _e147 = octagloss_half_axis_of(probe_10, _e146, octagloss_lights);
+            float _e148 = octagloss_squared(_e147);
+            float nearer = 1.0 - (0.5 * _e148);
+            metal::float3 to = _e3 - _e147;
+            float _e158 = octagloss_squared(to - (nearer * sun.red.xyz));
+            float _e163 = octagloss_squared(to - (nearer * sun.green.xyz));
+            float _e168 = octagloss_squared(to - (nearer * sun.blue.xyz));
+            metal::float3 apart = metal::float3(_e158, _e163, _e168);
             metal::float3 s = metal::min(0.25 * apart, metal::float3(0.5));
             metal::float3 radius2_ = 0.5 * metal::float3(sun.red.w, sun.green.w, sun.blue.w);
             metal::float3 nearness = (s + (a2_ * (metal::float3(1.0) - s))) - radius2_;
@@ -514,13 +564,13 @@ metal::float3 octagloss_radiance_of(
                 metal::float3 inside = (root - nearness) / ((2.0 * metal::max(radius2_, metal::float3(0.000000000000000000000000000001))) * root);
                 lobe = metal::select(inside, outside, nearness > metal::float3 {});
             }
-            metal::float3 _e211 = sum;
-            metal::float3 _e213 = lobe;
-            sum = _e211 + (sun.energy * ((_e213 * (metal::float3(1.0) - (2.0 * s))) * ((0.15915494 * e.w) * (1.0 - a_1.x))));
+            metal::float3 _e232 = sum;
+            metal::float3 _e234 = lobe;
+            sum = _e232 + (sun.energy * ((_e234 * (metal::float3(1.0) - (2.0 * s))) * ((0.15915494 * f.y) * (1.0 - a_1.x))));
         }
     }
-    metal::float3 _e233 = sum;
-    return _e233;
+    metal::float3 _e254 = sum;
+    return _e254;
 }
 
 metal::float3 octagloss_radiance(
@@ -540,7 +590,7 @@ metal::float3 octagloss_radiance(
 }
 
 metal::float3 octagloss_irradiance_of(
-    uint probe_10,
+    uint probe_11,
     metal::float3 normal,
 #ifdef OCTAGLOSS_CUBE
     constant type_7& octagloss_lights
@@ -552,14 +602,14 @@ metal::float3 octagloss_irradiance_of(
 ) {
     metal::float3 sum_1 = {};
     uint k_1 = 0u;
-    metal::float3 _e2 = octagloss_source_from_world(probe_10, normal, octagloss_lights);
+    metal::float3 _e2 = octagloss_source_from_world(probe_11, normal, octagloss_lights);
     octagloss_MapPlace _e3 = octagloss_place_of(_e2);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e4 = octagloss_read_cosine(probe_10, _e3, octagloss_lights);
+    metal::float3 _e4 = octagloss_read_cosine(probe_11, _e3, octagloss_lights);
 #else
-    metal::float3 _e4 = octagloss_read_cosine(probe_10, _e3, octagloss_maps, octagloss_linear);
+    metal::float3 _e4 = octagloss_read_cosine(probe_11, _e3, octagloss_maps, octagloss_linear);
 #endif
-    float _e8 = octagloss_lights.inner[probe_10].unscale;
+    float _e8 = octagloss_lights.inner[probe_11].unscale;
     sum_1 = _e4 * _e8;
     bool loop_init_3 = true;
     while(true) {
@@ -575,7 +625,7 @@ metal::float3 octagloss_irradiance_of(
         }
         {
             uint _e19 = k_1;
-            OctaglossSun sun_1 = octagloss_lights.inner[probe_10].suns.inner[_e19];
+            OctaglossSun sun_1 = octagloss_lights.inner[probe_11].suns.inner[_e19];
             metal::float3 facing = metal::float3(metal::dot(_e2, sun_1.red.xyz), metal::dot(_e2, sun_1.green.xyz), metal::dot(_e2, sun_1.blue.xyz));
             metal::float3 _e32 = sum_1;
             sum_1 = _e32 + (sun_1.energy * (0.31830987 * metal::max(facing, metal::float3 {})));
@@ -605,12 +655,12 @@ metal::float3 octagloss_irradiance(
 
 metal::float4 octagloss_read_reflections(
     uint layer,
-    metal::float2 at_4,
+    metal::float2 at_5,
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
     metal::float2 corner = metal::float2(1.0 + (static_cast<float>(layer) * 48.0), 0.0);
-    metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_4 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
+    metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_5 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
     return _e17;
 }
 
@@ -623,8 +673,8 @@ metal::float4 octagloss_reflection_node(
 ) {
     float sine = metal::sqrt(metal::max(1.0 - (cosine * cosine), 0.0));
     metal::float2 place_3 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
-    metal::float2 at_6 = ((place_3 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
-    metal::float4 _e31 = octagloss_read_reflections(layer_1, at_6, octagloss_tables, octagloss_linear);
+    metal::float2 at_7 = ((place_3 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
+    metal::float4 _e31 = octagloss_read_reflections(layer_1, at_7, octagloss_tables, octagloss_linear);
     return _e31;
 }
 
@@ -632,7 +682,7 @@ metal::float4 octagloss_read_albedo(
     uint texel,
     metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
-    metal::float4 _e9 = octagloss_tables.read(metal::uint2(metal::uint2(naga_mod(texel, 864u), 31u + naga_div(texel, 864u))), 0);
+    metal::float4 _e9 = octagloss_tables.read(metal::uint2(metal::uint2(naga_mod(texel, 864u), 37u + naga_div(texel, 864u))), 0);
     return _e9;
 }
 
@@ -646,9 +696,15 @@ metal::float2 octagloss_round_albedo(
     metal::float2 place_4 = metal::clamp(places, metal::float2 {}, metal::float2(1.0)) * metal::float2(90.0, 74.0);
     metal::float2 node_2 = metal::min(metal::floor(place_4), metal::float2(89.0, 73.0));
     metal::float2 share_1 = place_4 - node_2;
+#ifdef OCTAGLOSS_CUBE
     uint first_1 = naga_f2u32(node_2.x + (91.0 * node_2.y));
     metal::float4 _e39 = octagloss_read_albedo(first_1, octagloss_tables);
     metal::float4 _e42 = octagloss_read_albedo(first_1 + 91u, octagloss_tables);
+#else
+    uint first_2 = naga_f2u32(node_2.x + (91.0 * node_2.y));
+    metal::float4 _e39 = octagloss_read_albedo(first_2, octagloss_tables);
+    metal::float4 _e42 = octagloss_read_albedo(first_2 + 91u, octagloss_tables);
+#endif
     metal::float4 pair = metal::mix(_e39, _e42, share_1.y);
     float t = seen / metal::max(roughness_3 * roughness_3, octagloss_LEAST_ALPHA);
     float left = 1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126)))))));
@@ -656,7 +712,7 @@ metal::float2 octagloss_round_albedo(
 }
 
 metal::float3 octagloss_between_levels(
-    uint probe_11,
+    uint probe_12,
     metal::float3 direction_4,
     float level_2,
 #ifdef OCTAGLOSS_CUBE
@@ -668,16 +724,16 @@ metal::float3 octagloss_between_levels(
 ) {
     octagloss_MapPlace _e3 = octagloss_place_of(direction_4);
     if (level_2 >= 2.0) {
-        metal::float3 _e8 = octagloss_read_levels(probe_11, _e3, level_2 - 2.0, octagloss_maps, octagloss_linear);
+        metal::float3 _e8 = octagloss_read_levels(probe_12, _e3, level_2 - 2.0, octagloss_maps, octagloss_linear);
         return _e8;
     }
     if (level_2 >= 1.0) {
-        metal::float3 _e11 = octagloss_read_sharp(probe_11, _e3, octagloss_maps, octagloss_linear);
-        metal::float3 _e13 = octagloss_read_levels(probe_11, _e3, 0.0, octagloss_maps, octagloss_linear);
+        metal::float3 _e11 = octagloss_read_sharp(probe_12, _e3, octagloss_maps, octagloss_linear);
+        metal::float3 _e13 = octagloss_read_levels(probe_12, _e3, 0.0, octagloss_maps, octagloss_linear);
         return metal::mix(_e11, _e13, level_2 - 1.0);
     }
-    metal::float3 _e17 = octagloss_read_mirror(probe_11, _e3, octagloss_maps, octagloss_linear);
-    metal::float3 _e18 = octagloss_read_sharp(probe_11, _e3, octagloss_maps, octagloss_linear);
+    metal::float3 _e17 = octagloss_read_mirror(probe_12, _e3, octagloss_maps, octagloss_linear);
+    metal::float3 _e18 = octagloss_read_sharp(probe_12, _e3, octagloss_maps, octagloss_linear);
     return metal::mix(_e17, _e18, level_2);
 }
 
@@ -712,9 +768,9 @@ metal::float2 octagloss_brdf_around(
     float left_1 = metal::min((0.5 * (light.z + radius)) / metal::max(radius, 0.000000001), 1.0);
     metal::float3 l = metal::normalize(metal::float3(light.xy, metal::max(light.z, left_1 * radius)));
     float above = (spread * left_1) * left_1;
-    metal::float3 middle = view + ((1.0 - above) * l);
-    float length2_ = metal::dot(middle, middle);
-    metal::float3 h = middle * metal::rsqrt(length2_);
+    metal::float3 middle_1 = view + ((1.0 - above) * l);
+    float length2_ = metal::dot(middle_1, middle_1);
+    metal::float3 h = middle_1 * metal::rsqrt(length2_);
     metal::float3 shape = metal::float3(alpha_1.y / alpha_1.x, alpha_1.x / alpha_1.y, alpha_1.x * alpha_1.y);
     metal::float3 bent = shape * h;
     float bend = metal::dot(h, bent);
@@ -726,11 +782,7 @@ metal::float2 octagloss_brdf_around(
     float _e64 = octagloss_masking_of(l, alpha_1);
     float determinant = ((size * size) * _e64) * _e64;
     float near = ((shape.z * along_2) * along_2) / ((bend * _e64) * _e64);
-#ifdef OCTAGLOSS_CUBE
     float last = determinant * near;
-#else
-    float last_1 = determinant * near;
-#endif
     float linear = 1.0 - trace;
     x = metal::max(0.5 * (linear + metal::sqrt((linear * linear) + ((4.0 * trace) * near))), near);
     bool loop_init_4 = true;
@@ -756,20 +808,12 @@ metal::float2 octagloss_brdf_around(
             x = _e97 + ((_e98 * (_e99 - ((((_e100 + trace) * _e102) + determinant) * _e105))) / _e109);
             float _e112 = x;
             float _e114 = x;
-#ifdef OCTAGLOSS_CUBE
             side = ((_e112 + aside) * _e114) + last;
-#else
-            side = ((_e112 + aside) * _e114) + last_1;
-#endif
             float _e117 = x;
             float _e121 = x;
             float _e129 = x;
             float _e135 = x;
-#ifdef OCTAGLOSS_CUBE
             slope = ((((((((_e117 + (2.0 * aside)) * _e121) + (3.0 * last)) + (trace * aside)) - determinant) * _e129) + ((2.0 * trace) * last)) * _e135) + (determinant * last);
-#else
-            slope = ((((((((_e117 + (2.0 * aside)) * _e121) + (3.0 * last_1)) + (trace * aside)) - determinant) * _e129) + ((2.0 * trace) * last_1)) * _e135) + (determinant * last_1);
-#endif
         }
     }
     float _e143 = x;
@@ -793,7 +837,7 @@ metal::float2 octagloss_brdf_around(
 }
 
 metal::float3 octagloss_cosine_light(
-    uint probe_12,
+    uint probe_13,
     metal::float3 n,
 #ifdef OCTAGLOSS_CUBE
     constant type_7& octagloss_lights
@@ -804,9 +848,9 @@ metal::float3 octagloss_cosine_light(
 ) {
     octagloss_MapPlace _e2 = octagloss_place_of(n);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e3 = octagloss_read_cosine(probe_12, _e2, octagloss_lights);
+    metal::float3 _e3 = octagloss_read_cosine(probe_13, _e2, octagloss_lights);
 #else
-    metal::float3 _e3 = octagloss_read_cosine(probe_12, _e2, octagloss_maps, octagloss_linear);
+    metal::float3 _e3 = octagloss_read_cosine(probe_13, _e2, octagloss_maps, octagloss_linear);
 #endif
     return _e3;
 }
@@ -819,7 +863,7 @@ metal::float2x3 octagloss_weighed(
 }
 
 metal::float2x3 octagloss_harmonics_reflected(
-    uint probe_13,
+    uint probe_14,
     octagloss_SurfaceFrame surface,
 #ifdef OCTAGLOSS_CUBE
     type_20 pairs,
@@ -831,15 +875,15 @@ metal::float2x3 octagloss_harmonics_reflected(
     metal::float3 n_1 = surface.normal;
     metal::float3 t_1 = surface.towards;
     type_12 _e5 = octagloss_harmonic_basis(n_1);
-    type_13 _e6 = octagloss_orders_of(probe_13, _e5, octagloss_lights);
+    type_13 _e6 = octagloss_orders_of(probe_14, _e5, octagloss_lights);
     type_12 _e12 = octagloss_harmonic_basis((n_1 * 0.309017) + (t_1 * 0.95105654));
-    type_13 _e13 = octagloss_orders_of(probe_13, _e12, octagloss_lights);
+    type_13 _e13 = octagloss_orders_of(probe_14, _e12, octagloss_lights);
     type_12 _e19 = octagloss_harmonic_basis((n_1 * -0.809017) + (t_1 * 0.58778524));
-    type_13 _e20 = octagloss_orders_of(probe_13, _e19, octagloss_lights);
+    type_13 _e20 = octagloss_orders_of(probe_14, _e19, octagloss_lights);
     type_12 _e26 = octagloss_harmonic_basis((n_1 * 0.809017) + (t_1 * 0.58778524));
-    type_13 _e27 = octagloss_orders_of(probe_13, _e26, octagloss_lights);
+    type_13 _e27 = octagloss_orders_of(probe_14, _e26, octagloss_lights);
     type_12 _e33 = octagloss_harmonic_basis((n_1 * -0.309017) + (t_1 * 0.95105654));
-    type_13 _e34 = octagloss_orders_of(probe_13, _e33, octagloss_lights);
+    type_13 _e34 = octagloss_orders_of(probe_14, _e33, octagloss_lights);
     metal::float2x3 _e38 = octagloss_weighed(_e6.inner[0], pairs.inner[0].xy);
     metal::float2x3 _e42 = octagloss_weighed(_e6.inner[1], pairs.inner[0].zw);
     metal::float2x3 _e47 = octagloss_weighed(_e6.inner[2], pairs.inner[1].xy);
@@ -867,7 +911,7 @@ float octagloss_map_inner(
 }
 
 metal::float3 octagloss_suns_reflected(
-    uint probe_14,
+    uint probe_15,
     octagloss_SurfaceFrame surface_1,
     metal::float2 tangent,
     metal::float2 alpha_2,
@@ -903,9 +947,9 @@ metal::float3 octagloss_suns_reflected(
         }
         {
             uint _e45 = disc_2;
-            OctaglossSun sun_2 = octagloss_lights.inner[probe_14].suns.inner[naga_div(_e45, 2u)];
+            OctaglossSun sun_2 = octagloss_lights.inner[probe_15].suns.inner[naga_div(_e45, 2u)];
             uint _e50 = disc_2;
-            metal::float3 _e51 = octagloss_half_axis_of(probe_14, _e50, octagloss_lights);
+            metal::float3 _e51 = octagloss_half_axis_of(probe_15, _e50, octagloss_lights);
             float _e52 = octagloss_squared(_e51);
             float nearer_1 = 1.0 - (0.5 * _e52);
             c = 0u;
@@ -947,7 +991,7 @@ metal::float2 octagloss_albedo_share(
 }
 
 metal::float3 octagloss_reflected_isotropic(
-    uint probe_15,
+    uint probe_16,
     octagloss_SurfaceFrame surface_2,
     float roughness_4,
     metal::float3 f0_1,
@@ -972,9 +1016,9 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
     metal::float2 rest_1 = _e13.xy;
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e15 = octagloss_cosine_light(probe_15, n_2, octagloss_lights);
+    metal::float3 _e15 = octagloss_cosine_light(probe_16, n_2, octagloss_lights);
 #else
-    metal::float3 _e15 = octagloss_cosine_light(probe_15, n_2, octagloss_maps, octagloss_linear);
+    metal::float3 _e15 = octagloss_cosine_light(probe_16, n_2, octagloss_maps, octagloss_linear);
 #endif
     metal::float2x3 _e16 = octagloss_weighed(_e15, rest_1);
     sum_3 = _e16;
@@ -997,7 +1041,7 @@ metal::float3 octagloss_reflected_isotropic(
             metal::float3 half_vector = metal::normalize(n_2 + (_e27.x * along_3));
             metal::float3 direction_5 = (half_vector * (2.0 * metal::dot(v_1, half_vector))) - v_1;
             metal::float2x3 _e37 = sum_3;
-            metal::float3 _e39 = octagloss_between_levels(probe_15, direction_5, _e27.y, octagloss_maps, octagloss_linear);
+            metal::float3 _e39 = octagloss_between_levels(probe_16, direction_5, _e27.y, octagloss_maps, octagloss_linear);
             metal::float2x3 _e41 = octagloss_weighed(_e39, _e27.zw);
             sum_3 = _e37 + _e41;
             metal::float2 _e43 = white;
@@ -1020,7 +1064,7 @@ metal::float3 octagloss_reflected_isotropic(
     type_21 pairs_1 = type_21 {{_e61, _e63, _e65, _e67, _e69, _e71, _e73, _e75}};
 #endif
     metal::float2x3 _e77 = sum_3;
-    metal::float2x3 _e78 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1, octagloss_lights);
+    metal::float2x3 _e78 = octagloss_harmonics_reflected(probe_16, surface_2, pairs_1, octagloss_lights);
     sum_3 = _e77 + _e78;
     metal::float2 _e80 = white;
     white = _e80 + pairs_1.inner[0].xy;
@@ -1029,26 +1073,26 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float2 _e86 = octagloss_albedo_share(_e84, _e85);
     metal::float3 _e90 = sum_3[0];
     metal::float3 _e95 = sum_3[1];
-    float _e103 = octagloss_lights.inner[probe_15].unscale;
+    float _e103 = octagloss_lights.inner[probe_16].unscale;
     metal::float3 lit_1 = metal::max(((f0_1 * _e86.x) * _e90) + ((f90_1 * _e86.y) * _e95), metal::float3 {}) * _e103;
     float _e105 = in_mirror;
     float _e107 = white.x;
     float _e109 = white.y;
     float share_3 = metal::max(1.0 - (_e105 / (_e107 + _e109)), 0.0);
     metal::float2 alpha_11 = metal::float2(roughness_4 * roughness_4);
-    metal::float3 _e121 = octagloss_suns_reflected(probe_15, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
+    metal::float3 _e121 = octagloss_suns_reflected(probe_16, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
     return lit_1 + (share_3 * _e121);
 }
 
 octagloss_SurfaceFrame octagloss_surface_of(
-    uint probe_16,
+    uint probe_17,
     metal::float3 normal_2,
     metal::float3 view_1,
     constant type_7& octagloss_lights
 ) {
     metal::float3 level_view = {};
-    metal::float3 _e3 = octagloss_source_from_world(probe_16, normal_2, octagloss_lights);
-    metal::float3 _e4 = octagloss_source_from_world(probe_16, view_1, octagloss_lights);
+    metal::float3 _e3 = octagloss_source_from_world(probe_17, normal_2, octagloss_lights);
+    metal::float3 _e4 = octagloss_source_from_world(probe_17, view_1, octagloss_lights);
     float cosine_13 = metal::clamp(metal::dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = _e4 - (_e3 * metal::dot(_e3, _e4));
     metal::float3 _e13 = level_view;
@@ -1121,11 +1165,11 @@ octagloss_RowPlace octagloss_row_place(
 }
 
 metal::float4 octagloss_read_rows(
-    metal::float3 at_5,
+    metal::float3 at_6,
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_5, metal::level(0.0));
+    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_6, metal::level(0.0));
     return _e4;
 }
 
@@ -1135,9 +1179,9 @@ metal::float4 octagloss_row_node(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float3 at_7 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
-    metal::float4 _e11 = octagloss_read_rows(at_7, octagloss_linear, octagloss_rows);
-    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_7.x, at_7.y + 0.125, at_7.z), octagloss_linear, octagloss_rows);
+    metal::float3 at_8 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
+    metal::float4 _e11 = octagloss_read_rows(at_8, octagloss_linear, octagloss_rows);
+    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_8.x, at_8.y + 0.125, at_8.z), octagloss_linear, octagloss_rows);
     return metal::mix(_e11, _e18, place.share);
 }
 
@@ -1149,8 +1193,13 @@ metal::float4 octagloss_row_block(
 ) {
     float row_2 = metal::floor((block + 0.5) / octagloss_ROW_BLOCKS);
     metal::float2 corner_1 = metal::float2(16.0, 10.0) * metal::float2(block - (octagloss_ROW_BLOCKS * row_2), row_2);
+#ifdef OCTAGLOSS_CUBE
     metal::float3 first_2 = metal::float3(corner_1.x, corner_1.y + 70.0, 0.0);
     metal::float4 _e27 = octagloss_read_rows(((first_2 + place_1) + metal::float3(0.5)) / octagloss_ROW_SIZE, octagloss_linear, octagloss_rows);
+#else
+    metal::float3 first_3 = metal::float3(corner_1.x, corner_1.y + 70.0, 0.0);
+    metal::float4 _e27 = octagloss_read_rows(((first_3 + place_1) + metal::float3(0.5)) / octagloss_ROW_SIZE, octagloss_linear, octagloss_rows);
+#endif
     return _e27;
 }
 
@@ -1254,23 +1303,14 @@ metal::float2 octagloss_row_read(
     float growth = row_1.steps.w * slope_1;
     float width = ((wider * row_1.steps.z) * metal::sqrt(1.0 + (growth * growth))) * row_1.extent;
     float _e44 = octagloss_map_inner(octagloss_maps);
-#ifdef OCTAGLOSS_CUBE
     float last_1 = metal::log2(_e44) - 3.0;
     float sharp_1 = last_1 + metal::log2(metal::max(width, 0.000000001) / 0.35);
-#else
-    float last_2 = metal::log2(_e44) - 3.0;
-    float sharp_1 = last_2 + metal::log2(metal::max(width, 0.000000001) / 0.35);
-#endif
     float below = metal::max(metal::log2((metal::max(width, 0.000000001) * _e44) / 1.8) * 0.610706, 0.0);
-#ifdef OCTAGLOSS_CUBE
     return metal::float2(slope_1, (sharp_1 >= 1.0) ? metal::min(sharp_1, last_1) : below);
-#else
-    return metal::float2(slope_1, (sharp_1 >= 1.0) ? metal::min(sharp_1, last_2) : below);
-#endif
 }
 
 type_13 octagloss_orders_aside(
-    uint probe_17,
+    uint probe_18,
     octagloss_SurfaceFrame surface_3,
     metal::float3 across,
     metal::float3 d_2,
@@ -1280,12 +1320,12 @@ type_13 octagloss_orders_aside(
     type_12 _e14 = octagloss_harmonic_basis(level_4 + (across * d_2.y));
     type_12 _e18 = octagloss_harmonic_basis(level_4 - (across * d_2.y));
     type_12 difference_1 = type_12 {{_e14.inner[0] - _e18.inner[0], _e14.inner[1] - _e18.inner[1], _e14.inner[2] - _e18.inner[2], _e14.inner[3] - _e18.inner[3], _e14.inner[4] - _e18.inner[4], _e14.inner[5] - _e18.inner[5], _e14.inner[6] - _e18.inner[6], _e14.inner[7] - _e18.inner[7], _e14.inner[8] - _e18.inner[8], _e14.inner[9] - _e18.inner[9], _e14.inner[10] - _e18.inner[10], _e14.inner[11] - _e18.inner[11], _e14.inner[12] - _e18.inner[12], _e14.inner[13] - _e18.inner[13], _e14.inner[14] - _e18.inner[14], _e14.inner[15] - _e18.inner[15], _e14.inner[16] - _e18.inner[16], _e14.inner[17] - _e18.inner[17], _e14.inner[18] - _e18.inner[18], _e14.inner[19] - _e18.inner[19], _e14.inner[20] - _e18.inner[20], _e14.inner[21] - _e18.inner[21], _e14.inner[22] - _e18.inner[22], _e14.inner[23] - _e18.inner[23], _e14.inner[24] - _e18.inner[24]}};
-    type_13 _e95 = octagloss_orders_of(probe_17, difference_1, octagloss_lights);
+    type_13 _e95 = octagloss_orders_of(probe_18, difference_1, octagloss_lights);
     return _e95;
 }
 
 metal::float2x3 octagloss_harmonics_aside(
-    uint probe_18,
+    uint probe_19,
     octagloss_SurfaceFrame surface_4,
     metal::float3 across_1,
     octagloss_RowPlace place_2,
@@ -1294,10 +1334,10 @@ metal::float2x3 octagloss_harmonics_aside(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    type_13 _e9 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
-    type_13 _e14 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
-    type_13 _e19 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
-    type_13 _e24 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
+    type_13 _e9 = octagloss_orders_aside(probe_19, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
+    type_13 _e14 = octagloss_orders_aside(probe_19, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
+    type_13 _e19 = octagloss_orders_aside(probe_19, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
+    type_13 _e24 = octagloss_orders_aside(probe_19, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
     metal::float4 _e26 = octagloss_row_node(16u, place_2, octagloss_linear, octagloss_rows);
     metal::float4 _e28 = octagloss_row_node(17u, place_2, octagloss_linear, octagloss_rows);
     metal::float4 _e30 = octagloss_row_node(18u, place_2, octagloss_linear, octagloss_rows);
@@ -1317,7 +1357,7 @@ metal::float2x3 octagloss_harmonics_aside(
 }
 
 metal::float3 octagloss_reflect_in_row(
-    uint probe_19,
+    uint probe_20,
     octagloss_SurfaceFrame surface_5,
     metal::float2 tangent_5,
     metal::float2 alpha_9,
@@ -1367,9 +1407,9 @@ metal::float3 octagloss_reflect_in_row(
             if (_e44 == 0u) {
                 metal::float2x3 _e47 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-                metal::float3 _e48 = octagloss_cosine_light(probe_19, n_3, octagloss_lights);
+                metal::float3 _e48 = octagloss_cosine_light(probe_20, n_3, octagloss_lights);
 #else
-                metal::float3 _e48 = octagloss_cosine_light(probe_19, n_3, octagloss_maps, octagloss_linear);
+                metal::float3 _e48 = octagloss_cosine_light(probe_20, n_3, octagloss_maps, octagloss_linear);
 #endif
                 metal::float2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
                 sum_4 = _e47 + _e50;
@@ -1407,7 +1447,7 @@ metal::float3 octagloss_reflect_in_row(
                     metal::float3 half_vector_1 = metal::normalize(n_3 + (_e96.x * axis_2));
                     metal::float3 direction_6 = (half_vector_1 * (2.0 * metal::dot(v_2, half_vector_1))) - v_2;
                     metal::float2x3 _e106 = sum_4;
-                    metal::float3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y, octagloss_maps, octagloss_linear);
+                    metal::float3 _e108 = octagloss_between_levels(probe_20, direction_6, _e96.y, octagloss_maps, octagloss_linear);
                     metal::float2x3 _e109 = octagloss_weighed(_e108, weights_3);
                     sum_4 = _e106 + _e109;
                     metal::float2 _e111 = white_1;
@@ -1432,13 +1472,13 @@ metal::float3 octagloss_reflect_in_row(
     type_21 pairs_2 = type_21 {{_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142}};
 #endif
     metal::float2x3 _e144 = sum_4;
-    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2, octagloss_lights);
+    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_20, surface_5, pairs_2, octagloss_lights);
     sum_4 = _e144 + _e145;
     metal::float2 _e147 = white_1;
     white_1 = _e147 + pairs_2.inner[0].xy;
     metal::float3 mirrored = across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
     metal::float2x3 _e160 = sum_4;
-    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
+    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_20, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
     sum_4 = _e160 + _e163;
     metal::float4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5, octagloss_linear, octagloss_rows);
     metal::float2 beyond = _e166.xy;
@@ -1447,16 +1487,16 @@ metal::float3 octagloss_reflect_in_row(
     metal::float2 shares = _e172 / _e173;
     metal::float3 _e178 = sum_4[0];
     metal::float3 _e183 = sum_4[1];
-    float _e191 = octagloss_lights.inner[probe_19].unscale;
+    float _e191 = octagloss_lights.inner[probe_20].unscale;
     metal::float3 lit_2 = metal::max(((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183), metal::float3 {}) * _e191;
     metal::float2 _e193 = in_mirror_1;
     float share_4 = metal::max(1.0 - (metal::dot(shares, _e193) / (_e172.x + _e172.y)), 0.0);
-    metal::float3 _e203 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
+    metal::float3 _e203 = octagloss_suns_reflected(probe_20, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
     return lit_2 + (share_4 * _e203);
 }
 
 metal::float3 octagloss_reflect_of(
-    uint probe_20,
+    uint probe_21,
     metal::float3 normal_4,
     metal::float3 view_3,
     metal::float3 tangent_6,
@@ -1476,7 +1516,7 @@ metal::float3 octagloss_reflect_of(
 ) {
     metal::float2 level_3 = metal::float2 {};
     bool local = {};
-    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_20, normal_4, view_3, octagloss_lights);
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_21, normal_4, view_3, octagloss_lights);
     if (anisotropy_1 > 0.0) {
         local = metal::dot(tangent_6, tangent_6) > 0.0;
     } else {
@@ -1484,26 +1524,26 @@ metal::float3 octagloss_reflect_of(
     }
     bool _e19 = local;
     if (_e19) {
-        metal::float3 _e20 = octagloss_source_from_world(probe_20, tangent_6, octagloss_lights);
+        metal::float3 _e20 = octagloss_source_from_world(probe_21, tangent_6, octagloss_lights);
         metal::float3 across_5 = metal::cross(_e8.normal, _e8.towards);
         level_3 = metal::float2(metal::dot(_e20, _e8.towards), metal::dot(_e20, across_5));
     }
     metal::float2 _e28 = level_3;
     metal::float2 _e29 = level_3;
     if (metal::dot(_e28, _e29) < 0.0000000001) {
-        metal::float3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+        metal::float3 _e33 = octagloss_reflected_isotropic(probe_21, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
         return _e33;
     }
     metal::float2 _e36 = octagloss_row_alphas(roughness_7, metal::min(anisotropy_1, 1.0));
     float _e37 = octagloss_row_share(_e36);
     metal::float2 _e38 = level_3;
-    metal::float3 _e40 = octagloss_reflect_in_row(probe_20, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 _e40 = octagloss_reflect_in_row(probe_21, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
     metal::float3 sum_5 = _e37 * _e40;
     if (_e37 == 1.0) {
         return sum_5;
     }
     float round = metal::sqrt(metal::sqrt(_e36.x * _e36.y));
-    metal::float3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    metal::float3 _e51 = octagloss_reflected_isotropic(probe_21, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
     return sum_5 + ((1.0 - _e37) * _e51);
 }
 

@@ -105,8 +105,8 @@ fn one_look_up_reads_any_probe_as_if_it_were_alone() {
             ("octagloss_linear, at, 2u * probe + 1u,", "octagloss_linear, at, 1u,", "0.1"),
             ("octagloss_linear, at, probe, level", "octagloss_linear, at, 0u, level", "0.4"),
             (
-                "octagloss_cosine, octagloss_linear, at, probe",
-                "octagloss_cosine, octagloss_linear, at, 0u",
+                "octagloss_middles, octagloss_linear, at, probe",
+                "octagloss_middles, octagloss_linear, at, 0u",
                 "0.4",
             ),
             ("octagloss_lights[probe].suns", "octagloss_lights[0].suns", "0.4"),

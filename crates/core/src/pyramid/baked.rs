@@ -53,7 +53,7 @@ impl BakedPyramid {
     /// What is wrong with the light.
     pub(crate) fn of_parts(
         octaves: Octaves,
-        maps: Vec<Map>,
+        [maps, middles]: [Vec<Map>; 2],
         cosine: Option<Map>,
         light: OctaglossLight,
     ) -> std::result::Result<Self, String> {
@@ -89,7 +89,7 @@ impl BakedPyramid {
         }
         let suns = Suns { suns, clamp: light.clamp * light.unscale, greatest: f32::MAX };
         let harmonics = light.harmonics.map(|[r, g, b, _]| Vec3A::new(r, g, b));
-        let pyramid = Pyramid { octaves, maps, cosine, harmonics, suns, exponent: exponent as i32 };
+        let pyramid = Pyramid { octaves, maps, middles, cosine, harmonics, suns, exponent: exponent as i32 };
         Ok(Self { pyramid, light })
     }
 

@@ -2,7 +2,8 @@
 //!
 //! One cube holds them all: MIP level 0 has the mirror, 1 the sharp level, then the levels come from fine to
 //! coarse. From the sharp one on a texel is 1 / 1.4 of its Gaussian's standard deviation in the middle of a
-//! face, and less than half of that at a corner. Harmonics to order 4 stand for the cosine level.
+//! face, and less than half of that at a corner. Harmonics to order 4 stand for the cosine level, and there
+//! are no middle levels.
 
 use super::Pyramid;
 use super::levels::{BETWEEN, Map, Place, Taps, scale};
@@ -77,6 +78,7 @@ impl Pyramid {
             };
             Map::of_cube(size, &texels)
         };
-        Self { maps: (0..self.maps.len()).map(cube).collect(), cosine: None, ..*self }
+        let maps = (0..self.maps.len()).map(cube).collect();
+        Self { octaves: octaves.on_cubes(), maps, middles: Vec::new(), cosine: None, ..*self }
     }
 }

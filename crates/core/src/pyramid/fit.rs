@@ -3,51 +3,58 @@
 //! A lobe of any roughness is a weighted sum of Gaussians, of the clamped cosine and of zonal harmonics. At
 //! each node the weights solve a linear least-squares problem. A ridge keeps them small: without it, the
 //! widest levels and the harmonics are nearly the same functions, and weights of 10 and more would multiply
-//! the error of interpolation. It rises smoothly to infinity where a level comes into use, so that no weight
-//! jumps, and limits those in use to [`READS`].
+//! the error of interpolation. It rises smoothly to infinity where a level comes into use and where it goes,
+//! so that no weight jumps: at most [`READS`] are in use, and when one more is needed, the finest goes.
 
-use super::{Octaves, WIDEST, suns};
+use super::{Octaves, suns};
 use crate::common::parallel;
 use crate::lobe::{self, Lobe, legendre};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 /// Intervals of the table.
-pub const INTERVALS: u32 = 640;
+pub const INTERVALS: u32 = 860;
 
-/// Weights at a node: mirror, sharp level, seven levels from fine to coarse, cosine, harmonics of order 0 to
-/// 4; and 1 over the integral of GGX, for suns.
-pub const WEIGHTS: usize = 16;
+/// Weights at a node: mirror, sharp level, seven levels from fine to coarse, two middle levels, cosine,
+/// harmonics of order 0 to 4; 1 over the integral of GGX, for suns; the rest of the last texel.
+pub const WEIGHTS: usize = 20;
+
+/// Place of the weight of the finer middle level.
+pub(super) const MIDDLE: usize = 9;
 
 /// Place of the cosine's weight.
-pub(crate) const COSINE: usize = 9;
+pub(crate) const COSINE: usize = 11;
 
 /// Place of the weight of the harmonics of order 0.
-pub(crate) const ORDERS: usize = 10;
+pub const ORDERS: usize = 12;
 
 /// Place of 1 over the integral of GGX.
-pub(crate) const LOBE: usize = 15;
+pub const LOBE: usize = 17;
 
 /// Most levels with a weight at one roughness: the bilinear reads of a look-up.
 pub const READS: usize = 5;
 
 /// Nodes lie evenly in the logarithm of roughness, and evenly in roughness far below 1 over this.
-pub(crate) const SPREAD: f64 = 50.0;
+pub(crate) const SPREAD: f64 = 30.0;
 
-/// Standard deviations over alpha between which a level comes into use, log2, and over how many octaves. GGX
-/// is a mixture of Gaussians from half of alpha up. Levels with a weight span less than [`READS`] octaves.
-const IN_USE: [f64; 2] = [-1.6, 3.9];
-const FADE: f64 = 1.5;
+/// Standard deviation of a level over the alpha at which it comes into use. GGX is a mixture of Gaussians
+/// from half of alpha up.
+const WIDE: f64 = 10.9;
 
-/// Octaves that finer levels gain once the widest is in use: then there are reads to spare.
-const SPARE: f64 = 0.4;
+/// Alpha over the standard deviation of a level at which it has gone at the latest, slowly.
+const NARROW: f64 = 5.0;
 
-/// The same for the mirror, which is more than an octave sharper than the sharp level.
-const MIRROR_FROM: f64 = -2.2;
+/// Alphas at which the middle levels come into use, from the coarser on, and the cosine, without middle
+/// levels and with them: where the fit is best without the level that goes.
+const MIDDLES_FROM: [f64; 2] = [0.113, 0.072];
+const COSINE_FROM: [f64; 2] = [0.088, 0.17];
 
-/// Roughness over which harmonics, and the cosine, come into use.
+/// Octaves of alpha over which a level comes into use, or goes: below [`LONG`], and above.
+const FADES: [f64; 2] = [1.2, 0.5];
+const LONG: f64 = 0.006;
+
+/// Roughness over which harmonics come into use.
 const HARMONICS: [f64; 2] = [0.02, 0.15];
-const CLAMPED_COSINE: [f64; 2] = [0.25, 0.6];
 
 /// Ridge of what is in use, in units of the lobe's own norm; how fast it rises where that comes into use; and
 /// over which share of itself it counts as infinite.
@@ -68,10 +75,14 @@ pub fn table(octaves: Octaves) -> Vec<[f32; WEIGHTS]> {
 
 /// Those at one node, fitted at the first call.
 fn node(octaves: Octaves, index: u32) -> [f32; WEIGHTS] {
-    static FITTED: [[OnceLock<[f32; WEIGHTS]>; INTERVALS as usize + 1]; Octaves::MOST as usize] =
-        [const { [const { OnceLock::new() }; INTERVALS as usize + 1] }; Octaves::MOST as usize];
+    type Nodes = [OnceLock<[f32; WEIGHTS]>; INTERVALS as usize + 1];
+    // With middle levels, and without.
+    static FITTED: [[Nodes; 2]; Octaves::MOST as usize] =
+        [const { [const { [const { OnceLock::new() }; INTERVALS as usize + 1] }; 2] };
+            Octaves::MOST as usize];
     let fitted = || fitted(octaves, roughness_of(f64::from(index)));
-    *FITTED[octaves.count() as usize - 1][index as usize].get_or_init(fitted)
+    let of_size = &FITTED[octaves.count() as usize - 1];
+    *of_size[usize::from(octaves.middles() == 0)][index as usize].get_or_init(fitted)
 }
 
 /// Weights at `roughness` in [0, 1], between the two nodes of [`table`] around it.
@@ -101,13 +112,19 @@ pub fn gaussian(width: f64, c: f64) -> f64 {
     (-c / square).exp() / (2.0 * PI * square * (1.0 - (-2.0 / square).exp()))
 }
 
+/// Places of the weights of Gaussians, and their standard deviations.
+fn gaussians(octaves: Octaves) -> impl Iterator<Item = (usize, f64)> {
+    let levels = (0..octaves.count()).map(move |level| octaves.width(level));
+    let middles = (0..octaves.middles()).map(move |middle| octaves.middle_width(middle));
+    let sharp = [octaves.mirror_width(), octaves.sharp_width()];
+    (0..).zip(sharp.into_iter().chain(levels)).chain((MIDDLE..).zip(middles))
+}
+
 /// What the weights multiply, at 1 - cos(theta) = `c`.
 pub fn functions(octaves: Octaves, c: f64) -> [f64; WEIGHTS] {
     let mut values = [0.0; WEIGHTS];
-    let widths = [octaves.mirror_width(), octaves.sharp_width()];
-    let widths = widths.into_iter().chain((0..octaves.count()).map(|level| octaves.width(level)));
-    for (value, width) in values.iter_mut().zip(widths) {
-        *value = gaussian(width, c);
+    for (place, width) in gaussians(octaves) {
+        values[place] = gaussian(width, c);
     }
     values[COSINE] = (1.0 - c).max(0.0) / PI;
     for ((value, legendre), order) in values[ORDERS..LOBE].iter_mut().zip(legendre(1.0 - c)).zip(0..) {
@@ -116,26 +133,52 @@ pub fn functions(octaves: Octaves, c: f64) -> [f64; WEIGHTS] {
     values
 }
 
+/// The alphas between which each level is in use, by place: the mirror from the start.
+fn ranges(octaves: Octaves) -> [[f64; 2]; WEIGHTS] {
+    let middles = octaves.middles() as usize;
+    let mut entries: Vec<(f64, f64, usize)> = gaussians(octaves)
+        .map(|(place, width)| {
+            let from = match place {
+                0 => 0.0,
+                MIDDLE.. => MIDDLES_FROM[middles - 1 - (place - MIDDLE)],
+                _ => width / WIDE,
+            };
+            (from, width, place)
+        })
+        .collect();
+    entries.push((COSINE_FROM[usize::from(middles > 0)], f64::INFINITY, COSINE));
+    entries.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut ranges = [[f64::INFINITY; 2]; WEIGHTS];
+    let mut in_use: Vec<(f64, usize)> = Vec::new();
+    for (from, width, place) in entries {
+        if in_use.len() == READS {
+            in_use.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let (_, finest) = in_use.pop().expect("levels in use");
+            ranges[finest][1] = from;
+        }
+        in_use.push((width, place));
+        ranges[place][0] = from;
+    }
+    ranges
+}
+
 /// Over the ridge, the ridge of what is in use: 1 where a function is, 0 where it is not.
 fn shares(octaves: Octaves, roughness: f64) -> [f64; WEIGHTS] {
     let share = |t: f64| {
         let share = (-RISE * (1.0 - t.min(1.0)) / t.max(0.0)).exp();
         if share > NONE { share } else { 0.0 }
     };
-    let octave = |width: f64| (width / (roughness * roughness)).log2();
-    let spare = SPARE * smooth(2.0 * (IN_USE[1] - octave(WIDEST)) - 1.0);
-    let mut shares = [0.0; WEIGHTS];
-    shares[0] = share((octave(octaves.mirror_width()) - MIRROR_FROM) / FADE);
-    let widths = std::iter::once(octaves.sharp_width()).chain((0..octaves.count()).map(|k| octaves.width(k)));
-    for (place, width) in shares[1..].iter_mut().zip(widths) {
-        let octave = octave(width);
-        let [low, high] =
-            [octave - IN_USE[0] + spare, IN_USE[1] - octave].map(|t| (t / FADE).clamp(0.0, 1.0));
-        *place = share(low * high);
+    let alpha = roughness * roughness;
+    let over = |octaves: f64, at: f64| share(octaves / FADES[usize::from(at > LONG)]);
+    let mut shares = ranges(octaves).map(|[from, to]| {
+        let entered = if from == 0.0 { 1.0 } else { over((alpha / from).log2(), from) };
+        entered * over((to / alpha).log2(), to)
+    });
+    for (place, width) in gaussians(octaves) {
+        shares[place] *= share((NARROW * width / alpha).log2() / FADES[0]);
     }
-    let above = |[from, to]: [f64; 2]| share((roughness - from) / (to - from));
-    shares[COSINE] = above(CLAMPED_COSINE);
-    shares[ORDERS..LOBE].fill(above(HARMONICS));
+    let [from, to] = HARMONICS;
+    shares[ORDERS..LOBE].fill(share((roughness - from) / (to - from)));
     shares
 }
 

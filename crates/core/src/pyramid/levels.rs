@@ -1,6 +1,7 @@
 //! The levels: octahedral maps under Gaussian lobes, each from the next finer one.
 //!
-//! A Gaussian of variance s^2 over one of s^2 / 4 is one of 3 s^2 / 4. The finer level is smooth, so 25
+//! A Gaussian of variance s^2 over one of s^2 / 4 is one of 3 s^2 / 4; middle levels lie half an octave above
+//! the level whose texels they have, and are that under one of s^2 / 2. The finer level is smooth, so 25
 //! bilinear reads of it make that Gaussian: three rings, whose radii and weights were optimised for the
 //! Gaussian of all levels together; the next two terms of the error, an uneven ring and an uneven profile,
 //! are below 1 % each. Every read is placed on the sphere, so the levels know no seams.
@@ -370,12 +371,14 @@ pub fn taps() -> [(Vec2, f32); TAPS] {
 }
 
 /// Over the variance of a level's Gaussian, that of the one between it and the next finer level.
-pub(super) const BETWEEN: f64 = 0.75;
+pub const BETWEEN: f64 = 0.75;
 
-/// The level of `inner` texels under a Gaussian of `width`, from the one of half that width.
-pub(crate) fn cascade(finer: &Map, inner: u32, width: f64) -> Map {
+/// The same for a middle level, which is made of the level whose texels it has.
+pub const FROM_MIDDLE: f64 = 0.5;
+
+/// The level of `inner` texels that is `finer` under a Gaussian of `variance`.
+pub(crate) fn cascade(finer: &Map, inner: u32, variance: f64) -> Map {
     let taps = Taps::new();
-    let variance = BETWEEN * width * width;
     Map::of_quarters(inner, |x, y| taps.mirrored(finer, &Place::new(inner, x, y, variance, READ)))
 }
 

@@ -4,6 +4,7 @@
 //! OEM --suns--> suns
 //!  +--mirror--> mirror
 //!  +--the rest --sharp--> s = .011 --cascade--> .022 --cascade--> .044 ... .35
+//!        |                                        middle levels .125, .25 <--+
 //!        +--cells--> cosine level, harmonics
 //!
 //! L(d, r) = sum of w_k(r) level_k(d) + sum of a_l(r) (harmonics of order l at d) + suns
@@ -38,7 +39,7 @@ use crate::light::sh::basis;
 use crate::light::sh::scale::COSINE as COSINE_BANDS;
 pub use baked::BakedPyramid;
 use cells::Cells;
-use fit::{COSINE, LOBE, ORDERS, WEIGHTS, weights_at};
+use fit::{COSINE, LOBE, MIDDLE, ORDERS, WEIGHTS, weights_at};
 use glam::{DVec3, Vec3A};
 use levels::Map;
 use suns::{GlossySuns, Suns};
@@ -49,9 +50,12 @@ pub const COARSEST: u32 = 32;
 /// Standard deviation of the coarsest level's Gaussian.
 pub const WIDEST: f64 = 0.35;
 
-/// The number of levels of a pyramid, which follows from the size of its map.
+/// The levels of a pyramid, which follow from the size of its map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Octaves(u32);
+pub struct Octaves {
+    count: u32,
+    middles: u32,
+}
 
 impl Octaves {
     /// Most levels: those of a map of 2048 x 2048.
@@ -81,7 +85,8 @@ impl Octaves {
     /// [`crate::common::error::Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048.
     pub fn over(inner: u32) -> Result<Self> {
         if Self::sizes().any(|size| size == inner) {
-            return Ok(Self(inner.ilog2() - COARSEST.ilog2() + 1));
+            let count = inner.ilog2() - COARSEST.ilog2() + 1;
+            return Ok(Self { count, middles: count.saturating_sub(2).min(2) });
         }
         wrong(format!(
             "an OEM of {inner} texels has no pyramid; choose a power of two from {COARSEST} to {} as \
@@ -90,24 +95,44 @@ impl Octaves {
         ))
     }
 
-    /// The number of levels, without the sharp ones.
+    /// Those of the same map on a cube, which has no room for middle levels.
+    pub(crate) const fn on_cubes(self) -> Self {
+        Self { middles: 0, ..self }
+    }
+
+    /// The number of levels, without the sharp ones and the middle ones.
     pub const fn count(self) -> u32 {
-        self.0
+        self.count
+    }
+
+    /// The number of middle levels, between the coarsest levels.
+    pub const fn middles(self) -> u32 {
+        self.middles
+    }
+
+    /// The level that `middle`, 0 the finest, lies half an octave above: it has the same texels.
+    pub const fn below_middle(self, middle: u32) -> u32 {
+        self.count - 1 - self.middles + middle
+    }
+
+    /// Standard deviation of the Gaussian of `middle`.
+    pub fn middle_width(self, middle: u32) -> f64 {
+        self.width(self.below_middle(middle)) * std::f64::consts::SQRT_2
     }
 
     /// Texels along an edge of the map.
     pub const fn inner(self) -> u32 {
-        COARSEST << (self.0 - 1)
+        COARSEST << (self.count - 1)
     }
 
     /// Size of `level`, 0 the finest, with borders that halve with the levels.
     pub const fn size(self, level: u32) -> OemSize {
-        OemSize { inner: self.inner() >> level, border: 1 << (self.0 - 1 - level) }
+        OemSize { inner: self.inner() >> level, border: 1 << (self.count - 1 - level) }
     }
 
     /// Standard deviation of the Gaussian of `level`, 0 the finest.
     pub fn width(self, level: u32) -> f64 {
-        WIDEST / f64::from(1_u32 << (self.0 - 1 - level))
+        WIDEST / f64::from(1_u32 << (self.count - 1 - level))
     }
 
     /// That of the sharp level, which has as many texels as level 0.
@@ -127,6 +152,8 @@ pub struct Pyramid {
     octaves: Octaves,
     /// Mirror, sharp level, levels from fine to coarse. Light is multiplied by 2^-exponent.
     maps: Vec<Map>,
+    /// Those half an octave between the coarsest, from fine to coarse; none on cubes.
+    middles: Vec<Map>,
     /// `None` on cubes, which have harmonics instead.
     cosine: Option<Map>,
     harmonics: [Vec3A; 25],
@@ -148,12 +175,19 @@ impl Pyramid {
         let mut maps = vec![sharp::sharp(&mirror, clamp, octaves.sharp_width())];
         for level in 0..octaves.count() {
             let finer = maps.last().expect("the sharp level at least");
-            maps.push(levels::cascade(finer, octaves.size(level).inner, octaves.width(level)));
+            let variance = levels::BETWEEN * octaves.width(level).powi(2);
+            maps.push(levels::cascade(finer, octaves.size(level).inner, variance));
         }
+        let middle = |middle: u32| {
+            let variance = levels::FROM_MIDDLE * octaves.middle_width(middle).powi(2);
+            let below = &maps[octaves.below_middle(middle) as usize + 1];
+            levels::cascade(below, below.inner(), variance)
+        };
+        let middles = (0..octaves.middles()).map(middle).collect();
         maps.insert(0, mirror);
         let cells = Cells::new(oem, suns.clamp, exponent);
         let (cosine, harmonics) = (cells.cosine(), cells.harmonics());
-        Ok(Self { octaves, maps, cosine: Some(cosine), harmonics, suns, exponent })
+        Ok(Self { octaves, maps, middles, cosine: Some(cosine), harmonics, suns, exponent })
     }
 
     /// GGX lobes of `roughness` in [0, 1].
@@ -175,6 +209,11 @@ impl Pyramid {
     /// Mirror, sharp level, and levels from fine to coarse; light is multiplied by 2^-[`Self::exponent`].
     pub fn maps(&self) -> &[Map] {
         &self.maps
+    }
+
+    /// Middle levels from fine to coarse, scaled so, too.
+    pub fn middles(&self) -> &[Map] {
+        &self.middles
     }
 
     /// Irradiance over pi, scaled so, too.
@@ -256,8 +295,10 @@ impl PyramidLobes<'_> {
         let direction = direction.normalize();
         let place = pyramid.maps[0].place_of(direction);
         let mut sum = harmonics_around(direction, harmonics);
-        for (map, weight) in pyramid.maps.iter().zip(*weights).filter(|(_, weight)| *weight != 0.0) {
-            sum += weight * map.read(place);
+        let maps = pyramid.maps.iter().zip(&weights[..]);
+        let middles = pyramid.middles.iter().zip(&weights[MIDDLE..]);
+        for (map, weight) in maps.chain(middles).filter(|(_, weight)| **weight != 0.0) {
+            sum += *weight * map.read(place);
         }
         if weights[COSINE] != 0.0 {
             sum += weights[COSINE] * pyramid.cosine_around(direction);

@@ -3,6 +3,7 @@
 //! ```text
 //! OEM planes --suns--> light (suns, scale)
 //!  +--mirror--> mirror --sharp--> sharp level --cascade--> level 0 --cascade--> level 1 ...
+//!  |                                                             middle levels <--+
 //!  +--cells--> cells --cosine--> cosine level
 //!                +--harmonics--> light
 //! ```
@@ -11,7 +12,7 @@ use super::pyramid::{COSINE, PyramidMaps};
 use crate::device::stage::Dispatch;
 use crate::{Context, OemPlanes, Stage};
 use octagloss_core::light::oem::OemSize;
-use octagloss_core::pyramid::levels::{TAPS, taps};
+use octagloss_core::pyramid::levels::{BETWEEN, FROM_MIDDLE, TAPS, taps};
 use octagloss_core::pyramid::{COARSEST, cells, suns};
 use wgpu::BindingResource::{Sampler, TextureView};
 
@@ -92,18 +93,27 @@ fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
         Dispatch::new(context, (file, "mirror"), &of_oem, squares(size.inner)),
         Dispatch::new(context, (file, "sharp"), &of_mirror, squares(size.inner / 2)),
     ];
-    let (mut finer, mut finer_size) = (sharp, size);
-    for k in 0..octaves.count() {
-        let (own, own_size) = (maps.level(k), octaves.size(k));
-        let to_own = level(context, own_size, finer_size, 0.75 * octaves.width(k).powi(2));
+    let mut cascade = |finer: &wgpu::TextureView, finer_size, own: &wgpu::TextureView, own_size, variance| {
+        let to_own = level(context, own_size, finer_size, variance);
         let resources = [
-            (6, TextureView(&finer)),
+            (6, TextureView(finer)),
             (7, to_own.as_entire_binding()),
-            (8, TextureView(&own)),
+            (8, TextureView(own)),
             (9, Sampler(maps.linear())),
         ];
         dispatches.push(Dispatch::new(context, (file, "cascade"), &resources, squares(own_size.inner)));
+    };
+    let (mut finer, mut finer_size) = (sharp, size);
+    for k in 0..octaves.count() {
+        let (own, own_size) = (maps.level(k), octaves.size(k));
+        cascade(&finer, finer_size, &own, own_size, BETWEEN * octaves.width(k).powi(2));
         (finer, finer_size) = (own, own_size);
+    }
+    for middle in 0..octaves.middles() {
+        let below = octaves.below_middle(middle);
+        let size = octaves.size(below);
+        let variance = FROM_MIDDLE * octaves.middle_width(middle).powi(2);
+        cascade(&maps.level(below), size, &maps.middle(middle), size, variance);
     }
     Stage::new("levels", dispatches)
 }

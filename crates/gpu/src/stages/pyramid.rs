@@ -17,7 +17,7 @@ use octagloss_core::pyramid::{COARSEST, Octaves, cells, suns};
 pub const GROUP_SIZE: u32 = 64;
 
 /// Nodes of the table of weights in a row of texels.
-pub const NODES_A_ROW: u32 = 64;
+pub const NODES_A_ROW: u32 = 32;
 
 /// The table of weights, which shaders load texels of.
 pub(super) const WEIGHTS_TEXTURE: wgpu::BindingType =
@@ -31,6 +31,12 @@ pub const MAX_PROBES: u32 = 64;
 
 /// Size of the cosine level.
 pub(super) const COSINE: OemSize = OemSize { inner: COARSEST, border: 1 };
+
+/// Size of the first of the middle levels, which halve from one to the next; the last is the cosine level.
+fn middles(octaves: Octaves) -> OemSize {
+    let scale = 1 << octaves.middles();
+    OemSize { inner: COSINE.inner * scale, border: COSINE.border * scale }
+}
 
 /// Bytes of a light: a multiple of 256, at which bindings may begin.
 const LIGHT: u64 = size_of::<OctaglossLight>() as u64;
@@ -47,7 +53,8 @@ pub struct PyramidMaps {
     levels: wgpu::Texture,
     /// Mirror and sharp level: two layers an environment.
     sharp: wgpu::Texture,
-    cosine: wgpu::Texture,
+    /// Middle levels and the cosine level: one layer an environment.
+    middles: wgpu::Texture,
     linear: wgpu::Sampler,
     /// What the passes hand on, overwritten by each build: brightness of blocks, light of cells.
     pub(super) blocks: wgpu::Buffer,
@@ -88,7 +95,7 @@ impl PyramidMaps {
             lights: context.buffer("light of pyramids", LIGHT * u64::from(MAX_PROBES), used),
             levels: texture("levels", size, probes, octaves.count()),
             sharp: texture("sharp levels", size, 2 * probes, 1),
-            cosine: texture("cosine levels", COSINE, probes, 1),
+            middles: texture("middle levels", middles(octaves), probes, octaves.middles() + 1),
             linear: trilinear(context),
             blocks: context
                 .storage("brightness of blocks", 16 * (squares(suns::FINEST) + suns::COUNT as u64)),
@@ -136,8 +143,10 @@ impl PyramidMaps {
     /// Bytes of the textures of one environment.
     pub fn bytes(&self) -> u64 {
         let texels = |size: OemSize| u64::from(size.bordered()).pow(2);
-        let chain: u64 = (0..self.octaves.count()).map(|level| texels(self.octaves.size(level))).sum();
-        8 * (chain + 2 * texels(self.octaves.size(0)) + texels(COSINE))
+        let level = |level| texels(self.octaves.size(level));
+        let chain: u64 = (0..self.octaves.count()).map(level).sum();
+        let middles = (0..self.octaves.middles()).map(|middle| level(self.octaves.below_middle(middle)));
+        8 * (chain + 2 * level(0) + middles.sum::<u64>() + texels(COSINE))
     }
 
     /// The levels.
@@ -167,8 +176,13 @@ impl PyramidMaps {
         single(&self.sharp, 2 * self.probe + 1, 0)
     }
 
+    /// A middle level, 0 the finer.
+    pub(super) fn middle(&self, middle: u32) -> wgpu::TextureView {
+        single(&self.middles, self.probe, middle)
+    }
+
     pub(super) fn cosine(&self) -> wgpu::TextureView {
-        single(&self.cosine, self.probe, 0)
+        self.middle(self.octaves.middles())
     }
 
     pub(super) const fn linear(&self) -> &wgpu::Sampler {
@@ -208,17 +222,17 @@ impl PyramidMaps {
                 ..Default::default()
             })
         };
-        let views = [(&self.levels, 1), (&self.sharp, 2), (&self.cosine, 1)]
+        let views = [(&self.levels, 1), (&self.sharp, 2), (&self.middles, 1)]
             .map(|(texture, count)| layers(texture, count));
-        let [levels, sharp, cosine] = views.each_ref().map(wgpu::BindingResource::TextureView);
+        let [levels, sharp, middles] = views.each_ref().map(wgpu::BindingResource::TextureView);
         let weights = wgpu::BindingResource::TextureView(&self.weights);
         let lights = if all { self.lights.as_entire_binding() } else { self.light() };
         let linear = wgpu::BindingResource::Sampler(&self.linear);
-        make([weights, lights, levels, sharp, cosine, linear])
+        make([weights, lights, levels, sharp, middles, linear])
     }
 }
 
-/// The table of weights: four texels for each node, [`NODES_A_ROW`] side by side; and one for the size of the
+/// The table of weights: five texels for each node, [`NODES_A_ROW`] side by side; and one for the size of the
 /// maps.
 fn weights(context: &Context, octaves: Octaves) -> wgpu::TextureView {
     let mut nodes = fit::table(octaves);
@@ -246,7 +260,7 @@ pub(super) const RESOURCES: [&str; 5] = [
     "var octagloss_weights: texture_2d<f32>",
     "var octagloss_levels: texture_2d_array<f32>",
     "var octagloss_sharp: texture_2d_array<f32>",
-    "var octagloss_cosine: texture_2d_array<f32>",
+    "var octagloss_middles: texture_2d_array<f32>",
     "var octagloss_linear: sampler",
 ];
 

@@ -93,7 +93,13 @@ fn decode(texture: &Texture<'_>) -> Result<BakedPyramid> {
             light.size
         )));
     }
-    let (maps, cosine) = if texture.is_cube { (cubes(texture)?, None) } else { squares(texture, octaves)? };
+    let (octaves, maps, cosine) = match texture.is_cube {
+        true => (octaves.on_cubes(), [cubes(texture)?, Vec::new()], None),
+        false => {
+            let (maps, cosine) = squares(texture, octaves)?;
+            (octaves, maps, Some(cosine))
+        }
+    };
     let uniform: [f32; size_of::<OctaglossLight>() / 4] = light
         .uniform
         .try_into()
@@ -113,9 +119,9 @@ fn cubes(texture: &Texture<'_>) -> Result<Vec<Map>> {
     (0..texture.levels).map(cube).collect()
 }
 
-/// The squares of a file in the same order, and its cosine level.
-fn squares(texture: &Texture<'_>, octaves: Octaves) -> Result<(Vec<Map>, Option<Map>)> {
-    let (mut levels, mut others) = (Vec::new(), Vec::new());
+/// The squares of a file in the same order and the middle levels, and the cosine level.
+fn squares(texture: &Texture<'_>, octaves: Octaves) -> Result<([Vec<Map>; 2], Map)> {
+    let (mut levels, mut others, mut middles) = (Vec::new(), Vec::new(), Vec::new());
     for level in 0..octaves.count() {
         let size = octaves.size(level);
         let texels = texture.level(level as usize)?;
@@ -127,10 +133,10 @@ fn squares(texture: &Texture<'_>, octaves: Octaves) -> Result<(Vec<Map>, Option<
         levels.push(square(0));
         if level == 0 {
             others.extend([square(1), square(2)]);
-        } else if level + 1 == octaves.count() {
-            others.push(square(1));
+        } else if level >= octaves.below_middle(0) {
+            middles.push(square(1));
         }
     }
-    let cosine = others.pop();
-    Ok((others.into_iter().chain(levels).collect(), cosine))
+    let cosine = middles.pop().expect("two levels at least");
+    Ok(([others.into_iter().chain(levels).collect(), middles], cosine))
 }

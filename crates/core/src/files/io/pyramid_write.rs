@@ -1,15 +1,16 @@
 //! Writes pyramids as KTX2 files that shaders read: `shaders/common/pyramid_file.wgsl`.
 //!
 //! The maps are an array of three bordered octahedral squares with MIP levels. The first has the levels, from
-//! fine to coarse. Of the second the finest MIP level has the mirror and the coarsest the cosine level, of
-//! the third the finest has the sharp level; the others are black. A border is a 32nd of the edge, one texel
-//! at the coarsest level.
+//! fine to coarse. Of the second the finest MIP level has the mirror, the coarsest the cosine level and those
+//! before it the middle levels, of the third the finest has the sharp level; the others are black. A border
+//! is a 32nd of the edge, one texel at the coarsest level.
 //!
 //! On a cube, MIP level 0 has the mirror, 1 the sharp level, then come the levels from fine to coarse.
 //!
 //! The tables, the same for all environments of one size, are half floats: the layers of the table of
 //! reflections stand side by side, with a column on either side and a row below that repeat their edges, for
-//! samplers that round; then come four rows with the weights of radiance, then the albedo, row after row.
+//! samplers that round; then come five rows with the weights of radiance, five with those on cubes, then the
+//! albedo, row after row.
 //!
 //! Reflections along a tangent have a table of their own, of three dimensions.
 
@@ -27,7 +28,7 @@ use ktx2::Format;
 
 /// Key of the light in the maps' metadata, and a version that changes with the layout of the files.
 pub(crate) const KEY: &str = "octaglossPyramid";
-pub(crate) const VERSION: u32 = 1;
+pub(crate) const VERSION: u32 = 2;
 
 /// Squares of the array.
 pub(super) const SQUARES: usize = 3;
@@ -52,9 +53,13 @@ pub(crate) fn squares_bytes(
     let octaves = pyramid.octaves();
     check_size(octaves.inner())?;
     let [mirror, sharp, levels @ ..] = pyramid.maps() else { unreachable!("a level at least") };
-    let last = levels.len() - 1;
+    let (middles, last) = (pyramid.middles(), levels.len() - 1);
     let squares = |mip: usize| -> [Option<&Map>; SQUARES] {
-        let second = if mip == 0 { Some(mirror) } else { pyramid.cosine().filter(|_| mip == last) };
+        let second = match mip {
+            0 => Some(mirror),
+            _ if mip == last => pyramid.cosine(),
+            _ => (mip + middles.len()).checked_sub(last).map(|middle| &middles[middle]),
+        };
         [Some(&levels[mip]), second, (mip == 0).then_some(sharp)]
     };
     let bordered: Vec<Vec<Rgb>> = (0..levels.len())
@@ -119,22 +124,25 @@ pub fn check_size(inner: u32) -> Result<()> {
 /// [`crate::common::error::Error::Parameter`] if compression fails.
 pub(crate) fn tables_bytes(octaves: Octaves) -> Result<Vec<u8>> {
     let ([across, rows], side) = (NODES, NODES[0] + 2);
-    let (nodes, weights) = (table(octaves), fit::table(octaves));
+    let nodes = table(octaves);
+    let weights = [octaves, octaves.on_cubes()].map(fit::table);
     let width = side * LAYERS;
     let albedo = albedo::texels();
-    let height = rows + 1 + WEIGHT_ROWS + albedo.len().div_ceil(width);
+    let height = rows + 1 + 2 * WEIGHT_ROWS + albedo.len().div_ceil(width);
     let mut texels = vec![[0.0; 4]; width * height];
     let (reflections, rest) = texels.split_at_mut(width * (rows + 1));
-    let (radiance, white) = rest.split_at_mut(width * WEIGHT_ROWS);
+    let (radiance, white) = rest.split_at_mut(2 * width * WEIGHT_ROWS);
     white[..albedo.len()].copy_from_slice(&albedo);
     for (k, texel) in reflections.iter_mut().enumerate() {
         let (x, y) = (k % width, k / width);
         let column = (x % side).clamp(1, across) - 1;
         *texel = nodes[y.min(rows - 1) * across + column][x / side];
     }
-    for (k, node) in weights.iter().enumerate() {
-        for (row, texel) in node.as_chunks::<4>().0.iter().enumerate() {
-            radiance[row * width + k] = *texel;
+    for (own, rows) in weights.iter().zip(radiance.chunks_exact_mut(width * WEIGHT_ROWS)) {
+        for (k, node) in own.iter().enumerate() {
+            for (row, texel) in node.as_chunks::<4>().0.iter().enumerate() {
+                rows[row * width + k] = *texel;
+            }
         }
     }
     let sides = [width as u32, height as u32, 0];
