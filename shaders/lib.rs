@@ -6,98 +6,21 @@ pub mod names;
 use names::prefixed;
 use std::borrow::Cow;
 
-macro_rules! files {
-    ($($path:literal),* $(,)?) => {
-        [$(($path, include_str!($path))),*]
-    };
-}
-
-/// Every file under `shaders/`, by its path there.
-pub const FILES: &[(&str, &str)] = &files![
-    "common/anisotropic.wgsl",
-    "common/bordered.wgsl",
-    "common/charlie.wgsl",
-    "common/direct.wgsl",
-    "common/direction.wgsl",
-    "common/direct_view.wgsl",
-    "common/fixed_point.wgsl",
-    "common/harmonics.wgsl",
-    "common/kernel.wgsl",
-    "common/luminance.wgsl",
-    "common/octahedral.wgsl",
-    "common/octants.wgsl",
-    "common/oem_lookup.wgsl",
-    "common/plane.wgsl",
-    "common/pyramid.wgsl",
-    "common/pyramid_file.wgsl",
-    "common/pyramid_file_cube.wgsl",
-    "common/pyramid_file_tables.wgsl",
-    "common/pyramid_group.wgsl",
-    "common/pyramid_maps.wgsl",
-    "common/pyramid_squares.wgsl",
-    "common/light.wgsl",
-    "common/quad.wgsl",
-    "common/reduce.wgsl",
-    "common/reduction.wgsl",
-    "common/reflect.wgsl",
-    "common/reflect_maps.wgsl",
-    "common/rows.wgsl",
-    "common/sat.wgsl",
-    "common/scan.wgsl",
-    "common/shadow.wgsl",
-    "common/source_pieces.wgsl",
-    "common/tints.wgsl",
-    "common/sum.wgsl",
-    "common/table.wgsl",
-    "common/u64.wgsl",
-    "common/view_draw.wgsl",
-    "common/view_parts.wgsl",
-    "common/view_scene.wgsl",
-    "common/view_split.wgsl",
-    "common/view_texture.wgsl",
-    "adaptive.wgsl",
-    "box_filter.wgsl",
-    "cells.wgsl",
-    "copy.wgsl",
-    "direct/cull.wgsl",
-    "direct/draw.wgsl",
-    "direct/offsets.wgsl",
-    "direct/split.wgsl",
-    "direct/unwrap.wgsl",
-    "fixed_point.wgsl",
-    "lamp.wgsl",
-    "least.wgsl",
-    "pack.wgsl",
-    "pyramid/cells.wgsl",
-    "pyramid/levels.wgsl",
-    "pyramid/query.wgsl",
-    "pyramid/suns.wgsl",
-    "reparameterise.wgsl",
-    "sat_f32.wgsl",
-    "sat_hensley.wgsl",
-    "sat_scan.wgsl",
-    "view/box.wgsl",
-    "view/levels.wgsl",
-    "view/present.wgsl",
-    "view/pyramid.wgsl",
-    "view/reflect.wgsl",
-    "view/scene.wgsl",
-    "view/scene_pose.wgsl",
-    "view/truth.wgsl",
-];
+/// Every shader under `shaders/` but those of `readers`, by its path there; `build.rs` finds them.
+pub const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/files.rs"));
 
 /// What `pyramid.wgsl` and `pyramid_cube.wgsl` of [`reader`] include. Programs that have no GPU link no other
 /// shader.
-const LOOK_UPS: &[(&str, &str)] = &files![
-    "common/anisotropic.wgsl",
-    "common/harmonics.wgsl",
-    "common/light.wgsl",
-    "common/pyramid.wgsl",
-    "common/pyramid_file.wgsl",
-    "common/pyramid_file_cube.wgsl",
-    "common/pyramid_file_tables.wgsl",
-    "common/pyramid_squares.wgsl",
-    "common/reflect.wgsl",
+const LOOK_UPS: &[(&str, &str)] = &[
+    ("common/anisotropic.wgsl", include_str!("common/anisotropic.wgsl")),
+    ("common/harmonics.wgsl", include_str!("common/harmonics.wgsl")),
+    ("common/light.wgsl", include_str!("common/light.wgsl")),
+    ("common/pyramid.wgsl", include_str!("common/pyramid.wgsl")),
+    ("common/pyramid_file.wgsl", include_str!("common/pyramid_file.wgsl")),
+    ("common/pyramid_file_cube.wgsl", include_str!("common/pyramid_file_cube.wgsl")),
+    ("common/pyramid_file_tables.wgsl", include_str!("common/pyramid_file_tables.wgsl")),
+    ("common/pyramid_squares.wgsl", include_str!("common/pyramid_squares.wgsl")),
+    ("common/reflect.wgsl", include_str!("common/reflect.wgsl")),
 ];
 
 /// Shader code for reading octahedral maps and pyramids, by file name. Those of pyramids have lines for the
