@@ -178,6 +178,10 @@ struct Visit {
     luminance: f32,
 }
 
+// The packet's, see `Packet`.
+var<private> packet_axis: vec3<f32>;
+var<private> packet_radius: f32;
+
 // Factors that make an error of a channel comparable with one of the luminance: see `channel_weights`.
 var<private> weights: vec3<f32>;
 
@@ -192,23 +196,26 @@ fn field(quad: u32, name: u32, k: u32) -> f32 {
     return quads[quad * QUAD_FIELDS + name][k];
 }
 
+// Three fields, from `name` on.
+fn vector_at(quad: u32, name: u32, k: u32) -> vec3<f32> {
+    return vec3<f32>(field(quad, name, k), field(quad, name + 1u, k), field(quad, name + 2u, k));
+}
+
 fn quad_at(level: u32, i: u32, j: u32) -> u32 {
     return lobe.levels[level].x + j * lobe.levels[level].y + i;
 }
 
-fn visit_cell(quad: u32, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> Visit {
+fn visit_cell(quad: u32, k: u32) -> Visit {
     var visit: Visit;
     visit.luminance = field(quad, FIELD_LUMINANCE, k);
     if visit.luminance == 0.0 {
         return visit;
     }
-    let centroid = vec3<f32>(field(quad, FIELD_X, k), field(quad, FIELD_Y, k), field(quad, FIELD_Z, k));
+    let centroid = vector_at(quad, FIELD_X, k);
     visit.leaf.offset = centroid - packet_axis;
-    for (var c = 0u; c < 3u; c++) {
-        visit.leaf.diagonal[c] = field(quad, FIELD_COVARIANCE + c, k);
-        visit.leaf.mixed[c] = field(quad, FIELD_COVARIANCE + 3u + c, k);
-        visit.leaf.energy[c] = field(quad, FIELD_RED + c, k);
-    }
+    visit.leaf.diagonal = vector_at(quad, FIELD_COVARIANCE, k);
+    visit.leaf.mixed = vector_at(quad, FIELD_COVARIANCE + 3u, k);
+    visit.leaf.energy = vector_at(quad, FIELD_RED, k);
     visit.leaf.radius = field(quad, FIELD_RADIUS, k);
     visit.leaf.cell = 4u * quad + k + 1u;
     let weight = weighted(visit.leaf.energy);
@@ -216,8 +223,8 @@ fn visit_cell(quad: u32, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> 
     let trace = visit.leaf.diagonal.x + visit.leaf.diagonal.y + visit.leaf.diagonal.z;
     // The channel that counts most may spread farther around the centroid. Over unit directions the
     // quadrupole's trace is -2 D.m.
-    let red = -2.0 * dot(tint_vector(quad, FIELD_RED_TINT, k), centroid);
-    let blue = -2.0 * dot(tint_vector(quad, FIELD_BLUE_TINT, k), centroid);
+    let red = -2.0 * dot(vector_at(quad, FIELD_RED_TINT, k), centroid);
+    let blue = -2.0 * dot(vector_at(quad, FIELD_BLUE_TINT, k), centroid);
     let tints = vec3<f32>(red, -(red * LUMINANCE.r + blue * LUMINANCE.b) / LUMINANCE.g, blue);
     let spreads = weights * (visit.leaf.energy * trace + tints);
     let spread = max(spreads.r, max(spreads.g, spreads.b)) / max(weight, 1e-37);
@@ -289,9 +296,7 @@ fn crosses_kink(a: vec2<f32>, b: vec2<f32>) -> bool {
 
 // A piece of texel (x, y): at `depth` >= 1, cell (ix, iy) of a grid of 2^(depth - 1) cells along an edge of
 // its quadrant.
-fn visit_piece(
-    x: u32, y: u32, quadrant: u32, depth: u32, ix: u32, iy: u32, packet_axis: vec3<f32>, packet_radius: f32,
-) -> Visit {
+fn visit_piece(x: u32, y: u32, quadrant: u32, depth: u32, ix: u32, iy: u32) -> Visit {
     let quad = quad_at(0u, x >> 1u, y >> 1u);
     let k = (x & 1u) + 2u * (y & 1u);
     let h = 2.0 / f32(lobe.inner);
@@ -328,9 +333,7 @@ fn visit_piece(
     }
     // Float32 directions are in error by less than 2^-22.
     visit.leaf.radius += 5e-7;
-    for (var c = 0u; c < 3u; c++) {
-        visit.leaf.energy[c] = field(quad, FIELD_RED + c, k) * share;
-    }
+    visit.leaf.energy = vector_at(quad, FIELD_RED, k) * share;
     visit.luminance = field(quad, FIELD_LUMINANCE, k) * share;
     let distance = length(centroid);
     if edge * h > SMOOTH_SIDE || crosses_kink(centre + signs * low * h, centre + signs * high * h) {
@@ -346,27 +349,21 @@ fn visit_piece(
     return visit;
 }
 
-// First run of the cell in column `i` of row `j`.
-fn first_run(i: u32, j: u32) -> u32 {
-    return members[j * lobe.cells + i];
-}
-
 // The texels of the source in cell (i, j), as a node.
 fn members_of(i: u32, j: u32) -> Node {
-    let first = first_run(i, j);
-    return Node((MEMBERS << 28u) | (members[j * lobe.cells + i + 1u] - first), first);
+    let cell = j * lobe.cells + i;
+    return Node((MEMBERS << 28u) | (members[cell + 1u] - members[cell]), members[cell]);
 }
 
 // Child `k` of a node of level MEMBERS.
-fn member_child(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> Child {
+fn member_child(node: Node, k: u32) -> Child {
     var child: Child;
     if ((node.place >> 26u) & 1u) != 0u {
         let depth = ((node.place >> 22u) & 15u) + 1u;
         let ix = 2u * (node.place & 0x7ffu) + (k & 1u);
         let iy = 2u * ((node.place >> 11u) & 0x7ffu) + (k >> 1u);
         let row = node.piece / lobe.columns;
-        child.visit =
-            visit_source(node.piece % lobe.columns, row, depth, ix, iy, packet_axis, packet_radius);
+        child.visit = visit_source(node.piece % lobe.columns, row, depth, ix, iy);
         child.node = Node((MEMBERS << 28u) | (1u << 26u) | (depth << 22u) | (iy << 11u) | ix, node.piece);
         child.splits = depth < SOURCE_DEPTH;
         return child;
@@ -390,7 +387,7 @@ fn member_child(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) 
     }
     let column = members[first + 3u * run] + at;
     let row = members[first + 3u * run + 1u];
-    child.visit = visit_source(column, row, 0u, 0u, 0u, packet_axis, packet_radius);
+    child.visit = visit_source(column, row, 0u, 0u, 0u);
     child.node = Node((MEMBERS << 28u) | (1u << 26u), row * lobe.columns + column);
     child.splits = true;
     return child;
@@ -447,7 +444,7 @@ fn root_sum(name: u32) -> f32 {
 
 // The mean radiance over the sphere.
 fn mean_radiance() -> vec3<f32> {
-    let above_least = vec3<f32>(root_sum(FIELD_RED), root_sum(FIELD_GREEN), root_sum(FIELD_BLUE));
+    let above_least = vec3<f32>(root_sum(FIELD_RED), root_sum(FIELD_RED + 1u), root_sum(FIELD_RED + 2u));
     return least[0].rgb + above_least / 12.566371;
 }
 
@@ -470,12 +467,12 @@ struct Child {
     rest: bool,
 }
 
-fn child_of(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> Child {
+fn child_of(node: Node, k: u32) -> Child {
     let level = node.place >> 28u;
     let i = node.place & 0x3fffu;
     let j = (node.place >> 14u) & 0x3fffu;
     if level == MEMBERS {
-        return member_child(node, k, packet_axis, packet_radius);
+        return member_child(node, k);
     }
     if level == PIECES {
         let depth = ((node.piece >> 26u) & 15u) + 1u;
@@ -488,7 +485,7 @@ fn child_of(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> C
             iy = 0u;
         }
         return Child(
-            visit_piece(i, j, quadrant, depth, ix, iy, packet_axis, packet_radius),
+            visit_piece(i, j, quadrant, depth, ix, iy),
             Node(node.place, (quadrant << 30u) | (depth << 26u) | (iy << 13u) | ix),
             depth < DEPTH,
             false,
@@ -499,7 +496,7 @@ fn child_of(node: Node, k: u32, packet_axis: vec3<f32>, packet_radius: f32) -> C
     // Below the finest level, nodes are pieces of texels.
     let below = select(PIECES, level - 1u, level > 0u);
     var child = Child(
-        visit_cell(quad_at(level, i, j), k, packet_axis, packet_radius),
+        visit_cell(quad_at(level, i, j), k),
         Node((below << 28u) | (y << 14u) | x, 0u),
         level > 0u || lobe.to_texels != 0u,
         false,
@@ -538,15 +535,8 @@ fn leave_sums(lane: u32, sums: Sums) {
     leaves[11u * GROUP_SIZE + lane] = bitcast<f32>(sums.count | 0x40000000u);
 }
 
-struct Answer {
-    radiance: vec3<f32>,
-    // Certified bounds of the luminance and of each channel.
-    luminance_bound: f32,
-    channel_bounds: vec3<f32>,
-}
-
-// The answer from the sums over `count` leaves.
-fn answer(sums: Sums, count: u32) -> Answer {
+// The answer, as `results` has it, from the sums over `count` leaves.
+fn answer(sums: Sums, count: u32) -> array<vec4<f32>, 2> {
     let radiance = max(sums.radiance, vec3<f32>()) * lobe.per_integral;
     let rounding = lobe.rounding + lobe.rounding_per_leaf * f32(count);
     // Where k is near 0, an absolute error in s counts more than a relative error in k. On the CPU s is in
@@ -558,12 +548,12 @@ fn answer(sums: Sums, count: u32) -> Answer {
     let omitted = lobe.omitted + lobe.underflow * 12.566371 * mean;
     let fixed = grazed + 9.6e-7 * least[0].rgb * lobe.share
         + select(vec3<f32>(), omitted, dot(mean, LUMINANCE) > 0.0);
+    let luminance_bound =
+        max(sums.above, sums.below) * lobe.per_integral + dot(rounding * radiance + fixed, LUMINANCE);
     // Tints are rounded like centroids.
-    return Answer(
-        lobe.share * least[0].rgb + radiance,
-        max(sums.above, sums.below) * lobe.per_integral + dot(rounding * radiance + fixed, LUMINANCE),
-        sums.off * lobe.per_integral + 3.0 * rounding * radiance + fixed,
-    );
+    let channel_bounds = sums.off * lobe.per_integral + 3.0 * rounding * radiance + fixed;
+    return array<vec4<f32>, 2>(
+        vec4<f32>(lobe.share * least[0].rgb + radiance, luminance_bound), vec4<f32>(channel_bounds, 0.0));
 }
 
 @compute @workgroup_size(GROUP_SIZE)
@@ -572,8 +562,8 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     if index >= lobe.count {
         return;
     }
-    let axis = packets[index].axis;
-    let radius = packets[index].radius;
+    packet_axis = packets[index].axis;
+    packet_radius = packets[index].radius;
     let own = lane % LANES;
     let direction = vec3<f32>(packets[index].x[own], packets[index].y[own], packets[index].z[own]);
     let mean = mean_radiance();
@@ -602,7 +592,7 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
         var child: Child;
         var push = false;
         if (lane >> 2u) < taken {
-            child = child_of(stack[size - taken + (lane >> 2u)], lane & 3u, axis, radius);
+            child = child_of(stack[size - taken + (lane >> 2u)], lane & 3u);
             // A full stack only yields coarser leaves; the bound accounts for them. Cells without luminance
             // contribute nothing; skip them.
             push = child.visit.error > tolerance && child.splits && size + GROUP_SIZE <= STACK
@@ -650,16 +640,14 @@ fn adaptive(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
         return;
     }
     sums = gather_sums(lane);
-    let own_answer = answer(sums, leaf_total);
-    var light = vec4<f32>(own_answer.radiance, own_answer.luminance_bound);
-    var bounds = vec4<f32>(own_answer.channel_bounds, 0.0);
+    var own_answer = answer(sums, leaf_total);
     let at = 2u * (index * LANES + lane);
-    if lobe.add != 0u {
-        light += results[at];
-        bounds += results[at + 1u];
+    for (var k = 0u; k < 2u; k++) {
+        if lobe.add != 0u {
+            own_answer[k] += results[at + k];
+        }
+        results[at + k] = own_answer[k];
     }
-    results[at] = light;
-    results[at + 1u] = bounds;
     if lane == 0u {
         // Some drivers end long loops without reporting it.
         let complete = sums.count == leaf_total && stack_size == 0u;

@@ -1,7 +1,7 @@
-// Builds the quadtree of moments: `Cells` of crates/core/src/cpu/cells.rs, which derives them. Planes hold
-// energies (radiance times solid angle, float32) and solid angles; distances are chords on the unit sphere.
+// Builds the quadtree of moments: `Cells` of crates/core/src/cpu/cells.rs, which derives them. Distances are
+// chords on the unit sphere.
 #include "common/quad.wgsl"
-#include "common/table.wgsl"
+#include "common/planes.wgsl"
 
 // Quads along an edge of a workgroup; four invocations per quad.
 const EDGE = 8u;
@@ -28,10 +28,6 @@ struct Tent {
     pad_1: f32,
 }
 
-@group(0) @binding(1) var<storage, read> red: array<f32>;
-@group(0) @binding(2) var<storage, read> green: array<f32>;
-@group(0) @binding(3) var<storage, read> blue: array<f32>;
-@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
 // The least radiance of each channel.
 @group(0) @binding(6) var<storage, read> least: array<vec4<f32>, 1>;
 @group(0) @binding(7) var<storage, read> tents: array<Tent>;
@@ -84,17 +80,17 @@ fn centre(all: ptr<function, Union>) {
     }
 }
 
-// Adds the tint of a part, whose covariance is `diagonal` and `mixed`, whose centroid is `apart` from the
-// whole's, and whose energy exceeds its share of the whole's, by luminance, by `excess`.
-fn absorb_tint(
-    tint: ptr<function, Tint>, part: Tint, diagonal: vec3<f32>, mixed: vec3<f32>, apart: vec3<f32>,
-    excess: f32,
-) {
-    (*tint).dipole += part.dipole + apart * excess;
-    (*tint).diagonal += part.diagonal + 2.0 * apart * part.dipole + (diagonal + apart * apart) * excess;
-    (*tint).mixed += part.mixed + apart.yzx * part.dipole.zxy + apart.zxy * part.dipole.yzx
-        + (mixed + apart.yzx * apart.zxy) * excess;
-    (*tint).variation += (part.variation + abs(excess)) * (1.0 + 2e-6);
+// `tint` with that of a part, `part` of `member`, whose centroid is `apart` from the whole's, and whose energy
+// exceeds its share of the whole's, by luminance, by `excess`.
+fn with_part(tint: Tint, part: Tint, member: Cell, apart: vec3<f32>, excess: f32) -> Tint {
+    return Tint(
+        tint.dipole + (part.dipole + apart * excess),
+        tint.variation + (part.variation + abs(excess)) * (1.0 + 2e-6),
+        tint.diagonal
+            + (part.diagonal + 2.0 * apart * part.dipole + (member.diagonal + apart * apart) * excess),
+        tint.mixed
+            + (part.mixed + apart.yzx * part.dipole.zxy + apart.zxy * part.dipole.yzx
+                + (member.mixed + apart.yzx * apart.zxy) * excess));
 }
 
 // Second pass: covariance, radius and tints around the centroid.
@@ -107,12 +103,8 @@ fn absorb(all: ptr<function, Union>, member: Cell) {
     (*all).cell.diagonal += (member.diagonal + apart * apart) * share;
     (*all).cell.mixed += (member.mixed + apart.yzx * apart.zxy) * share;
     let excess = member.energy - (*all).cell.energy * share;
-    var red = (*all).cell.red_tint;
-    absorb_tint(&red, member.red_tint, member.diagonal, member.mixed, apart, excess.r);
-    (*all).cell.red_tint = red;
-    var blue = (*all).cell.blue_tint;
-    absorb_tint(&blue, member.blue_tint, member.diagonal, member.mixed, apart, excess.b);
-    (*all).cell.blue_tint = blue;
+    (*all).cell.red_tint = with_part((*all).cell.red_tint, member.red_tint, member, apart, excess.r);
+    (*all).cell.blue_tint = with_part((*all).cell.blue_tint, member.blue_tint, member, apart, excess.b);
     (*all).cell.radius = max((*all).cell.radius, (length(apart) + member.radius) * (1.0 + 2e-6));
 }
 
@@ -132,7 +124,7 @@ fn texel_cell(x: u32, y: u32) -> Cell {
     let signs = vec3<f32>(select(-1.0, 1.0, x >= first), 1.0, select(-1.0, 1.0, y >= first));
     let tent = tents[fold_y * half + fold_x];
     let at = place_in_plane(vec2<u32>(x, y));
-    let all = vec3<f32>(red[at], green[at], blue[at]);
+    let all = energy_at(at);
     let above = all - least[0].rgb * solid_angle[at];
     let energy = select(vec3<f32>(), above, above > max(all * RESIDUE, vec3<f32>(FAINT)));
     return Cell(
@@ -141,59 +133,51 @@ fn texel_cell(x: u32, y: u32) -> Cell {
         energy, Tint(), Tint());
 }
 
+// Three fields of a cell, the first of them at `at`.
+fn store_vector(at: u32, value: vec3<f32>) {
+    quads[at] = value.x;
+    quads[at + 4u] = value.y;
+    quads[at + 8u] = value.z;
+}
+
+fn fetch_vector(at: u32) -> vec3<f32> {
+    return vec3<f32>(quads[at], quads[at + 4u], quads[at + 8u]);
+}
+
 fn store_tint(at: u32, tint: Tint) {
-    for (var c = 0u; c < 3u; c++) {
-        quads[at + 4u * c] = tint.dipole[c];
-        quads[at + 4u * (3u + c)] = tint.diagonal[c];
-        quads[at + 4u * (6u + c)] = tint.mixed[c];
-    }
+    store_vector(at, tint.dipole);
+    store_vector(at + 12u, tint.diagonal);
+    store_vector(at + 24u, tint.mixed);
     quads[at + 36u] = tint.variation;
 }
 
 fn fetch_tint(at: u32) -> Tint {
-    var tint: Tint;
-    for (var c = 0u; c < 3u; c++) {
-        tint.dipole[c] = quads[at + 4u * c];
-        tint.diagonal[c] = quads[at + 4u * (3u + c)];
-        tint.mixed[c] = quads[at + 4u * (6u + c)];
-    }
-    tint.variation = quads[at + 36u];
-    return tint;
+    return Tint(fetch_vector(at), quads[at + 36u], fetch_vector(at + 12u), fetch_vector(at + 24u));
 }
 
 fn store(quad: u32, k: u32, cell: Cell) {
     let at = quad * QUAD_FIELDS * 4u + k;
-    quads[at + 4u * FIELD_X] = cell.centroid.x;
-    quads[at + 4u * FIELD_Y] = cell.centroid.y;
-    quads[at + 4u * FIELD_Z] = cell.centroid.z;
-    for (var c = 0u; c < 3u; c++) {
-        quads[at + 4u * (FIELD_COVARIANCE + c)] = cell.diagonal[c];
-        quads[at + 4u * (FIELD_COVARIANCE + 3u + c)] = cell.mixed[c];
-    }
+    store_vector(at + 4u * FIELD_X, cell.centroid);
+    store_vector(at + 4u * FIELD_COVARIANCE, cell.diagonal);
+    store_vector(at + 4u * FIELD_COVARIANCE + 12u, cell.mixed);
     store_tint(at + 4u * FIELD_RED_TINT, cell.red_tint);
     store_tint(at + 4u * FIELD_BLUE_TINT, cell.blue_tint);
     quads[at + 4u * FIELD_RADIUS] = cell.radius;
     quads[at + 4u * FIELD_LUMINANCE] = cell.luminance;
-    quads[at + 4u * FIELD_RED] = cell.energy.r;
-    quads[at + 4u * FIELD_GREEN] = cell.energy.g;
-    quads[at + 4u * FIELD_BLUE] = cell.energy.b;
+    store_vector(at + 4u * FIELD_RED, cell.energy);
 }
 
 fn fetch(quad: u32, k: u32) -> Cell {
     let at = quad * QUAD_FIELDS * 4u + k;
-    var cell: Cell;
-    cell.centroid = vec3<f32>(quads[at + 4u * FIELD_X], quads[at + 4u * FIELD_Y], quads[at + 4u * FIELD_Z]);
-    for (var c = 0u; c < 3u; c++) {
-        cell.diagonal[c] = quads[at + 4u * (FIELD_COVARIANCE + c)];
-        cell.mixed[c] = quads[at + 4u * (FIELD_COVARIANCE + 3u + c)];
-    }
-    cell.red_tint = fetch_tint(at + 4u * FIELD_RED_TINT);
-    cell.blue_tint = fetch_tint(at + 4u * FIELD_BLUE_TINT);
-    cell.radius = quads[at + 4u * FIELD_RADIUS];
-    cell.luminance = quads[at + 4u * FIELD_LUMINANCE];
-    cell.energy =
-        vec3<f32>(quads[at + 4u * FIELD_RED], quads[at + 4u * FIELD_GREEN], quads[at + 4u * FIELD_BLUE]);
-    return cell;
+    return Cell(
+        fetch_vector(at + 4u * FIELD_X),
+        quads[at + 4u * FIELD_RADIUS],
+        fetch_vector(at + 4u * FIELD_COVARIANCE),
+        quads[at + 4u * FIELD_LUMINANCE],
+        fetch_vector(at + 4u * FIELD_COVARIANCE + 12u),
+        fetch_vector(at + 4u * FIELD_RED),
+        fetch_tint(at + 4u * FIELD_RED_TINT),
+        fetch_tint(at + 4u * FIELD_BLUE_TINT));
 }
 
 // Work of one invocation of `finest` and `coarser`: id.x is quad column times four plus sibling, id.y is quad

@@ -4,10 +4,13 @@
 #include "common/fixed_point.wgsl"
 #include "common/reduce.wgsl"
 #include "common/reduction.wgsl"
+#include "common/sum.wgsl"
 
 struct Partial {
-    greatest: array<u32, 4>,
-    sums: array<vec2<u32>, 4>,
+    greatest: vec4<u32>,
+    // Words of the sums.
+    low: vec4<u32>,
+    high: vec4<u32>,
 }
 
 @group(0) @binding(1) var<storage, read> red: array<u32>;
@@ -25,13 +28,8 @@ fn texel(k: u32) -> vec4<u32> {
 alias Reduced = Partial;
 
 fn combine(a: Reduced, b: Reduced) -> Reduced {
-    var both = a;
-    var other = b;
-    for (var c = 0u; c < 4u; c++) {
-        both.greatest[c] = max(both.greatest[c], other.greatest[c]);
-        both.sums[c] = add64(both.sums[c], other.sums[c]);
-    }
-    return both;
+    let sums = add_sums(Sum(a.low, a.high), Sum(b.low, b.high));
+    return Reduced(max(a.greatest, b.greatest), sums.low, sums.high);
 }
 
 @compute @workgroup_size(GROUP_SIZE)
@@ -40,11 +38,9 @@ fn greatest(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_i
     for (var k = group.x * GROUP_SIZE + lane; k < count(); k += groups() * GROUP_SIZE) {
         most = max(most, texel(k));
     }
-    var own = Partial();
-    own.greatest = array<u32, 4>(most.r, most.g, most.b, most.a);
-    own = reduce(own, lane);
-    if lane < 4u {
-        partials[group.x].greatest[lane] = own.greatest[lane];
+    let all = reduce(Partial(most, vec4<u32>(), vec4<u32>()), lane);
+    if lane == 0u {
+        partials[group.x].greatest = all.greatest;
     }
 }
 
@@ -54,7 +50,7 @@ fn provisional(most: u32) -> i32 {
     return 62 - count_log2 - (max(i32(most >> 23u), 1) - 126);
 }
 
-fn greatest_of_all(lane: u32) -> array<u32, 4> {
+fn greatest_of_all(lane: u32) -> vec4<u32> {
     var own = Partial();
     if lane < groups() {
         own.greatest = partials[lane].greatest;
@@ -62,47 +58,45 @@ fn greatest_of_all(lane: u32) -> array<u32, 4> {
     return reduce(own, lane).greatest;
 }
 
-fn sum(own: array<vec2<u32>, 4>, lane: u32) -> array<vec2<u32>, 4> {
-    var partial = Partial();
-    partial.sums = own;
-    return reduce(partial, lane).sums;
-}
-
 @compute @workgroup_size(GROUP_SIZE)
 fn totals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    var most = greatest_of_all(lane);
-    var sums = array<vec2<u32>, 4>();
+    let most = greatest_of_all(lane);
+    var sums = Sum();
     for (var k = group.x * GROUP_SIZE + lane; k < count(); k += groups() * GROUP_SIZE) {
         let value = texel(k);
+        var own = Sum();
         for (var c = 0u; c < 4u; c++) {
-            sums[c] = add64(sums[c], quantise(value[c], provisional(most[c])));
+            let words = quantise(value[c], provisional(most[c]));
+            own.low[c] = words.x;
+            own.high[c] = words.y;
         }
+        sums = add_sums(sums, own);
     }
-    sums = sum(sums, lane);
-    if lane < 4u {
-        partials[group.x].sums[lane] = sums[lane];
+    let all = reduce(Partial(vec4<u32>(), sums.low, sums.high), lane);
+    if lane == 0u {
+        partials[group.x].low = all.low;
+        partials[group.x].high = all.high;
     }
 }
 
 @compute @workgroup_size(GROUP_SIZE)
 fn finish(@builtin(local_invocation_index) lane: u32) {
-    var all = greatest_of_all(lane);
-    var sums = array<vec2<u32>, 4>();
+    var own = Partial();
     if lane < groups() {
-        sums = partials[lane].sums;
+        own = partials[lane];
     }
-    sums = sum(sums, lane);
+    let all = reduce(own, lane);
     if lane >= 4u {
         return;
     }
-    let most = all[lane];
+    let most = all.greatest[lane];
     if most == 0u {
         exponents[lane] = 0;
         return;
     }
     // Truncation loses less than one unit per texel; each doubling doubles that loss.
     let texels = vec2<u32>(count(), 0u);
-    let total = add64(sums[lane], texels);
+    let total = add64(vec2<u32>(all.low[lane], all.high[lane]), texels);
     let limit = sub64(vec2<u32>(0u, 0x40000000u), texels);
     var up = 0;
     for (var next = shift_left64(total, 1u); less64(next, limit); next = shift_left64(next, 1u)) {

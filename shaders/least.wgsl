@@ -1,12 +1,8 @@
-// Finds the least radiance of each channel of an OEM: per workgroup, then overall. Planes hold energies
-// (radiance times solid angle, float32) and solid angles in steradians.
+// Finds the least radiance of each channel of an OEM: per workgroup, then overall.
+#include "common/planes.wgsl"
 #include "common/reduce.wgsl"
 #include "common/reduction.wgsl"
 
-@group(0) @binding(1) var<storage, read> red: array<f32>;
-@group(0) @binding(2) var<storage, read> green: array<f32>;
-@group(0) @binding(3) var<storage, read> blue: array<f32>;
-@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
 @group(0) @binding(5) var<storage, read_write> partials: array<vec4<f32>, GROUPS>;
 @group(0) @binding(6) var<storage, read_write> least: array<vec4<f32>, 1>;
 
@@ -21,7 +17,7 @@ fn least_of_groups(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
     var smallest = vec4<f32>(3.4e38);
     for (var k = group.x * GROUP_SIZE + lane; k < count(); k += groups() * GROUP_SIZE) {
         let at = place(k);
-        smallest = min(smallest, vec4<f32>(red[at], green[at], blue[at], 3.4e38) / solid_angle[at]);
+        smallest = min(smallest, vec4<f32>(energy_at(at), 3.4e38) / solid_angle[at]);
     }
     smallest = reduce(smallest, lane);
     if lane == 0u {

@@ -2,7 +2,7 @@
 // for comparison; crates/core/src/light/sat.rs describes its errors. Texels are energies (radiance times
 // solid angle) and solid angles.
 #include "common/reduce.wgsl"
-#include "common/table.wgsl"
+#include "common/planes.wgsl"
 
 const GROUPS = 64u;
 const GROUP_SIZE = 256u;
@@ -15,10 +15,6 @@ struct Doubling {
     stride: u32,
 }
 
-@group(0) @binding(1) var<storage, read> red: array<f32>;
-@group(0) @binding(2) var<storage, read> green: array<f32>;
-@group(0) @binding(3) var<storage, read> blue: array<f32>;
-@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
 // Sums of each workgroup, then the mean.
 @group(0) @binding(5) var<storage, read_write> partials: array<vec4<f32>, GROUPS>;
 @group(0) @binding(6) var<storage, read_write> mean: array<vec4<f32>, 1>;
@@ -28,7 +24,7 @@ struct Doubling {
 
 fn texel(x: u32, y: u32) -> vec4<f32> {
     let at = y * table.pitch + x;
-    return vec4<f32>(red[at], green[at], blue[at], solid_angle[at]);
+    return vec4<f32>(energy_at(at), solid_angle[at]);
 }
 
 alias Reduced = vec4<f32>;

@@ -120,7 +120,6 @@ fn carries(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
     }
 }
 
-const SCAN_SIZE = GROUP_SIZE;
 alias Scanned = vec2<u32>;
 
 fn add_scanned(a: Scanned, b: Scanned) -> Scanned {

@@ -2,7 +2,7 @@
 // and high words. The including file declares, in any group,
 //   octagloss_table: OctaglossTable (uniform), octagloss_low, octagloss_high: texture_2d<u32>.
 #include "common/octahedral.wgsl"
-#include "common/plane.wgsl"
+#include "common/sum.wgsl"
 
 struct OctaglossTable {
     // Exponents F of red, green and blue energy and of solid angle.
@@ -28,16 +28,63 @@ fn square_prefix(x: i32, y: i32) -> Sum {
         table_prefix(b, b), table_prefix(x + b, b), table_prefix(b, y + b), table_prefix(x + b, y + b));
 }
 
-// The same in the unfolded plane, for any integers.
+// The same in the unfolded plane, for any integers: wallpaper group p2 by parity.
 fn plane_prefix(at: vec2<i32>) -> Sum {
-    let n = octagloss_table.inner;
+    let n = i32(octagloss_table.inner);
+    let column = divide_floor(octagloss_table.inner, at.x);
+    let row = divide_floor(octagloss_table.inner, at.y);
+    let i = column.x;
+    let j = row.x;
+    let x = column.y;
+    let y = row.y;
+    let odd_i = (i & 1) != 0;
+    let odd_j = (j & 1) != 0;
+    var ends = array<vec2<i32>, 6>(
+        vec2<i32>(n, n), vec2<i32>(x, n), vec2<i32>(n, y), vec2<i32>(n - x, n), vec2<i32>(n, n - y),
+        select(vec2<i32>(x, y), vec2<i32>(n - x, n - y), odd_i != odd_j));
     // A loop, because some compilers inline every call and take minutes over the result.
-    var ends = prefix_ends(n, at);
     var prefixes: array<Sum, 6>;
     for (var k = 0u; k < 6u; k++) {
         prefixes[k] = square_prefix(ends[k].x, ends[k].y);
     }
-    return unfolded_prefix(n, at, prefixes);
+    let total = prefixes[0];
+    let a = prefixes[1];
+    let b = prefixes[2];
+    let a_turned = prefixes[3];
+    let b_turned = prefixes[4];
+    // Count upright and rotated tiles below; >> rounds down.
+    let upright_a = select((j + 1) >> 1u, j >> 1u, odd_i);
+    let upright_b = select((i + 1) >> 1u, i >> 1u, odd_j);
+    var sum = multiply_sum(i * j, total);
+    sum = add_sums(sum, multiply_sum(upright_a, a));
+    sum = add_sums(sum, multiply_sum(j - upright_a, subtract_sums(total, a_turned)));
+    sum = add_sums(sum, multiply_sum(upright_b, b));
+    sum = add_sums(sum, multiply_sum(i - upright_b, subtract_sums(total, b_turned)));
+    if odd_i == odd_j {
+        return add_sums(sum, prefixes[5]);
+    }
+    let rest = subtract_sums(subtract_sums(total, a_turned), b_turned);
+    return add_sums(sum, add_sums(rest, prefixes[5]));
+}
+
+// An interval with fractional ends, as a partial texel, whole texels and a partial texel.
+struct Spans {
+    edges: vec4<i32>,
+    shares: vec3<f32>,
+}
+
+fn fractional_spans(low: f32, high: f32) -> Spans {
+    let first = floor(low);
+    let last = ceil(high);
+    let edge = i32(first);
+    if last - first <= 1.0 {
+        // Both ends lie in one texel.
+        return Spans(vec4<i32>(edge, edge + 1, edge + 1, edge + 1), vec3<f32>(high - low, 0.0, 0.0));
+    }
+    let end = i32(last);
+    return Spans(
+        vec4<i32>(edge, edge + 1, end - 1, end),
+        vec3<f32>(first + 1.0 - low, 1.0, high - (last - 1.0)));
 }
 
 // Sum of the texels low <= p < high of the unfolded plane, with sides up to twice the square's. Takes four

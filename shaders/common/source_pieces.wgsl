@@ -1,14 +1,5 @@
 // Pieces of the source's texels as leaves of adaptive quadrature. crates/core/src/cpu/subtexel.rs derives the
-// rule. Reads `lobe`, `angles` and `source` of adaptive.wgsl.
-
-// A piece of a texel of the source: the grid's column and row in an image, the image, and the piece's first
-// corner and side in texels.
-struct SourcePiece {
-    place: vec2<f32>,
-    image: u32,
-    low: vec2<f32>,
-    side: f32,
-}
+// rule. Reads `lobe`, `angles`, `source` and the packet of adaptive.wgsl.
 
 const PANORAMA = 1u;
 const CUBE = 2u;
@@ -50,26 +41,26 @@ fn point_of_cube(face: u32, st: vec2<f32>) -> vec3<f32> {
     }
 }
 
-// The place `at` of a piece, in texels from its texel's corner. `lower` selects the side of the fold for
-// points on it.
-fn source_direction(piece: SourcePiece, at: vec2<f32>, lower: bool) -> Direction {
+// The place `at`, in texels from the corner of the texel in the grid's column and row `texel` of `image`.
+// `lower` selects the side of the fold for points on it.
+fn source_direction(texel: vec2<f32>, image: u32, at: vec2<f32>, lower: bool) -> Direction {
     let sides = vec2<f32>(f32(lobe.columns), f32(lobe.rows));
     if lobe.source == PANORAMA {
         let step = vec2<f32>(6.2831853, 3.14159265) / sides;
         let off = (at - 0.5) * step;
-        let column = turned(angles[u32(piece.place.x)], off.x);
-        let row = turned(angles[lobe.columns + u32(piece.place.y)], off.y);
+        let column = turned(angles[u32(texel.x)], off.x);
+        let row = turned(angles[lobe.columns + u32(texel.y)], off.y);
         let sine = max(row.y, 0.0);
         return Direction(vec3<f32>(sine * column.x, row.x, sine * column.y), sine * step.x * step.y);
     }
     let half = 0.5 * sides;
-    let from_axis = (piece.place - half) + at;
+    let from_axis = (texel - half) + at;
     if lobe.source == CUBE {
         let st = from_axis / half;
-        return projected(point_of_cube(piece.image, st), 1.0 / (half.x * half.y));
+        return projected(point_of_cube(image, st), 1.0 / (half.x * half.y));
     }
     // No texel crosses an axis.
-    let signs = select(vec2<f32>(-1.0), vec2<f32>(1.0), piece.place >= half);
+    let signs = select(vec2<f32>(-1.0), vec2<f32>(1.0), texel >= half);
     let ab = from_axis * signs;
     let up = half.x - ab.x - ab.y;
     let xz = select(ab, half - ab.yx, lower);
@@ -82,9 +73,7 @@ fn gauss(k: u32) -> vec2<f32> {
 }
 
 // Piece (ix, iy) of the 2^depth x 2^depth of the texel in `column` of `row`, counted through all images.
-fn visit_source(
-    column: u32, row: u32, depth: u32, ix: u32, iy: u32, packet_axis: vec3<f32>, packet_radius: f32,
-) -> Visit {
+fn visit_source(column: u32, row: u32, depth: u32, ix: u32, iy: u32) -> Visit {
     var visit: Visit;
     let image = row / lobe.rows;
     let own_row = row % lobe.rows;
@@ -95,7 +84,7 @@ fn visit_source(
     }
     let side = 1.0 / f32(1u << depth);
     let low = vec2<f32>(f32(ix), f32(iy)) * side;
-    let piece = SourcePiece(vec2<f32>(f32(column), f32(own_row)), image, low, side);
+    let place = vec2<f32>(f32(column), f32(own_row));
 
     // On the fold diagonal of an octahedral square a piece is two triangles.
     var corner = low;
@@ -104,8 +93,8 @@ fn visit_source(
     var below = false;
     if lobe.source > CUBE {
         let half = f32(lobe.rows / 2u);
-        let outwards = piece.place >= vec2<f32>(half);
-        let first = select(half - piece.place - low - side, piece.place - half + low, outwards);
+        let outwards = place >= vec2<f32>(half);
+        let first = select(half - place - low - side, place - half + low, outwards);
         let sum = first.x + first.y;
         triangles = sum < half && sum + 2.0 * side > half;
         below = sum >= half;
@@ -131,7 +120,7 @@ fn visit_source(
             at = select(corner + offset, corner + along - offset, lower);
             weight *= u.x;
         }
-        let node = source_direction(piece, at, lower);
+        let node = source_direction(place, image, at, lower);
         nodes[n] = node.towards - packet_axis;
         weights[n] = weight * node.density;
         centroid += weights[n] * nodes[n];
@@ -147,7 +136,7 @@ fn visit_source(
     }
     for (var n = 0u; n < 4u; n++) {
         let at = corner + along * vec2<f32>(f32(n & 1u), f32(n >> 1u));
-        let direction = source_direction(piece, at, select(below, n == 3u, triangles)).towards;
+        let direction = source_direction(place, image, at, select(below, n == 3u, triangles)).towards;
         let reached = direction - packet_axis - centroid;
         visit.leaf.radius = max(visit.leaf.radius, length(reached));
     }

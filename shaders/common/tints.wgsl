@@ -1,5 +1,5 @@
 // What tints (crates/core/src/geometry/tint.rs) of red and blue add to the channels of a leaf;
-// crates/core/src/cpu/adaptive.rs derives it. Reads `field`, `Leaf` and `Sums` of adaptive.wgsl.
+// crates/core/src/cpu/adaptive.rs derives it. Reads `field`, `vector_at`, `Leaf` and `Sums` of adaptive.wgsl.
 
 // A tint with a smaller share of its channel's energy is rounding error.
 const NEGLIGIBLE_TINT = 1.0f / 1048576.0f;
@@ -10,16 +10,11 @@ const TINT_ROUNDING = 1.0f / 524288.0f;
 // Where the series' error may exceed the kernel's variation by this factor, it is not used.
 const USELESS = 1000.0f;
 
-// Three numbers of cell `k` from field `name` on.
-fn tint_vector(quad: u32, name: u32, k: u32) -> vec3<f32> {
-    return vec3<f32>(field(quad, name, k), field(quad, name + 1u, k), field(quad, name + 2u, k));
-}
-
 // What the tint at field `name` of cell `k` of `quad` adds to a channel.
 fn tint_share(quad: u32, k: u32, name: u32, apart: vec3<f32>, slope: f32, bend: f32) -> f32 {
-    let diagonal = tint_vector(quad, name + 3u, k);
-    let mixed = tint_vector(quad, name + 6u, k);
-    let first = 0.5 * dot(tint_vector(quad, name, k), apart) + 0.25 * (diagonal.x + diagonal.y + diagonal.z);
+    let diagonal = vector_at(quad, name + 3u, k);
+    let mixed = vector_at(quad, name + 6u, k);
+    let first = 0.5 * dot(vector_at(quad, name, k), apart) + 0.25 * (diagonal.x + diagonal.y + diagonal.z);
     let second = 0.25 * dot(diagonal, apart * apart) + 0.5 * dot(mixed, apart.yzx * apart.zxy);
     return slope * first + bend * second;
 }

@@ -116,37 +116,29 @@ struct Sample {
     finish: Finish,
 }
 
-// Bilinear by hand, so that texels are at the same positions with every driver.
+// Bilinear between columns and rows `low` and `high`, by hand, so that texels are at the same positions with
+// every driver.
+fn bilinear(map: texture_2d<f32>, low: vec2<i32>, high: vec2<i32>, share: vec2<f32>) -> vec2<f32> {
+    let upper = mix(textureLoad(map, low, 0), textureLoad(map, vec2<i32>(high.x, low.y), 0), share.x);
+    let lower = mix(textureLoad(map, vec2<i32>(low.x, high.y), 0), textureLoad(map, high, 0), share.x);
+    return mix(upper, lower, share.y).rg;
+}
+
 fn split_sum_at(cosine: f32, roughness: f32) -> vec2<f32> {
     let last = vec2<f32>(textureDimensions(split_sum)) - 1.0;
     let at = clamp(vec2<f32>(cosine, roughness) * (last + 1.0) - 0.5, vec2<f32>(0.0), last);
     let low = vec2<i32>(floor(at));
-    let high = min(low + 1, vec2<i32>(last));
-    let share = at - floor(at);
-    let right = vec2<i32>(high.x, low.y);
-    let below = vec2<i32>(low.x, high.y);
-    let upper = mix(textureLoad(split_sum, low, 0), textureLoad(split_sum, right, 0), share.x);
-    let lower = mix(textureLoad(split_sum, below, 0), textureLoad(split_sum, high, 0), share.x);
-    return mix(upper, lower, share.y).rg;
+    return bilinear(split_sum, low, min(low + 1, vec2<i32>(last)), at - floor(at));
 }
 
-// Bilinear, wrapping in both axes.
+// Wraps in both axes.
 fn roughness_at(uv: vec2<f32>) -> f32 {
     let size = vec2<f32>(textureDimensions(roughness_map));
     let at = (uv - floor(uv)) * size - 0.5;
     let low = floor(at);
-    let share = at - low;
     let left = vec2<i32>((low + size) - size * floor((low + size) / size));
     let right = vec2<i32>((low + 1.0) - size * floor((low + 1.0) / size));
-    let upper = mix(
-        textureLoad(roughness_map, left, 0).r,
-        textureLoad(roughness_map, vec2<i32>(right.x, left.y), 0).r,
-        share.x);
-    let lower = mix(
-        textureLoad(roughness_map, vec2<i32>(left.x, right.y), 0).r,
-        textureLoad(roughness_map, right, 0).r,
-        share.x);
-    return mix(upper, lower, share.y);
+    return bilinear(roughness_map, left, right, at - low).r;
 }
 
 // The direction through a point of the picture, in pixels from its upper left corner.

@@ -26,15 +26,10 @@ struct Cull {
 @group(0) @binding(4) var<storage, read_write> kept: array<u32>;
 
 // Triangles kept, by view.
-struct Scanned {
-    first: vec4<u32>,
-    second: vec4<u32>,
-}
-
-const SCAN_SIZE = GROUP_SIZE;
+alias Scanned = array<vec4<u32>, 2>;
 
 fn add_scanned(a: Scanned, b: Scanned) -> Scanned {
-    return Scanned(a.first + b.first, a.second + b.second);
+    return Scanned(a[0] + b[0], a[1] + b[1]);
 }
 
 #include "common/scan.wgsl"
@@ -61,11 +56,11 @@ fn views_of(triangle: u32) -> Scanned {
     let a = corners[indices[3u * triangle]].position;
     let b = corners[indices[3u * triangle + 1u]].position;
     let c = corners[indices[3u * triangle + 2u]].position;
-    var found = array<vec4<u32>, 2>();
+    var found = Scanned();
     for (var view = 0u; view < VIEWS; view++) {
         found[view / 4u][view % 4u] = select(0u, 1u, is_kept(view, a, b, c));
     }
-    return Scanned(found[0], found[1]);
+    return found;
 }
 
 var<workgroup> totals: array<atomic<u32>, VIEWS>;
@@ -73,10 +68,9 @@ var<workgroup> totals: array<atomic<u32>, VIEWS>;
 @compute @workgroup_size(GROUP_SIZE)
 fn count_kept(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let chunk = index_in_rows(group);
-    let own = views_of(chunk * GROUP_SIZE + lane);
-    var is_own = array<vec4<u32>, 2>(own.first, own.second);
+    var own = views_of(chunk * GROUP_SIZE + lane);
     for (var view = 0u; view < VIEWS; view++) {
-        if is_own[view / 4u][view % 4u] == 1u {
+        if own[view / 4u][view % 4u] == 1u {
             atomicAdd(&totals[view], 1u);
         }
     }
@@ -90,16 +84,14 @@ fn count_kept(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
 fn list_kept(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let chunk = index_in_rows(group);
     let triangle = chunk * GROUP_SIZE + lane;
-    let own = views_of(triangle);
-    let before = sum_before(own, lane);
+    var own = views_of(triangle);
+    var before = sum_before(own, lane);
     if triangle >= cull.triangles {
         return;
     }
-    var is_own = array<vec4<u32>, 2>(own.first, own.second);
-    var earlier = array<vec4<u32>, 2>(before.first, before.second);
     for (var view = 0u; view < VIEWS; view++) {
-        if is_own[view / 4u][view % 4u] == 1u {
-            let place = counts[view * cull.chunks + chunk] + earlier[view / 4u][view % 4u];
+        if own[view / 4u][view % 4u] == 1u {
+            let place = counts[view * cull.chunks + chunk] + before[view / 4u][view % 4u];
             let at = 3u * (view * cull.triangles + place);
             for (var k = 0u; k < 3u; k++) {
                 kept[at + k] = indices[3u * triangle + k];

@@ -17,7 +17,6 @@ struct Offsets {
 @group(0) @binding(2) var<storage, read_write> draws: array<u32>;
 
 alias Scanned = u32;
-const SCAN_SIZE = GROUP_SIZE;
 
 fn add_scanned(a: Scanned, b: Scanned) -> Scanned {
     return a + b;

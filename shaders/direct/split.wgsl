@@ -31,7 +31,6 @@ struct Split {
 @group(0) @binding(4) var<storage, read_write> pieces: array<Corner>;
 
 alias Scanned = u32;
-const SCAN_SIZE = GROUP_SIZE;
 
 fn add_scanned(a: Scanned, b: Scanned) -> Scanned {
     return a + b;
@@ -72,35 +71,20 @@ fn append_corner(polygon: ptr<function, Polygon>, corner: Corner) {
     }
 }
 
-// The part of a polygon on one side of a plane (Sutherland and Hodgman 1974).
+// The part of a polygon on one side of a plane (Sutherland and Hodgman 1974), or, where `side` is 0, the
+// polygon with further corners where its edges cross the plane.
 fn cut(polygon: Polygon, axis: u32, side: f32) -> Polygon {
     var uncut = polygon;
     var part = Polygon();
     for (var k = 0u; k < uncut.count; k++) {
         let here = uncut.corners[k];
         let next = next_corner(&uncut, k);
-        let height = side * here.position[axis];
-        let ahead = side * next.position[axis];
-        if height >= 0.0 {
+        let height = here.position[axis];
+        let ahead = next.position[axis];
+        if side * height >= 0.0 {
             append_corner(&part, here);
         }
         if min(height, ahead) < 0.0 && max(height, ahead) > 0.0 {
-            append_corner(&part, crossing(here, next, axis));
-        }
-    }
-    return part;
-}
-
-// The polygon with further corners where its edges cross a plane.
-fn with_crossings(polygon: Polygon, axis: u32) -> Polygon {
-    var plain = polygon;
-    var part = Polygon();
-    for (var k = 0u; k < plain.count; k++) {
-        let here = plain.corners[k];
-        let next = next_corner(&plain, k);
-        append_corner(&part, here);
-        if min(here.position[axis], next.position[axis]) < 0.0
-            && max(here.position[axis], next.position[axis]) > 0.0 {
             append_corner(&part, crossing(here, next, axis));
         }
     }
@@ -180,7 +164,7 @@ fn split_by_halves(whole: Polygon, low: vec3<f32>, high: vec3<f32>, at: u32, is_
         }
         for (var axis = 0u; axis < 3u; axis += 2u) {
             if is_crossed[axis] && split.cut == CUT_EDGES {
-                part = with_crossings(part, axis);
+                part = cut(part, axis, 0.0);
             }
         }
         for (var k = 2u; k < part.count && count < PIECES; k++) {

@@ -4,7 +4,7 @@
 #include "common/harmonics.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/reduce.wgsl"
-#include "common/table.wgsl"
+#include "common/planes.wgsl"
 #include "common/bordered.wgsl"
 #include "common/light.wgsl"
 
@@ -19,10 +19,6 @@ fn combine(a: Reduced, b: Reduced) -> Reduced {
     return a + b;
 }
 
-@group(0) @binding(1) var<storage, read> red: array<f32>;
-@group(0) @binding(2) var<storage, read> green: array<f32>;
-@group(0) @binding(3) var<storage, read> blue: array<f32>;
-@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
 @group(0) @binding(5) var<storage, read_write> light: OctaglossLight;
 @group(0) @binding(6) var<storage, read_write> cells: array<array<vec4<f32>, 3>>;
 
@@ -45,7 +41,7 @@ fn cells_of_texels(
         let texel = corner + vec2<u32>(k, 0u);
         let at = place_in_plane(texel);
         let direction = direction_from_oct((vec2<f32>(texel) + 0.5) * (2.0 / f32(table.inner)) - 1.0);
-        let energy = vec3<f32>(red[at], green[at], blue[at]) * light.scale;
+        let energy = energy_at(at) * light.scale;
         let brightness = max(max(energy.x, energy.y), energy.z) / solid_angle[at];
         let kept = energy * select(1.0, light.clamp / brightness, brightness > light.clamp);
         let moment = vec4<f32>(direction, 1.0);

@@ -1,6 +1,6 @@
 // The levels of a pyramid: crates/core/src/pyramid/levels.rs and sharp.rs.
 #include "common/octahedral.wgsl"
-#include "common/table.wgsl"
+#include "common/planes.wgsl"
 #include "common/bordered.wgsl"
 #include "common/light.wgsl"
 
@@ -9,10 +9,6 @@ const EDGE = 8u;
 const CUT = 3.0f;
 const CUT_COVARIANCE = 0.949448f;
 
-@group(0) @binding(1) var<storage, read> red: array<f32>;
-@group(0) @binding(2) var<storage, read> green: array<f32>;
-@group(0) @binding(3) var<storage, read> blue: array<f32>;
-@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
 @group(0) @binding(5) var<storage, read> light: OctaglossLight;
 @group(0) @binding(6) var finer: texture_2d<f32>;
 @group(0) @binding(9) var linear: sampler;
@@ -24,7 +20,7 @@ fn mirror(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = place_in_plane(id.xy);
-    let own = vec3<f32>(red[at], green[at], blue[at]) / solid_angle[at] * light.scale;
+    let own = energy_at(at) / solid_angle[at] * light.scale;
     let brightness = max(max(own.x, own.y), own.z);
     // The greatest half float.
     store(vec2<i32>(id.xy), own * select(1.0, 65504.0 / brightness, brightness > 65504.0));

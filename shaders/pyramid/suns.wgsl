@@ -1,10 +1,9 @@
 // Finds the seeds of an OEM's suns, what the rest is clamped to, the scale of the maps, and the suns: `Suns`
-// of crates/core/src/pyramid/suns.rs. Planes hold energies (radiance times solid angle, float32) and solid
-// angles in steradians.
+// of crates/core/src/pyramid/suns.rs.
 #include "common/direction.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/reduce.wgsl"
-#include "common/table.wgsl"
+#include "common/planes.wgsl"
 #include "common/light.wgsl"
 
 const GROUP_SIZE = 256u;
@@ -23,10 +22,6 @@ const_assert AREAS * AREAS == GROUP_SIZE;
 // No texel.
 const NONE = 0xffffffffu;
 
-@group(0) @binding(1) var<storage, read> red: array<f32>;
-@group(0) @binding(2) var<storage, read> green: array<f32>;
-@group(0) @binding(3) var<storage, read> blue: array<f32>;
-@group(0) @binding(4) var<storage, read> solid_angle: array<f32>;
 // For each block the bits of its greatest brightness, which sort like it, and the texel that has that,
 // counted by blocks; then the seeds. Brightness without BELOW.
 @group(0) @binding(5) var<storage, read_write> blocks: array<vec4<u32>>;
@@ -75,10 +70,6 @@ fn texel_of(k: u32) -> vec2<u32> {
     let within = k % size;
     return vec2<u32>(own % side(), own / side()) * block()
         + vec2<u32>(within % block(), within / block());
-}
-
-fn energy_at(at: u32) -> vec3<f32> {
-    return vec3<f32>(red[at], green[at], blue[at]);
 }
 
 fn brightness(at: u32) -> f32 {

@@ -84,15 +84,13 @@ const OWN: &[(&str, &[&str])] = &[
     ("common/anisotropic.wgsl", &["ROW_SIZE"]),
     ("common/charlie.wgsl", &["ERROR_OF_S", "MIN_X"]),
     ("common/view_draw.wgsl", &["GREATEST"]),
-    ("direct/cull.wgsl", &["SCAN_SIZE"]),
-    ("direct/offsets.wgsl", &["SCAN_SIZE"]),
-    ("direct/split.wgsl", &["CORNERS", "SCAN_SIZE"]),
+    ("direct/split.wgsl", &["CORNERS"]),
     ("direct/unwrap.wgsl", &["PI"]),
     ("lamp.wgsl", &["PLACES"]),
     ("reparameterise.wgsl", &["CHUNK"]),
     ("pyramid/suns.wgsl", &["AREAS", "NONE"]),
     ("sat_f32.wgsl", &["GROUP_SIZE"]),
-    ("sat_scan.wgsl", &["EDGE", "PART", "SCAN_SIZE", "SKEW"]),
+    ("sat_scan.wgsl", &["EDGE", "PART", "SKEW"]),
     ("view/scene.wgsl", &["MAX_RADIANCE"]),
 ];
 
