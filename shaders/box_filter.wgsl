@@ -8,9 +8,9 @@
 const GROUP_SIZE = 64u;
 
 @group(1) @binding(0) var<storage, read> queries: array<vec4<f32>>;
-// The stack for every direction: solid angle and weight of each box.
-@group(1) @binding(4) var<storage, read> stack: array<vec2<f32>>;
 @group(1) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
+// The stack for every direction: solid angle and weight of each box.
+@group(1) @binding(2) var<storage, read> stack: array<vec2<f32>>;
 
 @compute @workgroup_size(GROUP_SIZE)
 fn radiance(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {

@@ -5,8 +5,8 @@
 
 const GROUP_SIZE = 64u;
 
-@group(1) @binding(0) var<storage, read> queries: array<vec4<f32>>;
-@group(1) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
+@group(0) @binding(0) var<storage, read> queries: array<vec4<f32>>;
+@group(0) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
 
 @compute @workgroup_size(GROUP_SIZE)
 fn query(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {

@@ -1,12 +1,7 @@
 // Viewer pipeline for the true reflection.
-@group(1) @binding(0) var octagloss_weights: texture_2d<f32>;
-@group(1) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, 1>;
-@group(1) @binding(2) var octagloss_levels: texture_2d_array<f32>;
-@group(1) @binding(3) var octagloss_sharp: texture_2d_array<f32>;
-@group(1) @binding(4) var octagloss_middles: texture_2d_array<f32>;
-@group(1) @binding(5) var octagloss_linear: sampler;
 @group(1) @binding(6) var octagloss_reflections: texture_2d_array<f32>;
 @group(1) @binding(7) var octagloss_rows: texture_3d<f32>;
+#include "common/pyramid_group.wgsl"
 #include "common/reflect_maps.wgsl"
 #include "common/view_draw.wgsl"
 

@@ -199,3 +199,15 @@ pub(crate) fn layers(texture: &wgpu::Texture) -> wgpu::TextureView {
         ..Default::default()
     })
 }
+
+/// One level of one layer of `texture`.
+pub(crate) fn single(texture: &wgpu::Texture, layer: u32, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
+}

@@ -2,7 +2,7 @@
 
 use super::oem::Table;
 use crate::device::readback;
-use crate::device::resources::{UNIFORM, group, group_at, group_layout, texture_binding};
+use crate::device::resources::{UNIFORM, group, group_layout, texture_binding};
 use crate::device::stage::{Dispatch, in_rows};
 use crate::{Context, SatPlanes, Stage};
 use glam::DVec3;
@@ -99,32 +99,20 @@ pub async fn radiance(
         directions.iter().map(|direction| direction.as_vec3().extend(0.0).to_array()).collect();
     let stack: Vec<[f32; 2]> = stack.iter().map(|one| [one.solid_angle as f32, one.weight as f32]).collect();
     let stack = context.storage_of("stack", &stack);
+    let pipeline = context.pipeline("box_filter.wgsl", "radiance", None);
+    let table = textures.bind_group(context, &pipeline.get_bind_group_layout(0));
     let mut answers = Vec::with_capacity(queries.len());
     for batch in queries.chunks(1 << 22) {
         let queries = context.storage_of("directions", batch);
-        let lists = [(0, &queries), (4, &stack)];
-        let found: Vec<[f32; 4]> = ask(context, textures, &lists, batch.len()).await?;
+        let answered = context.storage("answers", 16 * batch.len() as u64);
+        let lists = [&queries, &answered, &stack].map(wgpu::Buffer::as_entire_binding);
+        let lists = group(context, "queries", &pipeline.get_bind_group_layout(1), lists);
+        let groups = in_rows((batch.len() as u32).div_ceil(GROUP_SIZE));
+        let dispatch = Dispatch::with_groups(&pipeline, vec![table.clone(), lists], groups);
+        let stage = Stage::new("box_filter", vec![dispatch]);
+        context.submit(|encoder| stage.record(encoder));
+        let found: Vec<[f32; 4]> = readback::read(context, &answered).await?;
         answers.extend(found.iter().map(|[r, g, b, _]| [*r, *g, *b]));
     }
     Ok(answers)
-}
-
-/// Answers `count` queries with `lists` at their bindings of group 1.
-async fn ask(
-    context: &Context,
-    textures: &SatTextures,
-    lists: &[(u32, &wgpu::Buffer)],
-    count: usize,
-) -> Result<Vec<[f32; 4]>> {
-    let pipeline = context.pipeline("box_filter.wgsl", "radiance", None);
-    let answered = context.storage("answers", 16 * count as u64);
-    let table = textures.bind_group(context, &pipeline.get_bind_group_layout(0));
-    let lists = lists.iter().copied().chain([(1, &answered)]);
-    let lists = lists.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-    let lists = group_at(context, "queries", &pipeline.get_bind_group_layout(1), lists);
-    let groups = u32::try_from(count).expect("what a buffer holds").div_ceil(GROUP_SIZE);
-    let dispatch = Dispatch::with_groups(&pipeline, vec![table, lists], in_rows(groups));
-    let stage = Stage::new("box_filter", vec![dispatch]);
-    context.submit(|encoder| stage.record(encoder));
-    readback::read(context, &answered).await
 }

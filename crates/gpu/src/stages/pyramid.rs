@@ -2,7 +2,7 @@
 
 use crate::device::readback;
 use crate::device::resources::{
-    SAMPLER, UNIFORM, group, group_at, group_layout, texture_binding, texture_of, trilinear,
+    SAMPLER, UNIFORM, group, group_layout, single, texture_binding, texture_of, trilinear,
 };
 use crate::device::stage::{Dispatch, in_rows};
 use crate::{Context, Stage};
@@ -243,33 +243,23 @@ fn weights(context: &Context, octaves: Octaves) -> wgpu::TextureView {
     texture_of(context, "weights", format, [width, height], bytemuck::cast_slice(&nodes))
 }
 
-/// One level of one layer.
-fn single(texture: &wgpu::Texture, layer: u32, level: u32) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        base_array_layer: layer,
-        array_layer_count: Some(1),
-        base_mip_level: level,
-        mip_level_count: Some(1),
-        ..Default::default()
-    })
-}
-
-/// Resources of the look-ups without the lights, which are second.
-pub(super) const RESOURCES: [&str; 5] = [
-    "var octagloss_weights: texture_2d<f32>",
-    "var octagloss_levels: texture_2d_array<f32>",
-    "var octagloss_sharp: texture_2d_array<f32>",
-    "var octagloss_middles: texture_2d_array<f32>",
-    "var octagloss_linear: sampler",
-];
-
 /// WGSL of the look-ups over `count` lights, with their resources in bind group `group`.
 pub fn wgsl(count: u32, group: u32) -> String {
+    wgsl_of("common/pyramid_maps.wgsl", count, &[], group)
+}
+
+/// WGSL of the look-ups in `file`, which read `further` resources, too.
+pub(super) fn wgsl_of(file: &str, count: u32, further: &[&str], group: u32) -> String {
     let lights = format!("var<uniform> octagloss_lights: array<OctaglossLight, {count}>");
-    let mut resources = RESOURCES.to_vec();
-    resources.insert(1, &lights);
-    octagloss_shaders::for_callers("common/pyramid_maps.wgsl", &resources, group, "octagloss")
+    let resources = [
+        "var octagloss_weights: texture_2d<f32>",
+        &lights,
+        "var octagloss_levels: texture_2d_array<f32>",
+        "var octagloss_sharp: texture_2d_array<f32>",
+        "var octagloss_middles: texture_2d_array<f32>",
+        "var octagloss_linear: sampler",
+    ];
+    octagloss_shaders::for_callers(file, &[&resources, further].concat(), group, "octagloss")
 }
 
 /// Stage that answers `queries`, directions in the map's space with their roughness, and its output: four
@@ -286,10 +276,10 @@ pub fn stage(context: &Context, maps: &PyramidMaps, queries: &[(DVec3, f64)]) ->
     let groups = u32::try_from(queries.len()).expect("what a buffer holds").div_ceil(GROUP_SIZE);
     let answers = context.storage("answers", 16 * queries.len() as u64);
     let queries = context.storage_of("queries", &queries);
-    let maps = maps.bind_group(context, &pipeline.get_bind_group_layout(0));
-    let lists = [(0, queries.as_entire_binding()), (1, answers.as_entire_binding())];
-    let lists = group_at(context, "queries", &pipeline.get_bind_group_layout(1), lists);
-    let dispatch = Dispatch::with_groups(&pipeline, vec![maps, lists], in_rows(groups));
+    let lists = [&queries, &answers].map(wgpu::Buffer::as_entire_binding);
+    let lists = group(context, "queries", &pipeline.get_bind_group_layout(0), lists);
+    let maps = maps.bind_group(context, &pipeline.get_bind_group_layout(1));
+    let dispatch = Dispatch::with_groups(&pipeline, vec![lists, maps], in_rows(groups));
     (Stage::new("pyramid", vec![dispatch]), answers)
 }
 

@@ -1,6 +1,6 @@
 //! True reflections out of pyramids on the GPU: their tables, and their look-up as WGSL for callers' shaders.
 
-use super::pyramid::{PyramidMaps, RESOURCES, WEIGHTS_TEXTURE};
+use super::pyramid::{PyramidMaps, WEIGHTS_TEXTURE, wgsl_of};
 use crate::Context;
 use crate::device::resources::{SAMPLER, UNIFORM, group, group_layout, layers, texture_binding, write_level};
 use half::f16;
@@ -25,15 +25,6 @@ fn texture(context: &Context, octaves: Octaves) -> wgpu::Texture {
     let depth = texels.len().div_ceil(nodes.len());
     texels.resize(depth * nodes.len(), [0.0; 4]);
     filled(context, wgpu::TextureDimension::D2, [width, height, depth as u32], &texels)
-}
-
-/// The anisotropic table; a black texel if nothing is to be read there.
-fn rows_texture(context: &Context, octaves: Octaves, surfaces: Surfaces) -> wgpu::Texture {
-    let dimension = wgpu::TextureDimension::D3;
-    match surfaces {
-        Surfaces::Isotropic => filled(context, dimension, [1; 3], &[[0.0; 4]]),
-        Surfaces::Any => filled(context, dimension, anisotropic::TEXTURE, &anisotropic::texels(octaves)),
-    }
 }
 
 /// A texture of half floats.
@@ -78,7 +69,12 @@ pub fn bind_group(
     layout: &wgpu::BindGroupLayout,
 ) -> wgpu::BindGroup {
     let view = layers(&texture(context, maps.octaves()));
-    let rows = rows_texture(context, maps.octaves(), surfaces).create_view(&Default::default());
+    let (sides, texels) = match surfaces {
+        // Nothing is read there.
+        Surfaces::Isotropic => ([1; 3], vec![[0.0; 4]]),
+        Surfaces::Any => (anisotropic::TEXTURE, anisotropic::texels(maps.octaves())),
+    };
+    let rows = filled(context, wgpu::TextureDimension::D3, sides, &texels).create_view(&Default::default());
     maps.with_resources(all, |resources| {
         let tables = [&view, &rows].map(wgpu::BindingResource::TextureView);
         group(context, "octagloss reflections", layout, resources.into_iter().chain(tables))
@@ -87,10 +83,6 @@ pub fn bind_group(
 
 /// WGSL of all look-ups over `count` lights, with their resources in bind group `group`.
 pub fn wgsl(count: u32, group: u32) -> String {
-    let lights = format!("var<uniform> octagloss_lights: array<OctaglossLight, {count}>");
-    let mut resources = RESOURCES.to_vec();
-    resources.insert(1, &lights);
-    resources.push("var octagloss_reflections: texture_2d_array<f32>");
-    resources.push("var octagloss_rows: texture_3d<f32>");
-    octagloss_shaders::for_callers("common/reflect_maps.wgsl", &resources, group, "octagloss")
+    let tables = ["var octagloss_reflections: texture_2d_array<f32>", "var octagloss_rows: texture_3d<f32>"];
+    wgsl_of("common/reflect_maps.wgsl", count, &tables, group)
 }
