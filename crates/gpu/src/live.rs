@@ -7,12 +7,13 @@
 //!
 //! The texture is the renderer's, or the octahedral map that [`LiveEnvironment::draw`] draws into.
 
-use super::direct::{Surroundings, view_layout};
+use super::direct::{DirectTarget, OctantDraws, cleared, view_layout};
 use super::{Context, OemPlanes, Stage};
 use crate::stages::build_pyramid;
 use crate::stages::pyramid::{PyramidMaps, wgsl};
 use crate::stages::reflection::{self, Surfaces};
 use crate::stages::reparameterise::{self, check_readable, upload};
+use crate::triangles::DirectMap;
 use glam::{DMat3, DVec3};
 use octagloss_core::common::error::{Error, Result, wrong};
 use octagloss_core::light::environment::{Environment, Layout};
@@ -37,8 +38,8 @@ pub struct LiveEnvironment {
     build: Vec<Stage>,
     /// The texture of the last update, and the stage that reads it.
     source: Option<(wgpu::Texture, Stage)>,
-    /// The map of the first draw, and the stage that reads it.
-    drawn: Option<(Surroundings, Stage)>,
+    /// The map of the first draw, its draws, and the stage that reads it.
+    drawn: Option<(DirectTarget, OctantDraws, Stage)>,
     draw_layout: wgpu::BindGroupLayout,
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
@@ -68,8 +69,10 @@ impl LiveEnvironment {
     pub fn sibling(&self) -> Self {
         let maps = PyramidMaps::new(&self.context, self.size()).expect("as large as the first");
         let live = Self::over(&self.context, &self.planes, maps);
-        let drawn = self.drawn.as_ref().map(|(surroundings, stage)| {
-            (surroundings.sharing_target(&self.context, &live.draw_layout), stage.clone())
+        // Draws of its own, for another centre.
+        let drawn = self.drawn.as_ref().map(|(target, _, stage)| {
+            let octants = OctantDraws::new(&self.context, &live.draw_layout, target.map());
+            (target.clone(), octants, stage.clone())
         });
         Self { source: self.source.clone(), drawn, ..live }
     }
@@ -175,16 +178,20 @@ impl LiveEnvironment {
         record: impl FnMut(&mut wgpu::RenderPass<'_>, &wgpu::BindGroup),
     ) -> Result<()> {
         let OemSize { inner: size, .. } = self.planes.size();
-        let (surroundings, stage) = match &mut self.drawn {
+        let (target, octants, stage) = match &mut self.drawn {
             Some(drawn) => drawn,
             none => {
-                let surroundings = Surroundings::new(&self.context, &self.draw_layout, size)?;
-                let (layout, map) = (Layout::Octahedral { size }, &surroundings.target.colour);
-                let stage = reparameterise::stage(&self.context, layout, map, &self.planes)?;
-                none.insert((surroundings, stage))
+                let map = DirectMap::Octahedral { size };
+                let target = DirectTarget::new(&self.context, map, Self::COLOUR)?;
+                let octants = OctantDraws::new(&self.context, &self.draw_layout, map);
+                let layout = Layout::Octahedral { size };
+                let stage = reparameterise::stage(&self.context, layout, &target.colour, &self.planes)?;
+                none.insert((target, octants, stage))
             }
         };
-        surroundings.draw(&self.context, encoder, centre, near, record)?;
+        octants.place(&self.context, "centre", centre, near)?;
+        let [colour, depth] = &target.views[0];
+        octants.record(&mut cleared(encoder, colour, Some(depth), None), record);
         std::iter::once(&*stage).chain(&self.build).for_each(|stage| stage.record(encoder));
         Ok(())
     }
@@ -199,7 +206,8 @@ impl LiveEnvironment {
     ///   built-in position, belongs to the octant. Discard it otherwise.
     #[must_use]
     pub fn draw_wgsl(group: u32) -> String {
-        draw_wgsl(group)
+        let resources = ["var<uniform> octagloss_view: OctaglossView"];
+        octagloss_shaders::for_callers("common/direct_view.wgsl", &resources, group, "octagloss_draw")
     }
 
     /// The layout of the group that [`Self::draw`] passes on, for the caller's pipeline layouts.
@@ -318,12 +326,6 @@ const VISIBILITY: wgpu::ShaderStages = wgpu::ShaderStages::VERTEX_FRAGMENT.union
 /// The layout of a group for shaders that look environments up.
 pub fn layout(context: &Context) -> wgpu::BindGroupLayout {
     PyramidMaps::bind_group_layout(context, VISIBILITY)
-}
-
-/// WGSL for draws into octahedral maps, with its resource in bind group `group`.
-pub(super) fn draw_wgsl(group: u32) -> String {
-    let resources = ["var<uniform> octagloss_view: OctaglossView"];
-    octagloss_shaders::for_callers("common/direct_view.wgsl", &resources, group, "octagloss_draw")
 }
 
 /// Edge of the octahedral map for `size` texels of `count` environments that share textures, before any is

@@ -7,7 +7,7 @@
 use super::Context;
 use super::device::resources::{DEPTH, UNIFORM, group, group_layout, texture_binding};
 use super::direct::{OctantDraws, cleared_depth, depth_texture, view_layout};
-use super::live::draw_wgsl;
+use super::live::LiveEnvironment;
 use crate::triangles::DirectMap;
 use glam::DVec3;
 use octagloss_core::common::error::{Result, wrong};
@@ -123,11 +123,10 @@ impl ShadowMap {
         self.context.queue().write_buffer(&self.uniform, 0, bytemuck::bytes_of(&shadow));
     }
 
-    /// WGSL for the caller's shaders that draw into the map: that of
-    /// [`crate::live::LiveEnvironment::draw_wgsl`].
+    /// WGSL for the caller's shaders that draw into the map: that of [`LiveEnvironment::draw_wgsl`].
     #[must_use]
     pub fn draw_wgsl(group: u32) -> String {
-        draw_wgsl(group)
+        LiveEnvironment::draw_wgsl(group)
     }
 
     /// The layout of the group that [`Self::draw`] passes on, for the caller's pipeline layouts.

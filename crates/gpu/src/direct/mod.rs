@@ -13,14 +13,12 @@
 pub mod list;
 mod mesh;
 mod octants;
-mod surroundings;
 mod target;
 pub mod unwrap;
 pub mod view;
 
 pub use mesh::DirectMesh;
 pub(crate) use octants::OctantDraws;
-pub(crate) use surroundings::Surroundings;
 pub use target::DirectTarget;
 
 use super::Context;
@@ -200,48 +198,34 @@ impl Direct {
             (_, Some(cut)) => Some(list::pieces(&self.context, mesh, cut)?),
             (_, None) => None,
         };
-        let draws =
-            views.iter().enumerate().map(|(index, bounded)| self.draw(method, mesh, &list, index, bounded));
-        let draws: Vec<MeshDraw> = draws.collect();
-        // A pass per layer.
-        let per_layer = if method.is_cube() { 1 } else { draws.len() };
-        let passes = (0..)
-            .zip(draws.chunks(per_layer))
-            .map(|(layer, draws)| {
-                let [colour, depth] = target.views(layer);
-                let depth = (self.overlap == Overlap::Nearest).then_some(depth);
-                Pass { colour, depth, draws: draws.to_vec() }
-            })
-            .collect();
-        Ok(DirectFrame { list, passes })
-    }
-
-    fn draw(
-        &self,
-        method: Method,
-        mesh: &DirectMesh,
-        list: &Option<List>,
-        index: usize,
-        bounded: &Bounded,
-    ) -> MeshDraw {
-        let uniform = self.context.uniform("direct view", &bounded.view);
-        let group = view_group(&self.context, &self.group, &uniform);
         let pipeline = match method {
             Method::Octants | Method::ClipMask => &self.own_octant,
             Method::StrictSplit | Method::XzSplit | Method::EdgeStrip => &self.pieces,
             Method::PerCorner => &self.per_corner,
             Method::Cube | Method::WholeCube => &self.whole,
         };
-        let offset = List::draw_offset(index);
-        let (corners, source) = match (method.cut(), list) {
-            (Some(_), Some(list)) => (&list.content, DrawnIndices::Pieces(list.draws.clone())),
-            (_, Some(list)) => {
-                (&mesh.corners, DrawnIndices::Listed(list.content.clone(), list.draws.clone(), offset))
-            }
-            (_, None) => (&mesh.corners, DrawnIndices::All(mesh.indices.clone(), 3 * mesh.triangles)),
+        let draw = |(index, Bounded { view, scissor, .. }): (usize, Bounded)| {
+            let uniform = self.context.uniform("direct view", &view);
+            let (corners, source) = match (&list, method.cut()) {
+                (Some(list), Some(_)) => (&list.content, DrawnIndices::Pieces(list.draws.clone())),
+                (Some(list), None) => {
+                    let (content, offset) = (list.content.clone(), List::draw_offset(index));
+                    (&mesh.corners, DrawnIndices::Listed(content, list.draws.clone(), offset))
+                }
+                (None, _) => (&mesh.corners, DrawnIndices::All(mesh.indices.clone(), 3 * mesh.triangles)),
+            };
+            let group = view_group(&self.context, &self.group, &uniform);
+            MeshDraw { pipeline: pipeline.clone(), group, corners: corners.clone(), source, scissor }
         };
-        let (pipeline, corners) = (pipeline.clone(), corners.clone());
-        MeshDraw { pipeline, group, corners, source, scissor: bounded.scissor }
+        let draws: Vec<MeshDraw> = views.into_iter().enumerate().map(draw).collect();
+        // A pass per layer.
+        let per_layer = if method.is_cube() { 1 } else { draws.len() };
+        let pass = |([colour, depth], draws): (&[wgpu::TextureView; 2], &[MeshDraw])| {
+            let depth = (self.overlap == Overlap::Nearest).then(|| depth.clone());
+            Pass { colour: colour.clone(), depth, draws: draws.to_vec() }
+        };
+        let passes = target.views.iter().zip(draws.chunks(per_layer)).map(pass).collect();
+        Ok(DirectFrame { list, passes, triangles: mesh.triangles })
     }
 }
 
@@ -260,6 +244,8 @@ fn view_group(context: &Context, layout: &wgpu::BindGroupLayout, uniform: &wgpu:
 pub struct DirectFrame {
     list: Option<List>,
     passes: Vec<Pass>,
+    /// Triangles of the mesh.
+    triangles: u32,
 }
 
 /// A render pass.
@@ -290,28 +276,15 @@ enum DrawnIndices {
     Pieces(wgpu::Buffer),
 }
 
-impl DrawnIndices {
-    /// Triangles, if not counted on the GPU.
-    const fn whole(&self) -> Option<u32> {
-        match self {
-            Self::All(_, indices) => Some(*indices / 3),
-            Self::Listed(..) | Self::Pieces(_) => None,
-        }
-    }
-}
-
 impl DirectFrame {
     /// Triangles of every draw: those of the lists are counted once the frame was submitted.
     ///
     /// # Errors
     /// [`octagloss_core::common::error::Error::Gpu`] if the device fails.
     pub async fn triangles(&self, context: &Context) -> Result<Vec<u32>> {
-        let Some(list) = &self.list else {
-            let draws = self.passes.iter().flat_map(|pass| &pass.draws);
-            return Ok(draws.filter_map(|draw| draw.source.whole()).collect());
-        };
+        let draws = self.passes.iter().map(|pass| pass.draws.len()).sum();
+        let Some(list) = &self.list else { return Ok(vec![self.triangles; draws]) };
         let words: Vec<u32> = readback::read(context, &list.draws).await?;
-        let draws: usize = self.passes.iter().map(|pass| pass.draws.len()).sum();
         Ok(words
             .chunks_exact(List::draw_offset(1) as usize / 4)
             .take(draws)
@@ -341,7 +314,7 @@ impl DirectFrame {
 }
 
 /// Begins a pass into `colour` and `depth`, both cleared to 0.
-fn cleared<'a>(
+pub(crate) fn cleared<'a>(
     encoder: &'a mut wgpu::CommandEncoder,
     colour: &wgpu::TextureView,
     depth: Option<&wgpu::TextureView>,

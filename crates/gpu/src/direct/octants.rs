@@ -36,8 +36,8 @@ impl OctantDraws {
         if !centre.to_array().iter().all(|x| x.abs() <= f64::from(MAX)) {
             return wrong(format!("`{name}` is at {centre}; coordinates must be finite and at most {MAX:e}"));
         }
-        for ((uniform, _), Bounded { view, .. }) in self.views.iter().zip(octants(self.map, near)) {
-            let view = view.around(centre.as_vec3().to_array());
+        for ((uniform, _), Bounded { mut view, .. }) in self.views.iter().zip(octants(self.map, near)) {
+            view.centre = centre.as_vec3().to_array();
             context.queue().write_buffer(uniform, 0, bytemuck::bytes_of(&view));
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Textures that triangles are drawn into.
 
 use crate::Context;
-use crate::device::resources::DEPTH;
+use crate::device::resources::{DEPTH, single};
 use crate::triangles::DirectMap;
 use octagloss_core::common::error::{Result, wrong};
 
@@ -17,6 +17,8 @@ pub struct DirectTarget {
     pub colour: wgpu::Texture,
     /// The depth, in as many layers as the colour.
     pub depth: wgpu::Texture,
+    /// Colour and depth of each layer.
+    pub(crate) views: Vec<[wgpu::TextureView; 2]>,
 }
 
 impl DirectTarget {
@@ -29,7 +31,10 @@ impl DirectTarget {
     pub fn new(context: &Context, map: DirectMap, format: wgpu::TextureFormat) -> Result<Self> {
         check_format(format)?;
         let colour = texture(context, map, "direct colour", format)?;
-        Ok(Self { map, colour, depth: depth_texture(context, map)? })
+        let depth = depth_texture(context, map)?;
+        let views = (0..map.layers()).map(|layer| [&colour, &depth].map(|image| single(image, layer, 0)));
+        let views = views.collect();
+        Ok(Self { map, colour, depth, views })
     }
 
     /// The map and its size.
@@ -44,18 +49,6 @@ impl DirectTarget {
             return Ok(());
         }
         wrong(format!("a target of {own:?} for pipelines of {format:?}; create both with one format"))
-    }
-
-    /// Views of layer `layer` of colour and depth.
-    pub(super) fn views(&self, layer: u32) -> [wgpu::TextureView; 2] {
-        [&self.colour, &self.depth].map(|texture| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2),
-                base_array_layer: layer,
-                array_layer_count: Some(1),
-                ..Default::default()
-            })
-        })
     }
 }
 

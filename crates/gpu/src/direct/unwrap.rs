@@ -102,7 +102,7 @@ impl Unwrap {
             let resources = [&uniform, &mesh.corners, &mesh.indices].map(wgpu::Buffer::as_entire_binding);
             group(&self.context, "panel", &self.pipeline.get_bind_group_layout(0), resources)
         });
-        let [colour, depth] = target.views(0);
+        let [colour, depth] = target.views[0].clone();
         let corners = 3 * mesh.triangles();
         Ok(UnwrapFrame { pipeline: self.pipeline.clone(), groups, colour, depth, corners, size })
     }

@@ -24,18 +24,12 @@ const MARGIN: f64 = 2.0;
 #[repr(C)]
 pub struct View {
     clip_from_scene: [[f32; 4]; 4],
-    centre: [f32; 3],
+    /// The scene's origin.
+    pub(super) centre: [f32; 3],
     size: u32,
     octant: u32,
     squares: u32,
     pad: [u32; 2],
-}
-
-impl View {
-    /// The same view of a scene whose origin is at `centre`.
-    pub(super) const fn around(self, centre: [f32; 3]) -> Self {
-        Self { centre, ..self }
-    }
 }
 
 /// A plane: inside is where the product with (x, y, z, 1) is not negative.
@@ -66,8 +60,7 @@ fn view(rows: [DVec3; 3], near: f32, map: DirectMap, octant: u32) -> View {
 }
 
 fn plane(normal: DVec3, offset: f32) -> Plane {
-    let [x, y, z] = normal.as_vec3().to_array();
-    [x, y, z, offset]
+    normal.as_vec3().extend(offset).to_array()
 }
 
 /// Signs of the coordinates in `octant`: bits 1 for x < 0, 2 for y < 0, 4 for z < 0.
