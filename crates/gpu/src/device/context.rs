@@ -1,8 +1,8 @@
 //! Adapters, devices and their errors.
 
-use super::compiled::Compiled;
 use octagloss_core::common::error::{Error, Result};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A device with its queue, the compute pipelines compiled on it, and the first error that occurred on it.
 #[derive(Clone, Debug)]
@@ -10,7 +10,14 @@ pub struct Context {
     device: wgpu::Device,
     queue: wgpu::Queue,
     failure: Arc<Mutex<Option<String>>>,
-    compiled: Arc<Compiled>,
+    /// Shaders by file.
+    modules: Arc<Mutex<HashMap<String, wgpu::ShaderModule>>>,
+    /// Pipelines by file, entry point and constant.
+    pipelines: Arc<Mutex<HashMap<String, wgpu::ComputePipeline>>>,
+}
+
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Every adapter of the system, hardware first, in the system's order.
@@ -93,7 +100,8 @@ impl Context {
 
     /// A context over the caller's device; the caller handles its errors.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, compiled: Arc::default(), failure: Arc::default() }
+        let (modules, pipelines) = (Arc::default(), Arc::default());
+        Self { device, queue, failure: Arc::default(), modules, pipelines }
     }
 
     /// The device.
@@ -116,7 +124,7 @@ impl Context {
     /// # Errors
     /// [`Error::Gpu`] for a lost device, memory that ran out, or an invalid command.
     pub fn check(&self) -> Result<()> {
-        match &*self.failure.lock().unwrap_or_else(PoisonError::into_inner) {
+        match &*lock(&self.failure) {
             None => Ok(()),
             Some(message) => Err(Error::Gpu(format!("{}: {message}", self.describe()))),
         }
@@ -124,11 +132,18 @@ impl Context {
 
     /// The module of the shader `file`, compiled when it is first asked for.
     pub fn module(&self, file: &str) -> wgpu::ShaderModule {
-        self.compiled.module(&self.device, file)
+        let create = || {
+            self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(file),
+                source: wgpu::ShaderSource::Wgsl(octagloss_shaders::source(file).into()),
+            })
+        };
+        lock(&self.modules).entry(file.to_owned()).or_insert_with(create).clone()
     }
 
-    /// The pipeline of an entry point of the shader `file`, compiled when it is first asked for; `constant`
-    /// is the value of one of the shader's `override` declarations.
+    /// The pipeline of an entry point of the shader `file`, compiled when it is first asked for, with its
+    /// layout inferred from the shader; `constant` is the value of one of the shader's `override`
+    /// declarations.
     pub(crate) fn pipeline(
         &self,
         file: &str,
@@ -136,7 +151,24 @@ impl Context {
         constant: Option<(&str, u32)>,
     ) -> wgpu::ComputePipeline {
         let constants = constant.map(|(name, value)| (name, f64::from(value)));
-        self.compiled.pipeline(&self.device, file, entry_point, constants.as_slice())
+        let key = format!("{file} {entry_point} {constants:?}");
+        let known = lock(&self.pipelines).get(&key).cloned();
+        known.unwrap_or_else(|| {
+            // Unlocked, so that threads compile side by side.
+            let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry_point),
+                layout: None,
+                module: &self.module(file),
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: constants.as_slice(),
+                    ..Default::default()
+                },
+                cache: None,
+            });
+            lock(&self.pipelines).insert(key, pipeline.clone());
+            pipeline
+        })
     }
 
     /// Returns [`Error::Limit`] if `bytes` exceed the limit of one binding; `largest` gives the remedy for
@@ -215,7 +247,7 @@ impl Context {
 /// Keeps the first failure; later ones are its consequences.
 fn note(failure: &Mutex<Option<String>>, message: &str) {
     let one_line = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(one_line);
+    lock(failure).get_or_insert(one_line);
 }
 
 #[cfg(test)]

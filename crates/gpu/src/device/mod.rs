@@ -2,7 +2,6 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) mod block_on;
-mod compiled;
 pub mod context;
 pub mod readback;
 pub mod resources;
