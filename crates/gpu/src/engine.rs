@@ -133,13 +133,12 @@ impl Engine {
                 continue;
             }
             let groups = groups(&Tiling::new(reflector.planes.size().inner, spec, lobe));
-            let groups: Vec<&[DVec3]> = groups.iter().map(Vec::as_slice).collect();
             let packets = Packets::new(context, &packets(&groups, environment.source_from_world()))?;
             let parts = reflector.parts(lobe, spec.roughness * spec.roughness, error)?;
             levels.push(adaptive::stage(context, &parts, &packets));
         }
         let GpuReflector { stage, bilinear, .. } = &reflector;
-        let cells = bilinear.get().map(|(_, stage)| stage);
+        let cells = bilinear.get().map(|(stage, _)| stage);
         Ok(std::iter::once(stage).chain(cells).cloned().chain(levels).collect())
     }
 }
@@ -157,7 +156,7 @@ pub struct GpuReflector<'a> {
     stage: Stage,
     settings: ReflectorSettings,
     source: OnceLock<CellTree>,
-    bilinear: OnceLock<(CellTree, Stage)>,
+    bilinear: OnceLock<(Stage, CellTree)>,
     sat: OnceLock<SatTextures>,
     pyramid: OnceLock<PyramidMaps>,
 }
@@ -204,55 +203,51 @@ impl<'a> GpuReflector<'a> {
 
     /// Cells of the source's texels, from the CPU.
     fn source_cells(&self) -> Result<&CellTree> {
-        if let Some(tree) = self.source.get() {
-            return Ok(tree);
-        }
-        let inner = self.planes.size().inner;
-        let layout = self.environment.layout();
-        let light = SourceLight::new(self.environment, self.scale);
-        let width = cells_across(layout, inner.div_ceil(self.settings.block(inner)));
-        let cells = Cells::of_source(SourceTexels::new(layout), light, width);
-        let tree = CellTree::of_source(&self.engine.context, &cells, &self.texture)?;
-        Ok(self.source.get_or_init(|| tree))
+        made_once(&self.source, || {
+            let inner = self.planes.size().inner;
+            let layout = self.environment.layout();
+            let light = SourceLight::new(self.environment, self.scale);
+            let width = cells_across(layout, inner.div_ceil(self.settings.block(inner)));
+            let cells = Cells::of_source(SourceTexels::new(layout), light, width);
+            CellTree::of_source(&self.engine.context, &cells, &self.texture)
+        })
     }
 
     /// Cells of the OEM, interpolated bilinearly.
     fn bilinear_cells(&self) -> Result<&CellTree> {
-        if let Some((tree, _)) = self.bilinear.get() {
-            return Ok(tree);
-        }
-        let context = &self.engine.context;
-        let block = self.settings.block(self.planes.size().inner);
-        let (stage, tree) = cells::stage(context, &self.planes, block, Reconstruction::Bilinear)?;
-        context.submit(|encoder| stage.record(encoder));
-        Ok(&self.bilinear.get_or_init(|| (tree, stage)).0)
+        let (_, tree) = made_once(&self.bilinear, || {
+            let context = &self.engine.context;
+            let block = self.settings.block(self.planes.size().inner);
+            let (stage, tree) = cells::stage(context, &self.planes, block, Reconstruction::Bilinear)?;
+            context.submit(|encoder| stage.record(encoder));
+            Ok((stage, tree))
+        })?;
+        Ok(tree)
     }
 
     fn sat(&self) -> Result<&SatTextures> {
-        if let Some(textures) = self.sat.get() {
-            return Ok(textures);
-        }
-        let context = &self.engine.context;
-        let sat = SatPlanes::new(context, self.planes.size())?;
-        let textures = SatTextures::new(context, &sat)?;
-        let stages = [
-            fixed_point::stage(context, &self.planes, &sat),
-            table_scan::stage(context, self.settings.scan, &self.planes, &sat)?,
-            box_filter::pack(context, &sat, &textures),
-        ];
-        context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
-        Ok(self.sat.get_or_init(|| textures))
+        made_once(&self.sat, || {
+            let context = &self.engine.context;
+            let sat = SatPlanes::new(context, self.planes.size())?;
+            let textures = SatTextures::new(context, &sat)?;
+            let stages = [
+                fixed_point::stage(context, &self.planes, &sat),
+                table_scan::stage(context, self.settings.scan, &self.planes, &sat)?,
+                box_filter::pack(context, &sat, &textures),
+            ];
+            context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+            Ok(textures)
+        })
     }
 
     fn pyramid(&self) -> Result<&PyramidMaps> {
-        if let Some(maps) = self.pyramid.get() {
-            return Ok(maps);
-        }
-        let context = &self.engine.context;
-        let maps = PyramidMaps::new(context, self.planes.size().inner)?;
-        let stages = build_pyramid::stages(context, &self.planes, &maps);
-        context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
-        Ok(self.pyramid.get_or_init(|| maps))
+        made_once(&self.pyramid, || {
+            let context = &self.engine.context;
+            let maps = PyramidMaps::new(context, self.planes.size().inner)?;
+            let stages = build_pyramid::stages(context, &self.planes, &maps);
+            context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+            Ok(maps)
+        })
     }
 
     /// Answers to `directions` (in world space, any length but zero), evaluated one by one.
@@ -278,7 +273,7 @@ impl<'a> GpuReflector<'a> {
     /// Answers to `groups` of up to [`LANES`] adjacent directions, in the source's units.
     async fn evaluate(
         &self,
-        groups: &[&[DVec3]],
+        groups: &[impl AsRef<[DVec3]> + Sync],
         lobe: Lobe,
         roughness: f64,
         filter: Filter,
@@ -293,7 +288,7 @@ impl<'a> GpuReflector<'a> {
     /// [`GpuReflector::evaluate`] in the OEM's units.
     async fn evaluate_scaled(
         &self,
-        groups: &[&[DVec3]],
+        groups: &[impl AsRef<[DVec3]> + Sync],
         lobe: Lobe,
         roughness: f64,
         filter: Filter,
@@ -306,7 +301,7 @@ impl<'a> GpuReflector<'a> {
         let source_from_world = self.environment.source_from_world();
         let alpha = roughness * roughness;
         let directions = || -> Vec<DVec3> {
-            groups.iter().flat_map(|group| group.iter().map(|d| source_from_world * *d)).collect()
+            groups.iter().flat_map(AsRef::as_ref).map(|direction| source_from_world * *direction).collect()
         };
         let unbounded = |radiance: Vec<Rgb>| {
             let lanes = radiance.into_iter().map(|radiance| Answer { radiance, bound: None }).collect();
@@ -331,7 +326,7 @@ impl<'a> GpuReflector<'a> {
             let lobes = reflector.lobes(lobe, roughness, filter)?;
             let (mut workspace, mut lanes) = (Workspace::default(), Vec::new());
             for group in groups {
-                lobes.evaluate(group, &mut workspace, &mut lanes)?;
+                lobes.evaluate(group.as_ref(), &mut workspace, &mut lanes)?;
             }
             return Ok(Answers { lanes, leaves: workspace.leaves });
         }
@@ -342,7 +337,7 @@ impl<'a> GpuReflector<'a> {
         let mut index = 0;
         answers.lanes.retain(|_| {
             index += 1;
-            (index - 1) % LANES < groups[(index - 1) / LANES].len()
+            (index - 1) % LANES < groups[(index - 1) / LANES].as_ref().len()
         });
         Ok(answers)
     }
@@ -381,35 +376,32 @@ impl bake::Engine for GpuReflector<'_> {
             advance(level.spec.layout.texel_count() as u64)?;
             return Ok(BakedLevel { processor: Processor::Gpu, ..BakedLevel::unbounded(texels) });
         }
-        let evaluate_nodes = async |packets: &[Vec<DVec3>], tolerance: f64, done: sparse::Part<'_>| {
-            if packets.is_empty() {
-                return Ok((Vec::new(), LeafCounts::default()));
-            }
-            let groups: Vec<&[DVec3]> = packets.iter().map(Vec::as_slice).collect();
-            let answers = self.evaluate(&groups, lobe, spec.roughness, Filter::Adaptive(tolerance)).await?;
-            let (packets, directions) = (groups.len() as u64, answers.lanes.len() as u64);
-            done(0, 1)?;
-            Ok((answers.lanes, LeafCounts { leaves: answers.leaves, packets, directions }))
-        };
-        if let Some(interpolation) = Interpolation::of(level) {
+        let interpolation = Interpolation::of(level);
+        let of_nodes = interpolation.as_ref().map(Interpolation::tolerance);
+        if let Some(tolerance) = of_nodes.or_else(|| sparse::tolerance(level)) {
             let evaluate = async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| {
-                evaluate_nodes(packets, interpolation.tolerance(), done).await
+                if packets.is_empty() {
+                    return Ok((Vec::new(), LeafCounts::default()));
+                }
+                let filter = Filter::Adaptive(tolerance);
+                let answers = self.evaluate(packets, lobe, spec.roughness, filter).await?;
+                let (packets, directions) = (packets.len() as u64, answers.lanes.len() as u64);
+                done(0, 1)?;
+                Ok((answers.lanes, LeafCounts { leaves: answers.leaves, packets, directions }))
             };
-            return interpolation.bake(level, self.environment, Processor::Gpu, evaluate, advance).await;
-        }
-        if let Some(tolerance) = sparse::tolerance(level) {
-            let evaluate = async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| {
-                evaluate_nodes(packets, tolerance, done).await
+            let (processor, inner) = (Processor::Gpu, self.planes.size().inner);
+            return match interpolation {
+                Some(interpolation) => {
+                    interpolation.bake(level, self.environment, processor, evaluate, advance).await
+                }
+                None => sparse::bake_sparsely(inner, level, tolerance, processor, evaluate, advance).await,
             };
-            let inner = self.planes.size().inner;
-            return sparse::bake_sparsely(inner, level, tolerance, Processor::Gpu, evaluate, advance).await;
         }
         let is_sharp = is_near_mirror(lobe, spec.roughness * spec.roughness);
         let on_cpu = is_sharp && matches!(filter, Filter::Adaptive(_));
         let processor = if on_cpu { Processor::Cpu } else { Processor::Gpu };
         let tiling = Tiling::new(self.planes.size().inner, spec, lobe);
         let groups = groups(&tiling);
-        let groups: Vec<&[DVec3]> = groups.iter().map(Vec::as_slice).collect();
         let packets = if matches!(filter, Filter::Adaptive(_)) { groups.len() as u64 } else { 0 };
         let answers = self.evaluate(&groups, lobe, spec.roughness, filter).await?;
 
@@ -447,6 +439,15 @@ impl bake::Engine for GpuReflector<'_> {
     }
 }
 
+/// The value of `cell`, which `make` makes at the first use.
+fn made_once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> Result<T>) -> Result<&T> {
+    if let Some(value) = cell.get() {
+        return Ok(value);
+    }
+    let value = make()?;
+    Ok(cell.get_or_init(|| value))
+}
+
 /// Whether `lobe` is too sharp for float32 directions; the CPU then evaluates it.
 fn is_near_mirror(lobe: Lobe, alpha: f64) -> bool {
     lobe.has_mirror() && alpha < SHARPEST_ALPHA
@@ -469,13 +470,12 @@ fn groups(tiling: &Tiling) -> Vec<Vec<DVec3>> {
 }
 
 /// Packets of `groups` of world directions.
-fn packets(groups: &[&[DVec3]], source_from_world: DMat3) -> Vec<Packet> {
-    let packet = |group: &&[DVec3]| {
+fn packets(groups: &[impl AsRef<[DVec3]> + Sync], source_from_world: DMat3) -> Vec<Packet> {
+    parallel::map(groups, |group| {
         let mut turned = [DVec3::ZERO; LANES];
-        for (turned, direction) in turned.iter_mut().zip(*group) {
+        for (turned, direction) in turned.iter_mut().zip(group.as_ref()) {
             *turned = source_from_world * *direction;
         }
-        Packet::new(&turned[..group.len()])
-    };
-    parallel::map(groups, packet)
+        Packet::new(&turned[..group.as_ref().len()])
+    })
 }

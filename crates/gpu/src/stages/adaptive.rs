@@ -111,7 +111,7 @@ impl LobePart<'_> {
         }
         let unit = f64::from(1_u32 << 24).recip();
         let (per_integral, least) = (share / kernel.integral(), f64::from(f32::MIN_POSITIVE));
-        let SourceGrid { source, sides: [columns, rows], shift: [shift_x, shift_y] } = cells.source.grid;
+        let SourceGrid { source, sides: [columns, rows], shift: [shift_x, shift_y] } = cells.grid;
         Lobe {
             shape,
             first,
@@ -206,9 +206,9 @@ pub fn stage(context: &Context, parts: &[LobePart<'_>], packets: &Packets) -> St
                 (3, packets.as_entire_binding()),
                 (4, results.as_entire_binding()),
                 (5, leaves.as_entire_binding()),
-                (6, part.cells.source.members.as_entire_binding()),
-                (7, part.cells.source.angles.as_entire_binding()),
-                (8, wgpu::BindingResource::TextureView(&part.cells.source.light)),
+                (6, part.cells.members.as_entire_binding()),
+                (7, part.cells.angles.as_entire_binding()),
+                (8, wgpu::BindingResource::TextureView(&part.cells.light)),
             ],
             in_rows(*count),
         )

@@ -59,31 +59,11 @@ pub struct CellTree {
     pub(super) levels: Vec<[u32; 2]>,
     /// Bound of the radiance that energies counted as zero add to an answer.
     pub(super) omitted: f64,
-    pub(super) source: SourceTables,
-}
-
-/// The texels of the source in every cell, for the subdivision of cells; without texels for a tree over an
-/// OEM.
-#[derive(Clone, Debug)]
-pub(super) struct SourceTables {
+    /// The texels of the source in every cell, for the subdivision of cells; none for a tree over an OEM.
     pub(super) grid: SourceGrid,
     pub(super) members: wgpu::Buffer,
     pub(super) angles: wgpu::Buffer,
     pub(super) light: wgpu::TextureView,
-}
-
-impl SourceTables {
-    /// Tables without texels.
-    fn none(context: &Context) -> Self {
-        let (format, usage) = (wgpu::TextureFormat::Rgba32Float, wgpu::TextureUsages::TEXTURE_BINDING);
-        let texture = context.texture("no source", format, [1; 3], 1, usage);
-        Self {
-            grid: SourceGrid::default(),
-            members: context.storage("no members", 4),
-            angles: context.storage("no angles", 8),
-            light: layers(&texture),
-        }
-    }
 }
 
 /// Remedy for a source with too many texels.
@@ -131,13 +111,14 @@ impl CellTree {
             levels,
             &cells.quad_fields(),
         );
-        let source = SourceTables {
+        Ok(Self {
+            omitted: cells.omitted(),
             grid,
             members: context.storage_of("texels of the source by cells", &members),
             angles: context.storage_of("angles of the source", &angles),
             light: layers(texture),
-        };
-        Ok(Self { omitted: cells.omitted(), source, ..tree })
+            ..tree
+        })
     }
 
     /// A tree with the given levels, as [`levels_over`] has them, and quads.
@@ -151,15 +132,34 @@ impl CellTree {
         quads: &[[[f32; 4]; QUAD_FIELDS]],
     ) -> Self {
         let least = context.storage_of("least radiance", &[red, green, blue, 0.0]);
+        let quads = context.storage_of("quads", quads);
+        Self::in_buffers(context, inner, block, reconstruction, levels, least, quads)
+    }
+
+    /// The same with the buffers of the least radiance and the quads.
+    fn in_buffers(
+        context: &Context,
+        inner: u32,
+        block: u32,
+        reconstruction: Reconstruction,
+        levels: Vec<[u32; 2]>,
+        least: wgpu::Buffer,
+        quads: wgpu::Buffer,
+    ) -> Self {
+        let (format, usage) = (wgpu::TextureFormat::Rgba32Float, wgpu::TextureUsages::TEXTURE_BINDING);
+        let no_source = context.texture("no source", format, [1; 3], 1, usage);
         Self {
             inner,
             block,
             reconstruction,
             least,
-            quads: context.storage_of("quads", quads),
+            quads,
             levels,
             omitted: omitted_radiance(inner),
-            source: SourceTables::none(context),
+            grid: SourceGrid::default(),
+            members: context.storage("no members", 4),
+            angles: context.storage("no angles", 8),
+            light: layers(&no_source),
         }
     }
 
@@ -236,15 +236,6 @@ pub fn stage(
             Dispatch::new(context, ("cells.wgsl", "coarser"), &[quads_binding.clone(), level], over(width))
         });
     }
-    let tree = CellTree {
-        inner,
-        block,
-        reconstruction,
-        least: of_all,
-        quads,
-        levels,
-        omitted: omitted_radiance(inner),
-        source: SourceTables::none(context),
-    };
+    let tree = CellTree::in_buffers(context, inner, block, reconstruction, levels, of_all, quads);
     Ok((Stage::new("cells", dispatches), tree))
 }

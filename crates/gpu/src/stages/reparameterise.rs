@@ -2,7 +2,7 @@
 //! texture.
 
 use super::oem::Table;
-use crate::device::resources::layers;
+use crate::device::resources;
 use crate::device::stage::Dispatch;
 use crate::{Context, OemPlanes, Stage};
 use octagloss_core::common::error::{Error, Result, wrong};
@@ -113,12 +113,10 @@ pub fn stage(
     let table = planes.table();
     upload_solid_angles(context, planes);
     let overlaps = Overlaps::new(layout, glam::DMat3::IDENTITY, Target::Octahedral(inner))?;
-    let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
-    let mut resources = matrix.resources();
-    let targets = [3, 0, 1, 2].map(|channel| planes.planes[channel].as_entire_binding());
-    resources.extend((4..).zip(targets));
-    let dispatch =
-        matrix.dispatch(context, ["oem", "oem_by_groups"], &resources, [table.side, table.side, 1]);
+    let targets =
+        [(4, 3), (5, 0), (6, 1), (7, 2)].map(|(k, channel)| (k, planes.planes[channel].as_entire_binding()));
+    let entry_points = ["oem", "oem_by_groups"];
+    let dispatch = dispatch(context, (layout, texture), &overlaps, table, 1, entry_points, &targets)?;
     Ok(Stage::new("reparameterise", vec![dispatch]))
 }
 
@@ -136,16 +134,14 @@ pub fn footprints(
     let layout = environment.layout();
     let table = Table { inner: size, border: 0, side: size, pitch: size };
     let overlaps = Overlaps::new(layout, environment.source_from_world().transpose(), Target::Cube(size))?;
-    let matrix = Matrix::new(context, layout, texture, &overlaps, table)?;
     let bytes = 16 * 6 * u64::from(size) * u64::from(size);
     context.fits(&format!("a cube of {size} x {size}"), bytes, |available| {
         format!("choose `size` of at most {}", (available / 96).isqrt())
     })?;
     let footprint = context.storage("footprints", bytes);
-    let mut resources = matrix.resources();
-    resources.push((8, footprint.as_entire_binding()));
-    let dispatch =
-        matrix.dispatch(context, ["footprints", "footprints_by_groups"], &resources, [size, size, 6]);
+    let target = (8, footprint.as_entire_binding());
+    let entry_points = ["footprints", "footprints_by_groups"];
+    let dispatch = dispatch(context, (layout, texture), &overlaps, table, 6, entry_points, &[target])?;
     Ok((Stage::new("footprints", vec![dispatch]), footprint))
 }
 
@@ -190,94 +186,68 @@ fn upload_solid_angles(context: &Context, planes: &OemPlanes) {
     context.queue().write_buffer(&planes.planes[3], 0, bytemuck::cast_slice(&words));
 }
 
-/// An overlap matrix on the GPU, with the texture that it applies to.
-struct Matrix {
-    gather: wgpu::Buffer,
-    starts: wgpu::Buffer,
-    entries: wgpu::Buffer,
-    view: wgpu::TextureView,
-    by_groups: bool,
-}
-
-impl Matrix {
-    fn new(
-        context: &Context,
-        layout: Layout,
-        texture: &wgpu::Texture,
-        overlaps: &Overlaps,
-        target: Table,
-    ) -> Result<Self> {
-        check_readable(context, texture)?;
-        let [width, height, depth] = texture_size(layout);
-        let size = texture.size();
-        if [size.width, size.height, size.depth_or_array_layers] != [width, height, depth] {
-            return wrong(format!(
-                "texture of {} x {} x {}; {layout:?} requires {width} x {height} x {depth}",
-                size.width, size.height, size.depth_or_array_layers
-            ));
-        }
-        let (starts, entries) = overlaps.rows();
-        context.fits("the overlap of source and target texels", 8 * entries.len() as u64, |_| {
-            "bake from a smaller or unturned source, or with `engine` cpu".to_owned()
-        })?;
-        let by_groups = entries.len() / starts.len() >= MANY_SOURCES;
-        let most = starts.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
-        let available = if by_groups { GROUP_SIZE * MAX_SOURCES } else { MAX_SOURCES };
-        // Two rows contribute to a texel on a fold diagonal.
-        if 2 * most > available {
-            return Err(Error::Limit {
-                what: format!("a texel of {} x {}", target.inner, target.inner),
-                needed: 16 * u64::from(most),
-                available: 8 * u64::from(available),
-                remedy: "bake from a smaller source, or with `engine` cpu".to_owned(),
-            });
-        }
-        let entries: Vec<[u32; 2]> =
-            entries.iter().map(|(source, solid_angle)| [*source, solid_angle.to_bits()]).collect();
-        let gather = Gather {
-            edge: target.inner,
-            border: target.border,
-            side: target.side,
-            pitch: target.pitch,
-            width,
-            height,
-            symmetric: u32::from(overlaps.is_symmetric()),
-            padding: 0,
-            source_maps: overlaps.source_maps(),
-        };
-        Ok(Self {
-            gather: context.uniform("gather", &gather),
-            starts: context.storage_of("overlap rows", starts),
-            entries: context.storage_of("overlaps", &entries),
-            view: layers(texture),
-            by_groups,
-        })
+/// The dispatch that applies the matrix `overlaps` to `texture`, with texels in `layout`, for the texels of
+/// `layers` images of `target`. Of the two entry points, which have further `targets`, the first computes a
+/// texel by an invocation, the second by a group.
+fn dispatch(
+    context: &Context,
+    (layout, texture): (Layout, &wgpu::Texture),
+    overlaps: &Overlaps,
+    target: Table,
+    layers: u32,
+    [by_texels, by_groups]: [&'static str; 2],
+    targets: &[(u32, wgpu::BindingResource<'_>)],
+) -> Result<Dispatch> {
+    check_readable(context, texture)?;
+    let [width, height, depth] = texture_size(layout);
+    let size = texture.size();
+    if [size.width, size.height, size.depth_or_array_layers] != [width, height, depth] {
+        return wrong(format!(
+            "texture of {} x {} x {}; {layout:?} requires {width} x {height} x {depth}",
+            size.width, size.height, size.depth_or_array_layers
+        ));
     }
-
-    /// Dispatches over `texels` the entry point that suits the matrix: a texel by an invocation, or by a
-    /// group.
-    fn dispatch(
-        &self,
-        context: &Context,
-        [by_texels, by_groups]: [&'static str; 2],
-        resources: &[(u32, wgpu::BindingResource<'_>)],
-        texels: [u32; 3],
-    ) -> Dispatch {
-        let file = "reparameterise.wgsl";
-        if self.by_groups {
-            return Dispatch::new(context, (file, by_groups), resources, texels);
-        }
-        let [x, y, z] = texels;
-        let groups = [x.div_ceil(EDGE), y.div_ceil(EDGE), z];
-        Dispatch::new(context, (file, by_texels), resources, groups)
+    let (starts, entries) = overlaps.rows();
+    context.fits("the overlap of source and target texels", 8 * entries.len() as u64, |_| {
+        "bake from a smaller or unturned source, or with `engine` cpu".to_owned()
+    })?;
+    let is_by_groups = entries.len() / starts.len() >= MANY_SOURCES;
+    let most = starts.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
+    let available = if is_by_groups { GROUP_SIZE * MAX_SOURCES } else { MAX_SOURCES };
+    // Two rows contribute to a texel on a fold diagonal.
+    if 2 * most > available {
+        return Err(Error::Limit {
+            what: format!("a texel of {} x {}", target.inner, target.inner),
+            needed: 16 * u64::from(most),
+            available: 8 * u64::from(available),
+            remedy: "bake from a smaller source, or with `engine` cpu".to_owned(),
+        });
     }
-
-    fn resources(&self) -> Vec<(u32, wgpu::BindingResource<'_>)> {
-        vec![
-            (0, self.gather.as_entire_binding()),
-            (1, self.starts.as_entire_binding()),
-            (2, self.entries.as_entire_binding()),
-            (3, wgpu::BindingResource::TextureView(&self.view)),
-        ]
-    }
+    let entries: Vec<[u32; 2]> =
+        entries.iter().map(|(source, solid_angle)| [*source, solid_angle.to_bits()]).collect();
+    let gather = Gather {
+        edge: target.inner,
+        border: target.border,
+        side: target.side,
+        pitch: target.pitch,
+        width,
+        height,
+        symmetric: u32::from(overlaps.is_symmetric()),
+        padding: 0,
+        source_maps: overlaps.source_maps(),
+    };
+    let gather = context.uniform("gather", &gather);
+    let (starts, entries) =
+        (context.storage_of("overlap rows", starts), context.storage_of("overlaps", &entries));
+    let view = resources::layers(texture);
+    let sources = [
+        (0, gather.as_entire_binding()),
+        (1, starts.as_entire_binding()),
+        (2, entries.as_entire_binding()),
+        (3, wgpu::BindingResource::TextureView(&view)),
+    ];
+    let (entry_point, across) =
+        if is_by_groups { (by_groups, target.side) } else { (by_texels, target.side.div_ceil(EDGE)) };
+    let file = "reparameterise.wgsl";
+    Ok(Dispatch::new(context, (file, entry_point), &[&sources, targets].concat(), [across, across, layers]))
 }
