@@ -177,6 +177,6 @@ fn frame() -> Vec<(DVec3, f64)> {
 /// The light on a cube with faces of `size`.
 fn cube(light: &TimedLight, size: u32) -> crate::Result<Environment> {
     let environment = light.environment(4 * size)?;
-    let texels = octagloss_core::geometry::footprints::footprints_from_environment(&environment, size)?;
+    let texels = octagloss_core::geometry::footprints::footprints_over(&environment, Layout::Cube { size })?;
     Environment::new(Layout::Cube { size }, texels)
 }

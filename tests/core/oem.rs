@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use octagloss_core::cpu::reparameterise::oem_from_environment;
-use octagloss_core::geometry::footprints::footprints_from_environment;
+use octagloss_core::geometry::footprints::footprints_over;
 use octagloss_core::light::environment::{Environment, Layout, Rgb};
 use octagloss_core::light::oem::{Oem, OemSize};
 use octagloss_core::sphere::{cube, equirect, octahedral};
@@ -153,7 +153,7 @@ fn a_sun_of_an_8k_panorama_arrives_whole() {
         assert!(error <= ENERGY, "{suns:?}: off by {error:e}");
         // Level 0 of the bake, within 1e-3.
         let size = 256;
-        let cube = footprints_from_environment(&environment, size).expect("a cube of moderate size");
+        let cube = footprints_over(&environment, Layout::Cube { size }).expect("a cube of moderate size");
         let error = energy_error(cube_totals(&cube, size), layout, suns);
         assert!(error <= 1e-3, "level 0, {suns:?}: off by {error:e}");
     }
@@ -325,7 +325,7 @@ fn level_0_is_the_mean_over_each_texel_in_the_world() {
         for degrees in [0.0, 90.0, 37.0] {
             let turned = environment(layout, radiance.clone()).rotated_y(degrees).expect("an angle");
             for (environment, size) in [(turned.clone(), 4), (turned.mirrored(), 3)] {
-                let cube = footprints_from_environment(&environment, size).expect("a small cube");
+                let cube = footprints_over(&environment, Layout::Cube { size }).expect("a small cube");
                 for (k, texel) in cube.iter().enumerate().step_by(sweep(5, 1)) {
                     let k = k as u32;
                     let face = cube::Face::ALL[(k / (size * size)) as usize];

@@ -1,7 +1,7 @@
 //! Gathering of OEMs and footprints: within a derived bound of the CPU's.
 
 use octagloss_core::cpu::reparameterise::oem_from_environment;
-use octagloss_core::geometry::footprints::footprints_from_environment;
+use octagloss_core::geometry::footprints::footprints_over;
 use octagloss_core::light::environment::{Environment, Layout};
 use octagloss_core::light::oem::{Oem, OemSize};
 use octagloss_fixtures::adapters::{exceeds, in_full, wait};
@@ -92,7 +92,7 @@ pub(super) fn footprints(context: &Context, layouts: &[Layout], sizes: &[u32]) {
                 .expect("an angle");
             let texture = upload(context, &environment).expect("a small texture");
             for &size in sizes {
-                let expected: Vec<[f32; 4]> = footprints_from_environment(&environment, size)
+                let expected: Vec<[f32; 4]> = footprints_over(&environment, Layout::Cube { size })
                     .expect("a small matrix")
                     .iter()
                     .map(|[r, g, b]| [*r, *g, *b, 1.0])

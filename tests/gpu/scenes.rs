@@ -5,7 +5,7 @@ use crate::transfer::read_sat;
 use glam::DVec3;
 use octagloss_core::cpu::reflector::{Reflector as CpuReflector, ReflectorSettings};
 use octagloss_core::cpu::reparameterise::oem_from_environment;
-use octagloss_core::geometry::footprints::footprints_from_environment;
+use octagloss_core::geometry::footprints::footprints_over;
 use octagloss_core::light::environment::{Environment, Layout, Rgb};
 use octagloss_core::light::oem::{Oem, OemSize};
 use octagloss_core::light::sat::{Sat, Scan};
@@ -127,7 +127,7 @@ fn scenes_pass_every_stage() {
                     reparameterise::footprints(context, &source, &texture, 5).expect("a small cube");
                 context.submit(|encoder| stage.record(encoder));
                 let found: Vec<[f32; 4]> = wait(context, readback::read(context, &buffer));
-                let expected = footprints_from_environment(&source, 5).expect("a small matrix");
+                let expected = footprints_over(&source, Layout::Cube { size: 5 }).expect("a small matrix");
                 for (k, (e, f)) in expected.iter().zip(&found).enumerate() {
                     assert!(
                         (0..3).all(|c| !far(e[c], f[c], bound)),

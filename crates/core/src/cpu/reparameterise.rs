@@ -3,10 +3,11 @@
 
 use crate::common::error::Result;
 use crate::common::parallel;
-use crate::geometry::overlap::{Space, Target, mean_radiances, surely_fits};
+use crate::geometry::overlap::{Target, mean_radiances, surely_fits};
 use crate::geometry::solid_angles::solid_angles;
 use crate::light::environment::{Environment, Layout, Rgb};
 use crate::light::oem::{Oem, OemSize};
+use glam::DMat3;
 
 /// Whether [`oem_from_environment`] cannot fail for sources of `layout`.
 pub(crate) fn is_infallible(layout: Layout, size: OemSize) -> bool {
@@ -24,7 +25,7 @@ pub fn oem_from_environment(environment: &Environment, size: OemSize) -> Result<
     let texels = if environment.layout() == (Layout::Octahedral { size: n }) {
         environment.texels()
     } else {
-        means = mean_radiances(environment, Target::Octahedral(n), Space::Source)?;
+        means = mean_radiances(environment, DMat3::IDENTITY, Target::Octahedral(n))?;
         &means
     };
     let square = parallel::values(texels.len(), |k| {

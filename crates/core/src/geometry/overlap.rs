@@ -26,12 +26,23 @@ use index::SourceMap;
 pub(super) use grid::{Accumulator, walk_outline};
 pub use index::Target;
 
-/// One entry of the matrix before it is sorted.
+/// Overlap of a source texel with a target texel.
 #[derive(Clone, Copy)]
-struct Entry {
-    target: u32,
-    source: u32,
-    solid_angle: f32,
+pub(super) struct Share {
+    pub(super) target: u32,
+    pub(super) source: u32,
+    pub(super) solid_angle: f32,
+}
+
+/// Scales `shares` to the sum `solid_angle`, which conserves the energy of a texel. Returns whether they have
+/// a sum to scale.
+pub(super) fn scale_to(solid_angle: f64, shares: &mut [Share]) -> bool {
+    let sum: f64 = shares.iter().map(|share| f64::from(share.solid_angle)).sum();
+    if sum > 0.0 {
+        let scale = (solid_angle / sum) as f32;
+        shares.iter_mut().for_each(|share| share.solid_angle *= scale);
+    }
+    sum > 0.0
 }
 
 /// A line as chords, and where its corners are among their ends.
@@ -48,24 +59,11 @@ impl<P> Chords<P> {
     }
 }
 
-/// Space in which a target's directions lie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Space {
-    /// The world, to which the environment's rotation leads.
-    World,
-    /// The source's own space.
-    Source,
-}
-
-/// The mean radiance of `environment` over every texel of `target`, whose directions lie in `space`.
+/// The mean radiance of `environment`, turned by `turn`, over every texel of `target`.
 ///
 /// # Errors
 /// [`Error::Limit`] if the overlaps do not fit.
-pub(crate) fn mean_radiances(environment: &Environment, target: Target, space: Space) -> Result<Vec<Rgb>> {
-    let turn = match space {
-        Space::World => environment.source_from_world().transpose(),
-        Space::Source => DMat3::IDENTITY,
-    };
+pub(crate) fn mean_radiances(environment: &Environment, turn: DMat3, target: Target) -> Result<Vec<Rgb>> {
     if is_symmetric(environment.layout(), turn, target)
         && let Some(means) = sweep::mean_radiances(environment, target)
     {
@@ -106,7 +104,9 @@ pub(crate) fn panorama_mean_radiances(
     height: u32,
 ) -> Result<Vec<Rgb>> {
     let target = match environment.layout() {
-        Layout::Panorama { .. } => return Ok(panorama::mean_radiances(environment, width, height)),
+        Layout::Panorama { width: columns, height: rows } => {
+            return Ok(panorama::mean_radiances(environment, [columns, rows], [width, height]));
+        }
         Layout::Cube { size } => Target::Cube(size),
         Layout::Octahedral { size } => Target::Octahedral(size),
     };
@@ -118,7 +118,7 @@ pub(crate) fn panorama_mean_radiances(
         // Shares are relative to a texel's exact solid angle, which conserves its energy.
         let mut whole = 0.0;
         overlaps.for_each_source(texel, |_, solid_angle| whole += f64::from(solid_angle));
-        let scale = target.solid_angle(texel) / whole;
+        let scale = environment.layout().solid_angle_at(texel) / whole;
         overlaps.for_each_source(texel, |place, solid_angle| {
             let weight = f64::from(solid_angle) * scale;
             for (sum, value) in sums[place].iter_mut().zip(radiance) {
@@ -190,16 +190,15 @@ impl Overlaps {
     /// [`Error::Limit`] for more than 2^32 entries.
     pub fn new(source: Layout, turn: DMat3, target: Target) -> Result<Self> {
         let symmetric = is_symmetric(source, turn, target);
-        let bands = if symmetric { cells::octant_bands(source) } else { cells::bands(source) };
-        let parts = parallel::map(bands, |band| {
+        let parts = parallel::map(cells::bands(source, symmetric), |band| {
             let mut walker = grid::Walker::new(target);
             let mut clipper = grid::OctantClipper::default();
             let mut entries = Vec::new();
             let carry = |cell: Cell<'_>| {
                 let first = entries.len();
                 let mut walk = |octant: usize, corners: &[DVec3]| {
-                    walker.walk(corners, octant, |target, solid_angle| {
-                        entries.push(Entry { target, source: cell.index, solid_angle });
+                    walker.walk(corners, octant, &mut |target, solid_angle| {
+                        entries.push(Share { target, source: cell.index, solid_angle });
                     });
                 };
                 if symmetric {
@@ -207,7 +206,7 @@ impl Overlaps {
                 } else {
                     clipper.clip(cell.corners, turn, walk);
                 }
-                share_out(cell.solid_angle, &mut entries[first..]);
+                scale_to(cell.solid_angle, &mut entries[first..]);
             };
             if symmetric {
                 cells::for_each_octant_cell(source, target, band, carry);
@@ -230,11 +229,11 @@ impl Overlaps {
         let row_of = |texel: u32| if symmetric { index::octant_row(target, texel) } else { texel as usize };
         let other_half = index::diagonal_columns(source).filter(|_| symmetric);
         let visit_all = |visit: &mut dyn FnMut(usize, u32, f32)| {
-            for Entry { target: texel, source, solid_angle } in parts.iter().flatten() {
+            for Share { target: texel, source, solid_angle } in parts.iter().flatten() {
                 visit(row_of(*texel), *source, *solid_angle);
             }
             let Some(columns) = other_half else { return };
-            for Entry { target: texel, source, solid_angle } in parts.iter().flatten() {
+            for Share { target: texel, source, solid_angle } in parts.iter().flatten() {
                 let row = index::diagonal_row(target, row_of(*texel));
                 visit(row, index::diagonal_cell(columns, *source), *solid_angle);
             }
@@ -330,15 +329,6 @@ impl Mean {
     fn radiance(&self) -> Rgb {
         let per_total = 1.0 / self.total;
         self.sum.map(|sum| (sum * per_total) as f32)
-    }
-}
-
-/// Scales the entries of one cell to its exact solid angle, which conserves its energy.
-fn share_out(solid_angle: f64, entries: &mut [Entry]) {
-    let sum: f64 = entries.iter().map(|entry| f64::from(entry.solid_angle)).sum();
-    if sum > 0.0 {
-        let scale = (solid_angle / sum) as f32;
-        entries.iter_mut().for_each(|entry| entry.solid_angle *= scale);
     }
 }
 

@@ -21,7 +21,7 @@ mod plane;
 mod sums;
 
 use super::light::Light;
-use super::overlap::most_overlaps;
+use super::overlap::{Share, most_overlaps};
 use crate::common::parallel;
 use crate::light::environment::Rgb;
 use crate::sphere::grid::Grid;
@@ -43,22 +43,6 @@ const BANDS_AT_ONCE: usize = 16;
 
 /// Shares, by estimate, that are summed together; bounds memory.
 const SHARES_AT_ONCE: usize = 1 << 22;
-
-/// Overlap of a source texel, by its number among those of a band, with target texel `target`.
-#[derive(Clone, Copy)]
-struct Share {
-    target: u32,
-    source: u32,
-    solid_angle: f32,
-}
-
-/// Scales `shares` to the sum `solid_angle`. Returns whether they have a sum to scale.
-fn scale_to(solid_angle: f64, shares: &mut [Share]) -> bool {
-    let sum: f64 = shares.iter().map(|share| f64::from(share.solid_angle)).sum();
-    let scale = (solid_angle / sum) as f32;
-    shares.iter_mut().for_each(|share| share.solid_angle *= scale);
-    sum > 0.0
-}
 
 /// The radiance of `light` over every texel of `target`: the mean over the overlaps with the part of the
 /// target texel in its domain. Texels outside the domain follow the target's continuation.
@@ -83,7 +67,7 @@ pub fn resample(light: &Light<'_>, target: &Grid) -> Vec<Rgb> {
 /// [`resample`] by `mirrors` of both grids, NaN where nothing of the source arrives. `None` if a mirror cuts
 /// texels of the source.
 fn resample_by(mirrors: &Mirrors, light: &Light<'_>, target: &Grid) -> Option<(Vec<Rgb>, Totals)> {
-    let mut sums = Sums::new(mirrors.images(), target.texel_count());
+    let mut sums = Sums::new(mirrors, target);
     let grid = &light.grid;
     let rows: u32 = (0..grid.map().components()).map(|component| grid.sides(component)[1]).sum();
     let overlaps = most_overlaps(grid.texel_count(), target.texel_count());
@@ -98,12 +82,12 @@ fn resample_by(mirrors: &Mirrors, light: &Light<'_>, target: &Grid) -> Option<(V
     let at_once = (SHARES_AT_ONCE / per_row / most as usize).clamp(1, BANDS_AT_ONCE);
     for some in bands.chunks(at_once) {
         let band = |(component, rows): &(u32, Range<u32>)| {
-            Band::new(light, target, *component, rows.clone(), mirrors)
+            Band::of_rows(light, target, *component, rows.clone(), mirrors)
         };
         let bands: Vec<Band> = parallel::map(some, band).into_iter().collect::<Option<_>>()?;
-        sums.add(&bands, light.texels, mirrors, target)?;
+        sums.add(&bands, light.texels)?;
     }
-    sums.means(mirrors, target)
+    sums.means()
 }
 
 /// The most bytes that [`resample`] takes from `source` to `target`, its result included.

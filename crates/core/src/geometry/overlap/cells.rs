@@ -21,28 +21,20 @@ pub(super) struct Cell<'a> {
     pub(super) solid_angle: f64,
 }
 
-fn split(rows: u32) -> Vec<Range<u32>> {
+/// Bands of rows of the first octant, for a cube three quarter faces in sequence, or of the whole source, for
+/// a cube its faces in sequence.
+pub(super) fn bands(source: Layout, of_octant: bool) -> Vec<Range<u32>> {
+    let rows = match source {
+        Layout::Panorama { height, .. } if of_octant => height.div_ceil(2),
+        Layout::Panorama { height, .. } => height,
+        Layout::Cube { size } if of_octant => 3 * (size / 2),
+        Layout::Cube { size } => 6 * size,
+        Layout::Octahedral { size } if of_octant => size / 2,
+        Layout::Octahedral { size } => size,
+    };
     // Enough bands for all cores, few enough to amortise the parallels at their edges.
     let band = rows.div_ceil(64).max(4);
     (0..rows).step_by(band as usize).map(|start| start..(start + band).min(rows)).collect()
-}
-
-/// Bands of rows of the first octant; for a cube three quarter faces in sequence.
-pub(super) fn octant_bands(source: Layout) -> Vec<Range<u32>> {
-    match source {
-        Layout::Panorama { height, .. } => split(height.div_ceil(2)),
-        Layout::Cube { size } => split(3 * (size / 2)),
-        Layout::Octahedral { size } => split(size / 2),
-    }
-}
-
-/// Bands of rows of the whole source; for a cube its faces in sequence.
-pub(super) fn bands(source: Layout) -> Vec<Range<u32>> {
-    match source {
-        Layout::Panorama { height, .. } => split(height),
-        Layout::Cube { size } => split(6 * size),
-        Layout::Octahedral { size } => split(size),
-    }
 }
 
 /// Calls `visit` with every cell of the first octant in `band`, or of its half next to the X meridian if the

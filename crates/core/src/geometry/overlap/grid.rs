@@ -36,23 +36,13 @@ impl Walker {
 
     /// Calls `emit` with every texel that the polygon `corners` (points of the mirrored octant, any length,
     /// in order) overlaps, and the solid angle of the overlap. `octant` is the octant it was mirrored from.
-    pub(super) fn walk(&mut self, corners: &[DVec3], octant: usize, mut emit: impl FnMut(u32, f32)) {
-        let (low, high) = extent(corners);
-        if (high - low).max_element() <= WIDEST {
-            self.walk_piece(corners, octant, &mut emit);
-        } else {
-            self.walk_halves(corners, octant, &mut emit);
-        }
-    }
-
-    /// [`Walker::walk`] by recursive halving, down to pieces of [`WIDEST`].
-    fn walk_halves(&mut self, corners: &[DVec3], octant: usize, emit: &mut impl FnMut(u32, f32)) {
+    pub(super) fn walk(&mut self, corners: &[DVec3], octant: usize, emit: &mut impl FnMut(u32, f32)) {
         let (low, high) = extent(corners);
         let (extent, middle) = (high - low, (low + high) / 2.0);
         if extent.max_element() <= WIDEST {
             return self.walk_piece(corners, octant, emit);
         }
-        // The plane through the octant's own axis that halves the longer side.
+        // Halved by the plane through the octant's own axis that halves the longer side.
         let depth = |c: DVec3| {
             let sum = c.x + c.y + c.z;
             if extent.x >= extent.y { c.x - middle.x * sum } else { c.z - middle.y * sum }
@@ -61,7 +51,7 @@ impl Walker {
             let mut half = Vec::with_capacity(corners.len() + 2);
             clip(corners, |c| sign * depth(c), &mut half);
             if half.len() >= 3 {
-                self.walk_halves(&half, octant, emit);
+                self.walk(&half, octant, emit);
             }
         }
     }

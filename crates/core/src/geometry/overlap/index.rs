@@ -5,8 +5,7 @@
 //! mirroring takes cell c to n - 1 - c, for odd n too.
 
 use crate::light::environment::Layout;
-use crate::sphere::cube::{self, Face, cube_point};
-use crate::sphere::octahedral;
+use crate::sphere::cube::{Face, cube_point};
 use glam::DVec3;
 
 /// Target grid of the energy.
@@ -25,17 +24,6 @@ impl Target {
         match self {
             Self::Octahedral(n) => n as usize * n as usize,
             Self::Cube(n) => 6 * n as usize * n as usize,
-        }
-    }
-
-    /// Exact solid angle of texel `texel`, in steradians.
-    #[must_use]
-    pub fn solid_angle(self, texel: usize) -> f64 {
-        let n = self.edge();
-        let place = (texel % (n as usize * n as usize)) as u32;
-        match self {
-            Self::Octahedral(_) => octahedral::texel_solid_angle(n, place % n, place / n),
-            Self::Cube(_) => cube::texel_solid_angle(n, place % n, place / n),
         }
     }
 
@@ -87,28 +75,17 @@ pub(super) fn octahedral_texel(n: u32, octant: usize, x: u32, y: u32) -> u32 {
     mirrored(n, y, octant & 4 != 0) * n + mirrored(n, x, octant & 1 != 0)
 }
 
-/// Face and flips of a cube's quarter face: family 0, 1, 2 for the faces across x, y, z.
-struct QuarterFace {
-    face: usize,
-    flip_s: bool,
-    flip_t: bool,
-}
-
-const fn quarter_face(family: usize, octant: usize) -> QuarterFace {
+/// Texel of the cube from an octant's cell (`i`, `j`) along |s|, |t| of `family`: 0, 1, 2 for the faces across
+/// x, y, z.
+pub(super) fn cube_texel(n: u32, family: usize, octant: usize, i: u32, j: u32) -> u32 {
     let (x, y, z) = (octant & 1 != 0, octant & 2 != 0, octant & 4 != 0);
     // From the face table: where s or t decreases along its mirrored axis.
-    match family {
-        0 => QuarterFace { face: x as usize, flip_s: x == z, flip_t: !y },
-        1 => QuarterFace { face: 2 + y as usize, flip_s: x, flip_t: y != z },
-        _ => QuarterFace { face: 4 + z as usize, flip_s: x != z, flip_t: !y },
-    }
-}
-
-/// Texel of the cube from an octant's cell (`i`, `j`) along |s|, |t| of `family`.
-pub(super) fn cube_texel(n: u32, family: usize, octant: usize, i: u32, j: u32) -> u32 {
-    let quarter = quarter_face(family, octant);
-    let face = u32::try_from(quarter.face).expect("six faces");
-    (face * n + mirrored(n, j, quarter.flip_t)) * n + mirrored(n, i, quarter.flip_s)
+    let (face, flip_s, flip_t) = match family {
+        0 => (u32::from(x), x == z, !y),
+        1 => (2 + u32::from(y), x, y != z),
+        _ => (4 + u32::from(z), x != z, !y),
+    };
+    (face * n + mirrored(n, j, flip_t)) * n + mirrored(n, i, flip_s)
 }
 
 /// Packs a source cell of the first octant: family and position along each axis.
@@ -159,11 +136,7 @@ fn source_index(source: Layout, octant: usize, family: usize, i: i64, j: i64) ->
             };
             mirrored(height, j, y) * i64::from(width) + column
         }
-        Layout::Cube { size } => {
-            let quarter = quarter_face(family, octant);
-            let row = quarter.face as i64 * i64::from(size) + mirrored(size, j, quarter.flip_t);
-            row * i64::from(size) + mirrored(size, i, quarter.flip_s)
-        }
+        Layout::Cube { size } => i64::from(cube_texel(size, family, octant, i as u32, j as u32)),
         Layout::Octahedral { size } => {
             // Below the fold the diagonal |u| + |v| = 1 mirrors the cells.
             let (half, top) = (i64::from(size / 2), i64::from(size) - 1);

@@ -1,15 +1,16 @@
 //! Panorama to panorama: rotations are about the polar axis only, so rows and columns separate.
 
 use crate::common::parallel;
-use crate::light::environment::{Environment, Layout, Rgb};
+use crate::light::environment::{Environment, Rgb};
 use std::f64::consts::{PI, TAU};
 
-/// Mean radiance of `environment`, a panorama, over every texel of another panorama in the world.
-pub(super) fn mean_radiances(environment: &Environment, width: u32, height: u32) -> Vec<Rgb> {
-    let (source_width, source_height) = match environment.layout() {
-        Layout::Panorama { width, height } => (width, height),
-        Layout::Cube { .. } | Layout::Octahedral { .. } => unreachable!("the caller looks"),
-    };
+/// Mean radiance of `environment`, a panorama of `source_width` x `source_height`, over every texel of another
+/// panorama in the world.
+pub(super) fn mean_radiances(
+    environment: &Environment,
+    [source_width, source_height]: [u32; 2],
+    [width, height]: [u32; 2],
+) -> Vec<Rgb> {
     // Longitude in the source runs with the world's, or against it if the source is mirrored.
     let turn = environment.source_from_world();
     let first = turn.x_axis.z.atan2(turn.x_axis.x) / TAU;

@@ -1,10 +1,11 @@
 //! Shares of some rows of the source: the texels on the mirrors' positive sides, their numbers and images.
 
+use super::BLOCK;
 use super::carrier::{Block, Carrier, Numbers, quarterings};
 use super::chart::{Chart as _, Domain, Piece};
 use super::mirrors::{Mirrors, Side};
-use super::{BLOCK, Share};
 use crate::geometry::light::Light;
+use crate::geometry::overlap::Share;
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;
 use glam::{DVec2, DVec3};
@@ -29,7 +30,7 @@ struct Bander<'a> {
 impl Band {
     /// Carries the texels of `light` in `rows` of `component` that are on the positive sides of `mirrors` to
     /// `target`. `None` if a mirror cuts one of them.
-    pub(super) fn new(
+    pub(super) fn of_rows(
         light: &Light<'_>,
         target: &Grid,
         component: u32,
@@ -40,30 +41,27 @@ impl Band {
         let chart = Domain::new(grid, component, light.world_from_source);
         let depth = quarterings(grid.texel_count(), target.texel_count());
         let carrier = Carrier::new(chart, target, depth);
-        Bander { grid, component, mirrors, carrier }.band(rows)
-    }
-}
-
-impl Bander<'_> {
-    fn band(mut self, rows: Range<u32>) -> Option<Band> {
-        let columns = self.grid.sides(self.component)[0];
-        let mut band = Band::default();
+        let mut bander = Bander { grid, component, mirrors, carrier };
+        let columns = grid.sides(component)[0];
+        let mut band = Self::default();
         for top in rows.clone().step_by(BLOCK as usize) {
             for left in (0..columns).step_by(BLOCK as usize) {
                 let (low, count) = ([left, top], [BLOCK.min(columns - left), BLOCK.min(rows.end - top)]);
-                let numbers = self.numbers(low, count, &mut band.sources)?;
+                let numbers = bander.numbers(low, count, &mut band.sources)?;
                 if numbers.iter().flatten().all(Option::is_none) {
                     continue;
                 }
                 let block = Block { low: DVec2::from(low.map(f64::from)), count };
-                if !self.carrier.at_once(block, &numbers, &mut band.shares) {
-                    self.carrier.singly(block, &numbers, &mut band.shares);
+                if !bander.carrier.at_once(block, &numbers, &mut band.shares) {
+                    bander.carrier.singly(block, &numbers, &mut band.shares);
                 }
             }
         }
         Some(band)
     }
+}
 
+impl Bander<'_> {
     /// Numbers of the `count` texels from `low` that are on the mirrors' positive sides; appends their
     /// images. `None` if a mirror cuts one of them.
     fn numbers(&self, low: [u32; 2], count: [u32; 2], images: &mut Vec<u32>) -> Option<Numbers> {

@@ -1,8 +1,9 @@
 //! Carries texels to a target: outlines that are flat there are rasterised over its texels.
 
+use super::BLOCK;
 use super::chart::{Chart, Piece};
 use super::plane::Plane;
-use super::{BLOCK, Share, scale_to};
+use crate::geometry::overlap::{Share, scale_to};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Place;
 use glam::DVec2;
@@ -43,14 +44,9 @@ impl Block {
 /// flat: down to parts of 1/32 of its edge, or of 1/8 of the edge of one of `to`. Parts on a seam are
 /// assigned by their centre.
 pub(super) fn quarterings(from: usize, to: usize) -> Range<u32> {
-    let ratio = (to as f64 / from as f64).sqrt();
-    least_quarterings(from)..5.max(3 + ratio.log2().ceil().max(0.0) as u32)
-}
-
-/// Quarterings of a texel, one of `from` on the sphere, after which its parts are small on the sphere. Larger
-/// ones may look flat because their corners coincide, as at a pole.
-fn least_quarterings(from: usize) -> u32 {
-    (SMALL as f64 / from as f64).sqrt().log2().ceil().max(0.0) as u32
+    let halvings = |count: usize| (count as f64 / from as f64).sqrt().log2().ceil().max(0.0) as u32;
+    // Larger parts may look flat because their corners coincide, as at a pole.
+    halvings(SMALL)..5.max(3 + halvings(to))
 }
 
 /// Number of small texels on the sphere.

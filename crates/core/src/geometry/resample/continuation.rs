@@ -5,12 +5,13 @@
 //! more than once. Where the continuation ends in a single direction, as around the sphere map, texels have
 //! the mean of a square of a texel's solid angle around it.
 
+use super::BLOCK;
 use super::carrier::{Block, Carrier, Numbers, quarterings};
 use super::chart::{Around, Chart, Continued, Piece};
 use super::sums::Totals;
-use super::{BLOCK, Share};
 use crate::common::parallel;
 use crate::geometry::light::Light;
+use crate::geometry::overlap::Share;
 use crate::light::environment::Rgb;
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Texel;

@@ -1,7 +1,6 @@
 //! The target's images, over whose texels outlines are rasterised.
 
-use super::{Share, scale_to};
-use crate::geometry::overlap::{Accumulator, walk_outline};
+use crate::geometry::overlap::{Accumulator, Share, scale_to, walk_outline};
 use crate::sphere::grid::Grid;
 use crate::sphere::map::Place;
 use glam::{DVec2, DVec3};

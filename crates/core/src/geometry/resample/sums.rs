@@ -17,9 +17,9 @@ const NONE: u32 = u32::MAX;
 pub(super) const MAX_BYTES: usize = 4 + 4 + 4 * size_of::<f64>() + 4;
 
 /// Sums over target texels: for every image red, green and blue, then the solid angle of one image.
-pub(super) struct Sums {
-    /// Number of images.
-    images: usize,
+pub(super) struct Sums<'a> {
+    mirrors: &'a Mirrors,
+    target: &'a Grid,
     /// Place of each target texel in `targets`, or [`NONE`].
     slots: Vec<u32>,
     /// Target texels with sums, in the order in which shares met them.
@@ -28,31 +28,27 @@ pub(super) struct Sums {
     chunks: Vec<Vec<f64>>,
 }
 
-impl Sums {
-    pub(super) fn new(images: usize, targets: usize) -> Self {
-        Self { images, slots: vec![NONE; targets], targets: Vec::new(), chunks: Vec::new() }
+impl<'a> Sums<'a> {
+    /// Sums over the texels of `target`, of which `mirrors` give the images.
+    pub(super) fn new(mirrors: &'a Mirrors, target: &'a Grid) -> Self {
+        let slots = vec![NONE; target.texel_count()];
+        Self { mirrors, target, slots, targets: Vec::new(), chunks: Vec::new() }
     }
 
     /// Numbers of a place.
-    const fn stride(&self) -> usize {
-        3 * self.images + 1
+    fn stride(&self) -> usize {
+        3 * self.mirrors.images() + 1
     }
 
     /// Adds the shares of `bands` of the radiances `texels`. Shares that rounding carried behind one of the
-    /// `mirrors` count where that reflects them. `None` if an image of a texel of `target` is not a texel.
-    pub(super) fn add(
-        &mut self,
-        bands: &[Band],
-        texels: &[Rgb],
-        mirrors: &Mirrors,
-        target: &Grid,
-    ) -> Option<()> {
+    /// mirrors count where that reflects them. `None` if an image of a texel of the target is not a texel.
+    pub(super) fn add(&mut self, bands: &[Band], texels: &[Rgb]) -> Option<()> {
         for share in bands.iter().flat_map(|band| &band.shares) {
             if self.slots[share.target as usize] == NONE {
-                self.slots[share.target as usize] = self.slot_of(share.target, mirrors, target)?;
+                self.slots[share.target as usize] = self.slot_of(share.target)?;
             }
         }
-        let (images, stride) = (self.images, self.stride());
+        let (images, stride) = (self.mirrors.images(), self.stride());
         self.chunks.resize_with(self.targets.len().div_ceil(CHUNK), || vec![0.0; CHUNK * stride]);
         // Every thread sums its own range of slots, in the order of the sources.
         let per_thread = self.chunks.len().div_ceil(rayon::current_num_threads()).max(1);
@@ -80,11 +76,11 @@ impl Sums {
     }
 
     /// The slot of the target texel `index`, or a new one: that of its image that is not behind a mirror.
-    fn slot_of(&mut self, index: u32, mirrors: &Mirrors, target: &Grid) -> Option<u32> {
+    fn slot_of(&mut self, index: u32) -> Option<u32> {
         let mut owner = index;
-        if self.images > 1 {
-            let ahead = mirrors.ahead(target, target.texel(index as usize))?;
-            owner = u32::try_from(target.index(ahead)).expect("texels fit");
+        if self.mirrors.images() > 1 {
+            let ahead = self.mirrors.ahead(self.target, self.target.texel(index as usize))?;
+            owner = u32::try_from(self.target.index(ahead)).expect("texels fit");
         }
         if self.slots[owner as usize] == NONE {
             self.slots[owner as usize] = u32::try_from(self.targets.len()).expect("texels fit");
@@ -93,14 +89,14 @@ impl Sums {
         Some(self.slots[owner as usize])
     }
 
-    /// The mean radiance of every texel of `target`, of which `mirrors` give the images, and their totals;
-    /// NaN for texels without sums. `None` if an image of a texel is not a texel.
-    pub(super) fn means(mut self, mirrors: &Mirrors, target: &Grid) -> Option<(Vec<Rgb>, Totals)> {
-        let stride = self.stride();
+    /// The mean radiance of every texel of the target, and their totals; NaN for texels without sums. `None`
+    /// if an image of a texel is not a texel.
+    pub(super) fn means(mut self) -> Option<(Vec<Rgb>, Totals)> {
+        let (mirrors, target, stride) = (self.mirrors, self.target, self.stride());
         let chunks = self.chunks.iter_mut().zip(self.targets.chunks(CHUNK));
         let parts = parallel::map(chunks, |(sums, targets)| {
             let mut totals = Totals::default();
-            let mut images = Vec::with_capacity(self.images * targets.len());
+            let mut images = Vec::with_capacity(mirrors.images() * targets.len());
             for (sums, index) in sums.chunks_exact_mut(stride).zip(targets) {
                 let texel = target.texel(*index as usize);
                 let first = images.len();
@@ -113,7 +109,7 @@ impl Sums {
         let totals = parts.iter().fold(Totals::default(), |sum, (_, term)| sum.plus(term));
         let mut texels = vec![[f32::NAN; 3]; self.slots.len()];
         for (sums, (images, _)) in self.chunks.into_iter().zip(parts) {
-            for (sums, images) in sums.chunks_exact(stride).zip(images.chunks_exact(self.images)) {
+            for (sums, images) in sums.chunks_exact(stride).zip(images.chunks_exact(mirrors.images())) {
                 for (image, mean) in images.iter().zip(sums.chunks_exact(3)) {
                     // Keeps NaN.
                     texels[*image as usize] =
