@@ -8,15 +8,14 @@ use crate::common::finite::finite;
 use crate::common::parallel;
 use crate::common::smoothstep::smoothstep;
 use crate::geometry::footprints::footprints_over;
+use crate::geometry::tiling::edge;
 use crate::light::chain::{Chain, Level};
 use crate::light::environment::{Environment, Layout, exact_luminance};
 use crate::lobe::{Lobe, full_width_at_half_maximum};
 use crate::sphere::cube::Face;
-use crate::sphere::octahedral;
 use glam::DVec3;
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::f64::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Minimum lobe width in source texels; narrower lobes measure texel reconstruction, not the lobe.
@@ -243,7 +242,7 @@ pub fn errors_against_source(
 /// lobe's full width at half maximum, the whole texel from a half on.
 fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3) -> [f64; 3]) -> [f64; 3] {
     let (image, i, j) = level.layout.place(at);
-    let share = texel_edge(level.layout, i, j) / lobe_width(level, lobe);
+    let share = edge(level.layout, i, j) / lobe_width(level, lobe);
     let fade = (share - 1.0 / 3.0) * 6.0;
     if fade <= 0.0 {
         return radiance(level.layout.direction_from_texel(image, i, j));
@@ -262,18 +261,6 @@ fn footprint_mean(level: &Level, lobe: Lobe, at: usize, radiance: &dyn Fn(DVec3)
         sum += weight * DVec3::from(radiance(direction));
     }
     (sum / whole).to_array()
-}
-
-/// Edge of the texel (`i`, `j`) in radians, at its centre as in a bake; for a panorama the longer one.
-fn texel_edge(layout: Layout, i: u32, j: u32) -> f64 {
-    match layout {
-        Layout::Cube { .. } => layout.texel_solid_angle(i, j).sqrt(),
-        Layout::Panorama { height, .. } => PI / f64::from(height),
-        Layout::Octahedral { size } => {
-            let centre = octahedral::texel_centre(size, i, j);
-            2.0 / f64::from(size) * octahedral::solid_angle_density(centre).sqrt()
-        }
-    }
 }
 
 fn integrations(level: &Level, sampling: Sampling) -> u64 {
@@ -429,6 +416,7 @@ fn sample(count: usize, amount: Option<usize>) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::light::environment::Rgb;
+    use std::f64::consts::PI;
 
     fn level(size: u32, value: impl Fn(DVec3) -> f32) -> Level {
         let count = 6 * size as usize * size as usize;

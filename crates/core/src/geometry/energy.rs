@@ -6,46 +6,33 @@ use crate::common::parallel;
 use crate::light::environment::{Layout, Rgb};
 use crate::sphere::{cube, equirect};
 
-/// Solid angles of a layout's texels.
-enum Weights {
-    /// A panorama's, by row.
-    Rows(Vec<f64>),
-    /// Those of a cube's face.
-    Face(Quadrant<f64>),
-    Square(Quadrant<f32>),
-}
-
-impl Weights {
-    fn new(layout: Layout) -> Self {
-        match layout {
-            Layout::Panorama { width, height } => {
-                Self::Rows((0..height).map(|row| equirect::texel_solid_angle(width, height, row)).collect())
-            }
-            Layout::Cube { size } => {
-                Self::Face(Quadrant::new(size, |x, y| cube::texel_solid_angle(size, x, y)))
-            }
-            Layout::Octahedral { size } => Self::Square(solid_angles(size)),
-        }
-    }
-
-    fn at(&self, x: u32, y: u32) -> f64 {
-        match self {
-            Self::Rows(rows) => rows[y as usize],
-            Self::Face(face) => face.at(x, y),
-            Self::Square(square) => f64::from(square.at(x, y)),
-        }
-    }
-}
-
 /// Energy of every channel of `texels` over `layout`.
 pub(crate) fn energy(layout: Layout, texels: &[Rgb]) -> [f64; 3] {
-    let weights = Weights::new(layout);
+    match layout {
+        Layout::Panorama { width, height } => {
+            let of_row = |row| equirect::texel_solid_angle(width, height, row);
+            let rows: Vec<f64> = (0..height).map(of_row).collect();
+            weighted(layout, texels, |_, y| rows[y as usize])
+        }
+        Layout::Cube { size } => {
+            let face = Quadrant::new(size, |x, y| cube::texel_solid_angle(size, x, y));
+            weighted(layout, texels, |x, y| face.at(x, y))
+        }
+        Layout::Octahedral { size } => {
+            let square = solid_angles(size);
+            weighted(layout, texels, |x, y| f64::from(square.at(x, y)))
+        }
+    }
+}
+
+/// Sums of `texels` over `layout`, weighted by the solid angles of an image's texels.
+fn weighted(layout: Layout, texels: &[Rgb], solid_angle: impl Fn(u32, u32) -> f64 + Sync) -> [f64; 3] {
     let (columns, rows) = layout.sides();
     let of_row = |(row, texels): (usize, &[Rgb])| {
         let y = (row % rows as usize) as u32;
         let mut sums = [0.0; 3];
         for (texel, x) in texels.iter().zip(0..) {
-            let weight = weights.at(x, y);
+            let weight = solid_angle(x, y);
             sums.iter_mut().zip(texel).for_each(|(sum, value)| *sum += weight * f64::from(*value));
         }
         sums

@@ -4,11 +4,17 @@ use crate::geometry::tent::{Patch, Texel};
 use crate::geometry::tint::Tint;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-/// A row of a panorama.
-pub(crate) struct PanoramaRow<'a> {
-    /// Distance from the axis and height of the texel at longitude 0.
+/// Moments of a row's texel at longitude 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    /// Its distance from the axis and height.
     pub(super) centroid: DVec2,
     pub(super) texel: Texel,
+}
+
+/// A row of a panorama.
+pub(crate) struct PanoramaRow<'a> {
+    pub(super) row: Row,
     /// Cosine and sine of the columns' longitudes, in double and single precision.
     pub(super) columns: &'a [(f64, f64)],
     pub(super) rounded: &'a [(f32, f32)],
@@ -58,7 +64,7 @@ impl ColourSums {
 impl PanoramaRow<'_> {
     /// Solid angle of a texel.
     pub(crate) const fn solid_angle(&self) -> f32 {
-        self.texel.solid_angle
+        self.row.texel.solid_angle
     }
 
     /// Adds the texel in column `x` of a run from column `first` on: `energy`, whose luminance is `weight`.
@@ -98,11 +104,11 @@ impl PanoramaRow<'_> {
         let centre = Vec2::new(sums.cos, sums.sin) * per_weight;
         let squares = Vec2::new(sums.cos_squared, sums.sin_squared) * per_weight;
         let product = sums.product * per_weight;
-        let rho = self.centroid.x as f32;
+        let rho = self.row.centroid.x as f32;
         let (cos, sin) = self.rounded[first as usize];
         let (cos, sin) = (cos + centre.x, sin + centre.y);
-        let [radial, _, tangential] = self.texel.patch.diagonal.to_array();
-        let leaning = self.texel.patch.mixed.z;
+        let [radial, _, tangential] = self.row.texel.patch.diagonal.to_array();
+        let leaning = self.row.texel.patch.mixed.z;
         let tint = |colour: &ColourSums, energy: f32| {
             let dipole = colour.linear - centre * energy;
             // Around the centre, in excess of the luminance's.
@@ -140,16 +146,16 @@ impl PanoramaRow<'_> {
         let cos_squared = (mean(sums.cos_squared) - cos * cos).max(0.0);
         let sin_squared = (mean(sums.sin_squared) - sin * sin).max(0.0);
         let product = mean(sums.product) - cos * sin;
-        let own = self.texel.patch;
+        let own = self.row.texel.patch;
         let [radial, upright, tangential] = own.diagonal.as_dvec3().to_array();
         let leaning = f64::from(own.mixed.z);
-        let rho = self.centroid.x;
+        let rho = self.row.centroid.x;
         // Means of squares, for the texels' own covariances.
         let (cc, ss, cs) = (c * c + cos_squared, s * s + sin_squared, c * s + product);
-        let centroid = DVec3::new(rho * c, self.centroid.y, rho * s);
+        let centroid = DVec3::new(rho * c, self.row.centroid.y, rho * s);
         let reach = lit.map(|x| {
             let (cos, sin) = self.columns[x as usize];
-            DVec3::new(rho * cos, self.centroid.y, rho * sin).distance(centroid)
+            DVec3::new(rho * cos, self.row.centroid.y, rho * sin).distance(centroid)
         });
         let diagonal = DVec3::new(
             rho * rho * cos_squared + radial * cc + tangential * ss,

@@ -4,7 +4,7 @@
 //! three nodes per side then integrate directions to 3e-8 and their spread to 1e-5 of itself. Even sizes
 //! follow for octahedral squares, so that only fold diagonals cross texels, from corner to corner.
 
-use crate::geometry::panorama_row::PanoramaRow;
+use crate::geometry::panorama_row::{PanoramaRow, Row};
 use crate::geometry::quadrant::Quadrant;
 use crate::geometry::tent::{Moments, Patch, Texel};
 use crate::light::environment::Layout;
@@ -38,13 +38,6 @@ impl Piece {
         let low = DVec2::from(self.place.map(|k| k as f64)) * side;
         [low, low + side]
     }
-}
-
-/// Moments of a row of a panorama around longitude 0.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    centroid: DVec2,
-    texel: Texel,
 }
 
 /// A panorama's rows, and cosine and sine of the columns' longitudes.
@@ -291,8 +284,7 @@ impl SourceTexels {
         let Table::Panorama { texels: Panorama { rows, columns }, rounded, .. } = &self.table else {
             return None;
         };
-        let Row { centroid, texel } = rows[y as usize];
-        Some(PanoramaRow { centroid, texel, columns, rounded })
+        Some(PanoramaRow { row: rows[y as usize], columns, rounded })
     }
 
     /// `piece` of the texel in column `x` of row `y`, and its centroid.

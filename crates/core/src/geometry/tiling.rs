@@ -35,8 +35,12 @@ pub struct Tiling {
     pub(crate) layout: Layout,
     /// Columns and rows of an image; for a cube, of a face.
     pub(crate) sides: (u32, u32),
-    footprint: Footprint,
     tiles: u32,
+    /// Full width at half maximum of the lobe smoothed by an OEM texel.
+    lobe_width: f64,
+    /// Places and weights of footprints, over which the texels' lobes are averaged: over a square of edge 1
+    /// around 0, by rules of rising order.
+    rules: Vec<Vec<(f64, f64, f64)>>,
 }
 
 /// The texels of one tile.
@@ -53,8 +57,12 @@ impl Tiling {
     /// The tiles of `spec` for `lobe` over an OEM of `oem` texels.
     pub fn new(oem: u32, spec: LevelSpec, lobe: Lobe) -> Self {
         let sides = spec.layout.sides();
-        let footprint = Footprint::new(oem, spec, lobe);
-        Self { layout: spec.layout, sides, footprint, tiles: sides.1.div_ceil(TILE) }
+        let alpha = spec.roughness * spec.roughness;
+        // An OEM texel is at least 2/n wide.
+        let lobe_width = lobe::full_width_at_half_maximum(lobe, alpha).max(2.0 / f64::from(oem));
+        let most = order(longest_edge(spec.layout) / lobe_width);
+        let (tiles, rules) = (sides.1.div_ceil(TILE), (1..=most).map(rule).collect());
+        Self { layout: spec.layout, sides, tiles, lobe_width, rules }
     }
 
     /// Rows of tiles, of all images.
@@ -99,7 +107,7 @@ impl Tiling {
                     continue;
                 }
                 let before = tile.directions.len();
-                self.footprint.for_each_place(i, j, |x, y, weight| {
+                self.for_each_place(i, j, |x, y, weight| {
                     let (direction, density) = at(self.layout, row / self.tiles, x, y);
                     tile.directions.push(direction);
                     tile.weights.push((weight * density) as f32);
@@ -107,6 +115,20 @@ impl Tiling {
                 tile.texels.push((((j - top) * columns + i) as usize, tile.directions.len() - before));
             }
             visit(tile);
+        }
+    }
+
+    /// Calls `visit` with the place, in texels, and the weight of every direction of texel (`i`, `j`).
+    fn for_each_place(&self, i: u32, j: u32, mut visit: impl FnMut(f64, f64, f64)) {
+        if self.rules.len() == 1 {
+            return visit(f64::from(i) + 0.5, f64::from(j) + 0.5, 1.0);
+        }
+        let share = edge(self.layout, i, j) / self.lobe_width;
+        let rule = &self.rules[(order(share) as usize).min(self.rules.len()) - 1];
+        let extent = extent(share);
+        let place = |k: u32, offset: f64| f64::from(k) + 0.5 + extent * offset;
+        for (x, y, weight) in rule {
+            visit(place(i, *x), place(j, *y), *weight);
         }
     }
 }
@@ -143,7 +165,7 @@ pub(crate) fn at(layout: Layout, image: u32, x: f64, y: f64) -> (DVec3, f64) {
 }
 
 /// Edge length of texel (`i`, `j`) in radians; for a panorama the longer edge.
-fn edge(layout: Layout, i: u32, j: u32) -> f64 {
+pub(crate) fn edge(layout: Layout, i: u32, j: u32) -> f64 {
     match layout {
         Layout::Cube { size } => cube::texel_solid_angle(size, i, j).sqrt(),
         Layout::Panorama { height, .. } => PI / f64::from(height),
@@ -165,27 +187,23 @@ fn longest_edge(layout: Layout) -> f64 {
 }
 
 impl Tile {
-    /// Of each texel, its own of `directions`, which are those of the tile in another space, and their
-    /// weights.
-    pub(crate) fn footprints<'a>(
+    /// Of each texel, its own of what each of the tile's directions has, and their weights.
+    pub(crate) fn footprints<'a, T>(
         &'a self,
-        directions: &'a [DVec3],
-    ) -> impl Iterator<Item = (&'a [DVec3], &'a [f32])> {
+        of_directions: &'a [T],
+    ) -> impl Iterator<Item = (&'a [T], &'a [f32])> {
         let mut first = 0;
         self.texels.iter().map(move |(_, count)| {
             let own = first..first + count;
             first += count;
-            (&directions[own.clone()], &self.weights[own])
+            (&of_directions[own.clone()], &self.weights[own])
         })
     }
 
     /// Averages the answers of each texel's directions into `line`.
     pub fn resolve(&self, answers: &[Answer], line: &mut [Answer]) {
-        let mut first = 0;
-        for (place, count) in &self.texels {
-            let own = first..first + count;
-            line[*place] = mean(&answers[own.clone()], &self.weights[own]);
-            first += count;
+        for ((place, _), (own, weights)) in self.texels.iter().zip(self.footprints(answers)) {
+            line[*place] = mean(own, weights);
         }
     }
 }
@@ -227,50 +245,13 @@ fn extreme_mean(samples: &[Answer], weights: &[f32]) -> Answer {
         products.sum::<f64>() / total
     };
     let radiance = std::array::from_fn(|c| (mean(&|sample| sample.radiance[c]) as f32).min(f32::MAX));
-    // Possible rounding of the radiance.
-    let rounded = f64::from(f32::from_bits(1));
-    let bound_of = |value: fn(Bound) -> f32| {
-        rounded_up(mean(&|sample| value(sample.bound.unwrap_or_default())) + rounded)
-    };
-    let bound = samples[0].bound.map(|_| Bound {
-        channels: [|b: Bound| b.channels[0], |b: Bound| b.channels[1], |b: Bound| b.channels[2]]
-            .map(bound_of),
-        luminance: bound_of(|bound| bound.luminance),
+    let [luminance, red, green, blue] = std::array::from_fn(|k| {
+        // With a possible rounding of the radiance.
+        let bound = mean(&|sample| sample.bound.unwrap_or_default().values()[k]);
+        rounded_up(bound + f64::from(f32::from_bits(1)))
     });
+    let bound = samples[0].bound.map(|_| Bound { channels: [red, green, blue], luminance });
     Answer { radiance, bound }
-}
-
-/// Footprints over which the texels' lobes are averaged.
-struct Footprint {
-    layout: Layout,
-    /// Full width at half maximum of the lobe smoothed by an OEM texel.
-    width: f64,
-    /// Places and weights over a square of edge 1 around 0, by rules of rising order.
-    rules: Vec<Vec<(f64, f64, f64)>>,
-}
-
-impl Footprint {
-    fn new(oem: u32, spec: LevelSpec, lobe: Lobe) -> Self {
-        let alpha = spec.roughness * spec.roughness;
-        // An OEM texel is at least 2/n wide.
-        let width = lobe::full_width_at_half_maximum(lobe, alpha).max(2.0 / f64::from(oem));
-        let most = order(longest_edge(spec.layout) / width);
-        Self { layout: spec.layout, width, rules: (1..=most).map(rule).collect() }
-    }
-
-    /// Calls `visit` with the place, in texels, and the weight of every direction of texel (`i`, `j`).
-    fn for_each_place(&self, i: u32, j: u32, mut visit: impl FnMut(f64, f64, f64)) {
-        if self.rules.len() == 1 {
-            return visit(f64::from(i) + 0.5, f64::from(j) + 0.5, 1.0);
-        }
-        let share = edge(self.layout, i, j) / self.width;
-        let rule = &self.rules[(order(share) as usize).min(self.rules.len()) - 1];
-        let extent = extent(share);
-        let place = |k: u32, offset: f64| f64::from(k) + 0.5 + extent * offset;
-        for (x, y, weight) in rule {
-            visit(place(i, *x), place(j, *y), *weight);
-        }
-    }
 }
 
 /// Order of the [`rule`] for a texel `share` lobes wide: 1 for its centre alone.

@@ -7,7 +7,7 @@
 pub mod patch;
 
 use crate::light::environment::Layout;
-use crate::sphere::{cube, equirect, octahedral};
+use crate::sphere::{cube, octahedral};
 use glam::{DMat3, DVec2, DVec3};
 use patch::{Accuracy, Band, Flat, Patch, Plane, Sample};
 use std::f64::consts::{PI, TAU};
@@ -124,15 +124,9 @@ impl ExactTexels {
             first += direction * weight;
             second += outer(direction) * weight;
         });
-        let (solid_angle, cap) = match self.layout {
-            Layout::Panorama { width, height } => {
-                let cap = panorama_texel(width, height, block).cap();
-                (equirect::texel_solid_angle(width, height, block as u32), cap)
-            }
-            Layout::Cube { size } => {
-                let (i, j) = (block as u32 % size, block as u32 / size);
-                (cube::texel_solid_angle(size, i, j), cube_texel(size, block).cap())
-            }
+        let (size, (centre, radius)) = match self.layout {
+            Layout::Panorama { width, height } => (1, panorama_texel(width, height, block).cap()),
+            Layout::Cube { size } => (size, cube_texel(size, block).cap()),
             Layout::Octahedral { size } => {
                 let (x, y) = (block as u32 % size, block as u32 / size);
                 let centre = octahedral::direction_from_oct(octahedral::texel_centre(size, x, y));
@@ -141,12 +135,13 @@ impl ExactTexels {
                     let (middle, spread) = piece.cap();
                     radius = radius.max(middle.distance(centre) + spread).min(2.0);
                 });
-                (octahedral::texel_solid_angle(size, x, y), (centre, radius))
+                (size, (centre, radius))
             }
         };
+        let solid_angle = self.layout.texel_solid_angle(block as u32 % size, block as u32 / size);
         let mean = first / area;
         let covariance = second * (1.0 / area) - outer(mean);
-        Texel { solid_angle, mean, covariance, centre: cap.0, radius: cap.1 }
+        Texel { solid_angle, mean, covariance, centre, radius }
     }
 }
 
