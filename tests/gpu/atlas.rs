@@ -166,7 +166,8 @@ fn look_ups_in_wgsl_are_those_of_the_cpu() {
         }
     }
     let queries: Vec<Query> = asked.iter().map(|(query, _)| *query).collect();
-    let source = octagloss_shaders::source("common/oem_lookup.wgsl") + include_str!("atlas.wgsl") + ENTRY;
+    let octahedral = octagloss_shaders::source("common/octahedral.wgsl");
+    let source = octahedral + include_str!("oem_lookup.wgsl") + include_str!("atlas.wgsl") + ENTRY;
     // Coordinates of up to 64 texels differ by a few units in the last place, 64 * 4 * 2^-24 of a texel at
     // most; neighbours differ by at most 30.
     let allowed = 30.0 * 64.0 * 16.0 / f64::from(1 << 24);

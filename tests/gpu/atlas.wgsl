@@ -1,4 +1,4 @@
-// Look-ups in an atlas of octahedral maps, after common/oem_lookup.wgsl. Engelhardt and Dachsbacher 2008,
+// Look-ups in an atlas of octahedral maps, after oem_lookup.wgsl. Engelhardt and Dachsbacher 2008,
 // section 5.3. The atlas is a texture of radiance; tiles have a border of at least one texel, so that
 // look-ups stay inside them.
 

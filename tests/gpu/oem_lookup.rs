@@ -43,7 +43,7 @@ const ENTRY: &str = "
 
 fn source() -> String {
     let entry = ENTRY.replace("INNER", &format!("{INNER}.0")).replace("BORDER", &format!("{BORDER}.0"));
-    octagloss_shaders::source("common/oem_lookup.wgsl") + &entry
+    octagloss_shaders::source("common/octahedral.wgsl") + include_str!("oem_lookup.wgsl") + &entry
 }
 
 /// Runs `source` over the texture of `mips`.

@@ -1,10 +1,10 @@
 // Look-ups in mip-mapped octahedral maps with a safety border: crates/core/src/sphere/oem_lookup.rs and
-// crates/core/src/files/image/oem_mips.rs. Engelhardt and Dachsbacher 2008, section 4.2.
+// crates/core/src/files/image/oem_mips.rs. Engelhardt and Dachsbacher 2008, section 4.2. After
+// common/octahedral.wgsl.
 //
 // Maps are texture arrays: one layer in the quadratic layout, one per hemisphere in the rectangular layout.
 // A fragment shader has the directions of its neighbours as direction + dpdx(direction) and direction +
 // dpdy(direction).
-#include "common/octahedral.wgsl"
 
 // Texture coordinates in [0, 1]^2 of `direction` in the quadratic layout: the paper's listing, with the axes
 // and the signs at 0 corrected.
