@@ -80,8 +80,8 @@ fn centre(all: ptr<function, Union>) {
     }
 }
 
-// `tint` with that of a part, `part` of `member`, whose centroid is `apart` from the whole's, and whose energy
-// exceeds its share of the whole's, by luminance, by `excess`.
+// `tint` with that of a part, `part` of `member`, whose centroid is `apart` from the whole's, and whose
+// energy exceeds its share of the whole's, by luminance, by `excess`.
 fn with_part(tint: Tint, part: Tint, member: Cell, apart: vec3<f32>, excess: f32) -> Tint {
     return Tint(
         tint.dipole + (part.dipole + apart * excess),

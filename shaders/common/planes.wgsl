@@ -1,5 +1,5 @@
-// The planes of an OEM that stages read, at bindings 1 to 4: energies (radiance times solid angle, float32) and
-// solid angles in steradians.
+// The planes of an OEM that stages read, at bindings 1 to 4: energies (radiance times solid angle, float32)
+// and solid angles in steradians.
 #include "common/table.wgsl"
 
 @group(0) @binding(1) var<storage, read> red: array<f32>;

@@ -75,8 +75,8 @@ pub(super) fn octahedral_texel(n: u32, octant: usize, x: u32, y: u32) -> u32 {
     mirrored(n, y, octant & 4 != 0) * n + mirrored(n, x, octant & 1 != 0)
 }
 
-/// Texel of the cube from an octant's cell (`i`, `j`) along |s|, |t| of `family`: 0, 1, 2 for the faces across
-/// x, y, z.
+/// Texel of the cube from an octant's cell (`i`, `j`) along |s|, |t| of `family`: 0, 1, 2 for the faces
+/// across x, y, z.
 pub(super) fn cube_texel(n: u32, family: usize, octant: usize, i: u32, j: u32) -> u32 {
     let (x, y, z) = (octant & 1 != 0, octant & 2 != 0, octant & 4 != 0);
     // From the face table: where s or t decreases along its mirrored axis.

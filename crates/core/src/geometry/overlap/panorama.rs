@@ -4,8 +4,8 @@ use crate::common::parallel;
 use crate::light::environment::{Environment, Rgb};
 use std::f64::consts::{PI, TAU};
 
-/// Mean radiance of `environment`, a panorama of `source_width` x `source_height`, over every texel of another
-/// panorama in the world.
+/// Mean radiance of `environment`, a panorama of `source_width` x `source_height`, over every texel of
+/// another panorama in the world.
 pub(super) fn mean_radiances(
     environment: &Environment,
     [source_width, source_height]: [u32; 2],
