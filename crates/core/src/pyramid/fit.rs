@@ -6,7 +6,7 @@
 //! the error of interpolation. It rises smoothly to infinity where a level comes into use and where it goes,
 //! so that no weight jumps: at most [`READS`] are in use, and when one more is needed, the finest goes.
 
-use super::{Octaves, suns};
+use super::{Octaves, WIDEST, suns};
 use crate::common::parallel;
 use crate::lobe::{self, Lobe, legendre};
 use std::f64::consts::PI;
@@ -39,18 +39,19 @@ pub(crate) const SPREAD: f64 = 30.0;
 
 /// Standard deviation of a level over the alpha at which it comes into use. GGX is a mixture of Gaussians
 /// from half of alpha up.
-const WIDE: f64 = 10.9;
+const WIDE: f64 = 12.3;
 
 /// Alpha over the standard deviation of a level at which it has gone at the latest, slowly.
 const NARROW: f64 = 5.0;
 
-/// Alphas at which the middle levels come into use, from the coarser on, and the cosine, without middle
-/// levels and with them: where the fit is best without the level that goes.
+/// Alphas at which the widest level comes into use, the middle levels, from the coarser on, and the cosine,
+/// without middle levels and with them: where the fit is best without the level that goes.
+const WIDEST_FROM: f64 = 0.0321;
 const MIDDLES_FROM: [f64; 2] = [0.113, 0.072];
 const COSINE_FROM: [f64; 2] = [0.088, 0.17];
 
 /// Octaves of alpha over which a level comes into use, or goes: below [`LONG`], and above.
-const FADES: [f64; 2] = [1.2, 0.5];
+const FADES: [f64; 2] = [1.4, 0.5];
 const LONG: f64 = 0.006;
 
 /// Roughness over which harmonics come into use.
@@ -141,6 +142,7 @@ fn ranges(octaves: Octaves) -> [[f64; 2]; WEIGHTS] {
             let from = match place {
                 0 => 0.0,
                 MIDDLE.. => MIDDLES_FROM[middles - 1 - (place - MIDDLE)],
+                _ if width == WIDEST => WIDEST_FROM,
                 _ => width / WIDE,
             };
             (from, width, place)
