@@ -14,8 +14,13 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// An input, and the folders between the given folder or pattern and it; none for a file given by name.
-pub(super) type Found = (PathBuf, PathBuf);
+/// An input.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) path: PathBuf,
+    /// Folders between the given folder or pattern and the file; empty for a file given by name.
+    pub(super) within: PathBuf,
+}
 
 /// All inputs.
 #[derive(Debug, Default)]
@@ -63,7 +68,7 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
         } else {
             if !met.contains(&path) {
                 named.insert(path.clone());
-                all.found.push((path, PathBuf::new()));
+                all.found.push(Found { path, within: PathBuf::new() });
             }
             continue;
         };
@@ -80,7 +85,7 @@ pub(super) fn expand(typed: Vec<PathBuf>, recursive: bool, output: Option<&Path>
         all.is_open = true;
         all.failures.extend(failures);
         let mut is_new = |path: &PathBuf| !named.contains(path) && met.insert(path.clone());
-        all.found.extend(found.into_iter().filter(|(path, _)| is_new(path)));
+        all.found.extend(found.into_iter().filter(|found| is_new(&found.path)));
     }
     all
 }
@@ -146,7 +151,7 @@ impl Walk<'_> {
     /// Adds the file `path` if its extension is readable. Other errors are reported when it is read.
     fn take(&mut self, path: PathBuf, within: &Path) {
         if has_readable_name(&path) && !path.is_dir() {
-            self.found.push((path, within.to_owned()));
+            self.found.push(Found { path, within: within.to_owned() });
         }
     }
 

@@ -36,7 +36,8 @@ pub(super) fn named_sources(
     suffix: &str,
     (words, remedy): (&str, &str),
 ) -> Outcome<Vec<(InputFiles, PathBuf)>> {
-    let (paths, withins): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+    let (paths, withins): (Vec<_>, Vec<_>) =
+        found.into_iter().map(|found| (found.path, found.within)).unzip();
     let name = |(source, within): (InputFiles, PathBuf)| {
         let name = within.join(source.stem() + suffix);
         (source, name)

@@ -8,8 +8,7 @@
 
 use super::exr::parts::{Part, exr_parts_bytes};
 use super::exr::write::attributes;
-use super::ktx2::write::{ROUGHNESS_KEY, format_of, roughness_text};
-use super::ktx2::write::{TextureShape, ktx2_file};
+use super::ktx2::write::{ROUGHNESS_KEY, TextureShape, format_of, ktx2_file, roughness_text};
 use super::map_header::BORDER_KEY;
 use crate::common::error::{Result, wrong};
 use crate::files::format::container::Container;

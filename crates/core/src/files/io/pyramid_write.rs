@@ -14,8 +14,7 @@
 //!
 //! Reflections along a tangent have a table of their own, of three dimensions.
 
-use super::ktx2::write::format_of;
-use super::ktx2::write::{TextureShape, halves_file, ktx2_file};
+use super::ktx2::write::{TextureShape, format_of, halves_file, ktx2_file};
 use crate::common::error::{Result, wrong};
 use crate::files::format::Pixel;
 use crate::files::format::texel_bytes::texel_bytes;
