@@ -62,24 +62,18 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     let e = mix(low[3], high[3], share);
     let f = mix(low[4], high[4], share);
     var sum = vec3<f32>();
-    if a.x != 0.0 {
-        sum += a.x * read_mirror(probe, at);
-    }
-    if a.y != 0.0 {
-        sum += a.y * read_sharp(probe, at);
-    }
-    var levels = array<f32, 7>(a.z, a.w, b.x, b.y, b.z, b.w, c.x);
+    var maps = array<f32, 9>(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x);
     // Levels that a smaller map does not have weigh nothing.
-    for (var level = 0u; level < 7u; level++) {
-        if levels[level] != 0.0 {
-            sum += levels[level] * read_levels(probe, at, f32(level));
+    for (var map = 0u; map < 9u; map++) {
+        if maps[map] != 0.0 {
+            sum += maps[map] * read_map(probe, at, map);
         }
     }
     if c.y != 0.0 {
-        sum += c.y * read_middle(probe, at, 0.0);
+        sum += c.y * read_middle(probe, at, 0u);
     }
     if c.z != 0.0 {
-        sum += c.z * read_middle(probe, at, 1.0);
+        sum += c.z * read_middle(probe, at, 1u);
     }
     if c.w != 0.0 {
         sum += c.w * read_cosine(probe, at);

@@ -1,5 +1,4 @@
-// Reads of a pyramid on a cube in its files: MIP level 0 has the mirror, 1 the sharp level, then the levels
-// come from fine to coarse. There are no middle levels.
+// Reads of a pyramid on a cube in its files: a MIP level for each map. There are no middle levels.
 #include "common/pyramid_file_tables.wgsl"
 
 // A unit vector.
@@ -16,20 +15,12 @@ fn map_inner() -> f32 {
     return f32(textureDimensions(octagloss_maps).x);
 }
 
-fn read_mirror(probe: u32, at: MapPlace) -> vec3<f32> {
-    return textureSampleLevel(octagloss_maps, octagloss_linear, at, 0.0).xyz;
+// A map: 0 is the mirror, 1 the sharp level, then come the levels from fine to coarse.
+fn read_map(probe: u32, at: MapPlace, map: u32) -> vec3<f32> {
+    return textureSampleLevel(octagloss_maps, octagloss_linear, at, f32(map)).xyz;
 }
 
-fn read_sharp(probe: u32, at: MapPlace) -> vec3<f32> {
-    return textureSampleLevel(octagloss_maps, octagloss_linear, at, 1.0).xyz;
-}
-
-// Between levels, 0 the finest.
-fn read_levels(probe: u32, at: MapPlace, level: f32) -> vec3<f32> {
-    return textureSampleLevel(octagloss_maps, octagloss_linear, at, level + 2.0).xyz;
-}
-
-fn read_middle(probe: u32, at: MapPlace, middle: f32) -> vec3<f32> {
+fn read_middle(probe: u32, at: MapPlace, middle: u32) -> vec3<f32> {
     return vec3<f32>();
 }
 

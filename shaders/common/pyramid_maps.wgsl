@@ -4,7 +4,8 @@
 
 const NODES_A_ROW = 32u;
 
-// Texels along an edge of the finest maps, without their borders: beside the table's nodes.
+// Texels along an edge of the finest maps, without their borders. The table has them beside its nodes: so
+// every look-up uses it, and layouts that are derived from shaders have it.
 fn map_inner() -> f32 {
     return weights_texel(INTERVALS + 1u, 0u).x;
 }
@@ -21,27 +22,4 @@ fn node_weights(node: u32) -> array<vec4<f32>, 5> {
 // Four weights of a node.
 fn weights_texel(node: u32, part: u32) -> vec4<f32> {
     return textureLoad(octagloss_weights, vec2<u32>(node % NODES_A_ROW * 5u + part, node / NODES_A_ROW), 0);
-}
-
-fn read_mirror(probe: u32, at: vec2<f32>) -> vec3<f32> {
-    return textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe, 0.0).xyz;
-}
-
-fn read_sharp(probe: u32, at: vec2<f32>) -> vec3<f32> {
-    return textureSampleLevel(octagloss_sharp, octagloss_linear, at, 2u * probe + 1u, 0.0).xyz;
-}
-
-// Between levels, 0 the finest.
-fn read_levels(probe: u32, at: vec2<f32>, level: f32) -> vec3<f32> {
-    return textureSampleLevel(octagloss_levels, octagloss_linear, at, probe, level).xyz;
-}
-
-// A middle level, 0 the finer; after them comes the cosine.
-fn read_middle(probe: u32, at: vec2<f32>, middle: f32) -> vec3<f32> {
-    return textureSampleLevel(octagloss_middles, octagloss_linear, at, probe, middle).xyz;
-}
-
-// Of maps with fewer middle levels samplers read the last level, which is the cosine's, too.
-fn read_cosine(probe: u32, at: vec2<f32>) -> vec3<f32> {
-    return read_middle(probe, at, 2.0);
 }

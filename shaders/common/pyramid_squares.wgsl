@@ -1,13 +1,62 @@
-// Places in a pyramid's octahedral squares. Borders are a thirty-second of a square's edge in all, so that a
-// direction has the same texture coordinates in each.
+// Reads of a pyramid's octahedral squares. `Octaves` of crates/core/src/pyramid/mod.rs says where each map
+// stands among three layers with MIP levels: the first has the two finest levels; the second begins with the
+// mirror and ends with two middle levels and the cosine; the third begins with the sharp level, after which
+// come the other levels.
 
-// Texture coordinates.
-alias MapPlace = vec2<f32>;
+const FINE_LAYER = 0u;
+const MIRROR_LAYER = 1u;
+const SHARP_LAYER = 2u;
+
+// A point of the octahedron |x| + |y| + |z| = 1.
+alias MapPlace = vec3<f32>;
 
 fn place_of(direction: vec3<f32>) -> MapPlace {
-    let p = direction / (abs(direction.x) + abs(direction.y) + abs(direction.z));
-    let folded = 1.0 - abs(p.zx);
-    let turned = vec2<f32>(select(-folded.x, folded.x, p.x >= 0.0), select(-folded.y, folded.y, p.z >= 0.0));
-    let uv = select(turned, p.xz, p.y >= 0.0);
-    return 0.5 + uv * (8.0 / 17.0);
+    return direction / (abs(direction.x) + abs(direction.y) + abs(direction.z));
+}
+
+// Texels along an edge of the finest squares.
+fn map_side() -> f32 {
+    return f32(textureDimensions(octagloss_maps).x);
+}
+
+// The logarithm of those without borders, which are fewer: as exponents of floats have it.
+fn map_octave() -> u32 {
+    return (bitcast<u32>(map_side()) >> 23u) - 127u;
+}
+
+// The coarsest MIP level has 64 texels along an edge, of maps of less than 512 texels 32; it is no finer than
+// the second.
+fn last_mip() -> u32 {
+    let octave = map_octave();
+    return max(octave - select(5u, 6u, octave > 8u), 1u);
+}
+
+fn read_square(probe: u32, at: MapPlace, layer: u32, mip: u32) -> vec3<f32> {
+    // Where the octahedron's faces meet, at x = 0 and z = 0, a read between the texels on either side does
+    // not bend as the faces do: there |x| and |z| count as those of the texels.
+    let inner = f32(1u << map_octave());
+    let edge = f32(1u << mip) / inner;
+    let rounded = max(abs(at), vec3<f32>(edge, 0.0, edge));
+    let p = at.xz / (rounded.x + rounded.y + rounded.z);
+    let folded = 1.0 - abs(p.yx);
+    let turned = vec2<f32>(select(-folded.x, folded.x, p.x >= 0.0), select(-folded.y, folded.y, p.y >= 0.0));
+    let uv = select(turned, p, at.y >= 0.0);
+    let place = 0.5 + uv * (0.5 * inner / map_side());
+    return textureSampleLevel(octagloss_maps, octagloss_linear, place, 3u * probe + layer, f32(mip)).xyz;
+}
+
+// A map: 0 is the mirror, 1 the sharp level, then come the levels from fine to coarse.
+fn read_map(probe: u32, at: MapPlace, map: u32) -> vec3<f32> {
+    let other = select(SHARP_LAYER, FINE_LAYER, map == 2u || map == 3u);
+    let layer = select(other, MIRROR_LAYER, map == 0u);
+    return read_square(probe, at, layer, select(max(map, 3u) - 3u, 1u, map == 3u));
+}
+
+// A middle level, 0 the finer.
+fn read_middle(probe: u32, at: MapPlace, middle: u32) -> vec3<f32> {
+    return read_square(probe, at, MIRROR_LAYER, max(last_mip(), 3u) - 2u + middle);
+}
+
+fn read_cosine(probe: u32, at: MapPlace) -> vec3<f32> {
+    return read_square(probe, at, MIRROR_LAYER, last_mip());
 }

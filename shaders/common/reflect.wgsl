@@ -52,13 +52,11 @@ struct SurfaceFrame {
 // Light around the unit vector `direction` between two levels: 0 the mirror, 1 the sharp one.
 fn between_levels(probe: u32, direction: vec3<f32>, level: f32) -> vec3<f32> {
     let at = place_of(direction);
-    if level >= 2.0 {
-        return read_levels(probe, at, level - 2.0);
-    }
-    if level >= 1.0 {
-        return mix(read_sharp(probe, at), read_levels(probe, at, 0.0), level - 1.0);
-    }
-    return mix(read_mirror(probe, at), read_sharp(probe, at), level);
+    let finer = u32(level);
+    let share = fract(level);
+    // The last level has none above.
+    let coarser = select(finer, finer + 1u, share > 0.0);
+    return mix(read_map(probe, at, finer), read_map(probe, at, coarser), share);
 }
 
 // Smith's S.

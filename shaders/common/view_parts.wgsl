@@ -1,10 +1,8 @@
 // Parts of moving scenes: crates/view/src/scene/uniforms.rs. Group 1 has the tables of all probes.
 @group(1) @binding(0) var octagloss_weights: texture_2d<f32>;
 @group(1) @binding(1) var<uniform> octagloss_lights: array<OctaglossLight, 64>;
-@group(1) @binding(2) var octagloss_levels: texture_2d_array<f32>;
-@group(1) @binding(3) var octagloss_sharp: texture_2d_array<f32>;
-@group(1) @binding(4) var octagloss_middles: texture_2d_array<f32>;
-@group(1) @binding(5) var octagloss_linear: sampler;
+@group(1) @binding(2) var octagloss_maps: texture_2d_array<f32>;
+@group(1) @binding(3) var octagloss_linear: sampler;
 #include "common/pyramid_maps.wgsl"
 #include "common/view_texture.wgsl"
 

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 332da9bf09febe67.
+// Translated from pyramid_cube.wgsl, FNV-1a 16f1027705dc3434.
 #else
-// Translated from pyramid.wgsl, FNV-1a 3a2ce98256792918.
+// Translated from pyramid.wgsl, FNV-1a 2139395833c5737c.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -51,9 +51,9 @@ const uint octagloss_INTERVALS = 860u;
 const uint octagloss_WEIGHTS_FROM = 32u;
 #else
 const uint octagloss_WEIGHTS_FROM = 27u;
-const int octagloss_MIRROR = 1;
-const int octagloss_SHARP = 2;
-const int octagloss_LEVELS = 0;
+const uint octagloss_SHARP_LAYER = 2u;
+const uint octagloss_FINE_LAYER = 0u;
+const uint octagloss_MIRROR_LAYER = 1u;
 #endif
 const uint octagloss_READS = 9u;
 const uint octagloss_LAYERS = 18u;
@@ -143,16 +143,11 @@ vec3 octagloss_harmonics_around(uint probe_3, vec3 d_1, float weights[5]) {
     return (((((weights[0] * _e4[0]) + (weights[1] * _e4[1])) + (weights[2] * _e4[2])) + (weights[3] * _e4[3])) + (weights[4] * _e4[4]));
 }
 
-#ifdef OCTAGLOSS_CUBE
 vec3 octagloss_place_of(vec3 direction_1) {
+#ifdef OCTAGLOSS_CUBE
     return direction_1;
 #else
-vec2 octagloss_place_of(vec3 direction_1) {
-    vec3 p = (direction_1 / vec3(((abs(direction_1.x) + abs(direction_1.y)) + abs(direction_1.z))));
-    vec2 folded = (vec2(1.0) - abs(p.zx));
-    vec2 turned = vec2(((p.x >= 0.0) ? folded.x : -(folded.x)), ((p.z >= 0.0) ? folded.y : -(folded.y)));
-    vec2 uv = ((p.y >= 0.0) ? p.xz : turned);
-    return (vec2(0.5) + (uv * 0.47058824));
+    return (direction_1 / vec3(((abs(direction_1.x) + abs(direction_1.y)) + abs(direction_1.z))));
 #endif
 }
 
@@ -183,78 +178,94 @@ vec4[5] octagloss_node_weights(uint node) {
 #ifndef OCTAGLOSS_CUBE
 }
 
-vec3 octagloss_read_mirror(uint probe_4, vec2 at_1) {
-    vec4 _e6 = textureLod(octagloss_maps, vec3(at_1, octagloss_MIRROR), 0.0);
+float octagloss_map_side() {
+    return float(uvec2(textureSize(octagloss_maps, 0).xy).x);
+}
+
+uint octagloss_map_octave() {
+    float _e0 = octagloss_map_side();
+    return ((floatBitsToUint(_e0) >> 23u) - 127u);
+}
+
+vec3 octagloss_read_square(uint probe_4, vec3 at_1, uint layer, uint mip) {
+    uint _e5 = octagloss_map_octave();
+    float inner = float((1u << _e5));
+    float edge = (float((1u << mip)) / inner);
+    vec3 rounded = max(abs(at_1), vec3(edge, 0.0, edge));
+    vec2 p = (at_1.xz / vec2(((rounded.x + rounded.y) + rounded.z)));
+    vec2 folded = (vec2(1.0) - abs(p.yx));
+    vec2 turned = vec2(((p.x >= 0.0) ? folded.x : -(folded.x)), ((p.y >= 0.0) ? folded.y : -(folded.y)));
+    vec2 uv = ((at_1.y >= 0.0) ? p : turned);
+    float _e50 = octagloss_map_side();
+    vec2 place_3 = (vec2(0.5) + (uv * ((0.5 * inner) / _e50)));
+    vec4 _e62 = textureLod(octagloss_maps, vec3(place_3, ((3u * probe_4) + layer)), float(mip));
+    return _e62.xyz;
+}
+
+vec3 octagloss_read_map(uint probe_5, vec3 at_2, uint map) {
+    bool local = false;
+    if (!((map == 2u))) {
+        local = (map == 3u);
+    } else {
+        local = true;
+    }
+    bool _e13 = local;
+    uint other = (_e13 ? octagloss_FINE_LAYER : octagloss_SHARP_LAYER);
+    uint layer_4 = ((map == 0u) ? octagloss_MIRROR_LAYER : other);
+    vec3 _e27 = octagloss_read_square(probe_5, at_2, layer_4, ((map == 3u) ? 1u : (max(map, 3u) - 3u)));
+    return _e27;
+#endif
+}
+
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_read_map(uint probe_4, vec3 at_1, uint map) {
+    vec4 _e6 = textureLod(octagloss_maps, vec3(at_1), float(map));
     return _e6.xyz;
-}
-
-vec3 octagloss_read_sharp(uint probe_5, vec2 at_2) {
-    vec4 _e6 = textureLod(octagloss_maps, vec3(at_2, octagloss_SHARP), 0.0);
-    return _e6.xyz;
-#endif
-}
-
-#ifdef OCTAGLOSS_CUBE
-vec3 octagloss_read_mirror(uint probe_4, vec3 at_1) {
-    vec4 _e5 = textureLod(octagloss_maps, vec3(at_1), 0.0);
-    return _e5.xyz;
 #else
-vec3 octagloss_read_levels(uint probe_6, vec2 at_3, float level) {
-    vec4 _e6 = textureLod(octagloss_maps, vec3(at_3, octagloss_LEVELS), level);
-    return _e6.xyz;
+uint octagloss_last_mip() {
+    uint _e0 = octagloss_map_octave();
+    return max((_e0 - ((_e0 > 8u) ? 6u : 5u)), 1u);
 #endif
 }
 
 #ifdef OCTAGLOSS_CUBE
-vec3 octagloss_read_sharp(uint probe_5, vec3 at_2) {
-    vec4 _e5 = textureLod(octagloss_maps, vec3(at_2), 1.0);
-    return _e5.xyz;
-#else
-float octagloss_map_inner() {
-    return (float(uvec2(textureSize(octagloss_maps, 0).xy).x) * 0.9411765);
-#endif
-}
-
-#ifdef OCTAGLOSS_CUBE
-vec3 octagloss_read_levels(uint probe_6, vec3 at_3, float level) {
-    vec4 _e7 = textureLod(octagloss_maps, vec3(at_3), (level + 2.0));
-    return _e7.xyz;
-#else
-float octagloss_coarsest_mip() {
-    float _e0 = octagloss_map_inner();
-    return roundEven(log2((_e0 / 32.0)));
-#endif
-}
-
-#ifdef OCTAGLOSS_CUBE
-vec3 octagloss_read_middle(uint probe_7, vec3 at_4, float middle) {
+vec3 octagloss_read_middle(uint probe_5, vec3 at_2, uint middle) {
     return vec3(0.0);
 #else
-vec3 octagloss_read_middle(uint probe_7, vec2 at_4, float middle) {
-    float _e3 = octagloss_coarsest_mip();
-    float first_1 = max((_e3 - 2.0), 1.0);
-    vec4 _e12 = textureLod(octagloss_maps, vec3(at_4, octagloss_MIRROR), (first_1 + middle));
-    return _e12.xyz;
+vec3 octagloss_read_middle(uint probe_6, vec3 at_3, uint middle) {
+    uint _e4 = octagloss_last_mip();
+    vec3 _e10 = octagloss_read_square(probe_6, at_3, octagloss_MIRROR_LAYER, ((max(_e4, 3u) - 2u) + middle));
+    return _e10;
 #endif
 }
 
 #ifdef OCTAGLOSS_CUBE
-vec3 octagloss_read_cosine(uint probe_8, vec3 at_5) {
-    vec3 _e8 = octagloss_harmonics_around(probe_8, at_5, float[5](1.0, 0.6666667, 0.25, 0.0, -0.041666668));
+vec3 octagloss_read_cosine(uint probe_6, vec3 at_3) {
+    vec3 _e8 = octagloss_harmonics_around(probe_6, at_3, float[5](1.0, 0.6666667, 0.25, 0.0, -0.041666668));
     return _e8;
 #else
-vec3 octagloss_read_cosine(uint probe_8, vec2 at_5) {
-    float _e5 = octagloss_coarsest_mip();
-    vec4 _e6 = textureLod(octagloss_maps, vec3(at_5, octagloss_MIRROR), _e5);
-    return _e6.xyz;
+vec3 octagloss_read_cosine(uint probe_7, vec3 at_4) {
+    uint _e3 = octagloss_last_mip();
+    vec3 _e4 = octagloss_read_square(probe_7, at_4, octagloss_MIRROR_LAYER, _e3);
+    return _e4;
 #endif
 }
 
-vec3 octagloss_half_axis_of(uint probe_9, uint disc) {
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_half_axis_of(uint probe_7, uint disc) {
+#else
+vec3 octagloss_half_axis_of(uint probe_8, uint disc) {
+#endif
     uint k_3 = (3u * (disc / 2u));
-    float _e11 = octagloss_lights[probe_9].harmonics[k_3].w;
-    float _e19 = octagloss_lights[probe_9].harmonics[(k_3 + 1u)].w;
-    float _e27 = octagloss_lights[probe_9].harmonics[(k_3 + 2u)].w;
+#ifdef OCTAGLOSS_CUBE
+    float _e11 = octagloss_lights[probe_7].harmonics[k_3].w;
+    float _e19 = octagloss_lights[probe_7].harmonics[(k_3 + 1u)].w;
+    float _e27 = octagloss_lights[probe_7].harmonics[(k_3 + 2u)].w;
+#else
+    float _e11 = octagloss_lights[probe_8].harmonics[k_3].w;
+    float _e19 = octagloss_lights[probe_8].harmonics[(k_3 + 1u)].w;
+    float _e27 = octagloss_lights[probe_8].harmonics[(k_3 + 2u)].w;
+#endif
     vec3 half_axis = vec3(_e11, _e19, _e27);
     return (((disc % 2u) == 0u) ? half_axis : -(half_axis));
 }
@@ -263,18 +274,22 @@ float octagloss_squared(vec3 v) {
     return dot(v, v);
 }
 
-vec3 octagloss_radiance_of(uint probe_10, vec3 direction_2, float roughness) {
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_radiance_of(uint probe_8, vec3 direction_2, float roughness) {
+#else
+vec3 octagloss_radiance_of(uint probe_9, vec3 direction_2, float roughness) {
+#endif
     vec3 sum = vec3(0.0);
-    float levels[7] = float[7](0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    uint level_1 = 0u;
+    float maps[9] = float[9](0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    uint map_1 = 0u;
     uint disc_1 = 0u;
     vec3 lobe = vec3(0.0);
-    vec3 _e3 = octagloss_source_from_world(probe_10, direction_2);
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e4 = octagloss_place_of(_e3);
+    vec3 _e3 = octagloss_source_from_world(probe_8, direction_2);
 #else
-    vec2 _e4 = octagloss_place_of(_e3);
+    vec3 _e3 = octagloss_source_from_world(probe_9, direction_2);
 #endif
+    vec3 _e4 = octagloss_place_of(_e3);
     float node_1 = (log2((1.0 + (30.0 * roughness))) * 173.59021);
     uint k_4 = min(uint(node_1), 859u);
     float share = (node_1 - float(k_4));
@@ -285,88 +300,110 @@ vec3 octagloss_radiance_of(uint probe_10, vec3 direction_2, float roughness) {
     vec4 c_2 = mix(_e17[2], _e20[2], share);
     vec4 e = mix(_e17[3], _e20[3], share);
     vec4 f = mix(_e17[4], _e20[4], share);
-    if ((a_1.x != 0.0)) {
-        vec3 _e41 = sum;
-        vec3 _e43 = octagloss_read_mirror(probe_10, _e4);
-        sum = (_e41 + (a_1.x * _e43));
-    }
-    if ((a_1.y != 0.0)) {
-        vec3 _e49 = sum;
-        vec3 _e51 = octagloss_read_sharp(probe_10, _e4);
-        sum = (_e49 + (a_1.y * _e51));
-    }
-    levels = float[7](a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x);
+    maps = float[9](a_1.x, a_1.y, a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e83 = level_1;
-            level_1 = (_e83 + 1u);
+            uint _e68 = map_1;
+            map_1 = (_e68 + 1u);
         }
         loop_init_1 = false;
-        uint _e65 = level_1;
-        if ((_e65 < 7u)) {
+        uint _e51 = map_1;
+        if ((_e51 < 9u)) {
         } else {
             break;
         }
         {
-            uint _e68 = level_1;
-            float _e70 = levels[_e68];
-            if ((_e70 != 0.0)) {
-                vec3 _e73 = sum;
-                uint _e74 = level_1;
-                float _e76 = levels[_e74];
-                uint _e77 = level_1;
-                vec3 _e79 = octagloss_read_levels(probe_10, _e4, float(_e77));
-                sum = (_e73 + (_e76 * _e79));
+            uint _e54 = map_1;
+            float _e56 = maps[_e54];
+            if ((_e56 != 0.0)) {
+                vec3 _e59 = sum;
+                uint _e60 = map_1;
+                float _e62 = maps[_e60];
+                uint _e63 = map_1;
+#ifdef OCTAGLOSS_CUBE
+                vec3 _e64 = octagloss_read_map(probe_8, _e4, _e63);
+#else
+                vec3 _e64 = octagloss_read_map(probe_9, _e4, _e63);
+#endif
+                sum = (_e59 + (_e62 * _e64));
             }
         }
     }
     if ((c_2.y != 0.0)) {
-        vec3 _e88 = sum;
-        vec3 _e91 = octagloss_read_middle(probe_10, _e4, 0.0);
-        sum = (_e88 + (c_2.y * _e91));
+        vec3 _e73 = sum;
+#ifdef OCTAGLOSS_CUBE
+        vec3 _e76 = octagloss_read_middle(probe_8, _e4, 0u);
+#else
+        vec3 _e76 = octagloss_read_middle(probe_9, _e4, 0u);
+#endif
+        sum = (_e73 + (c_2.y * _e76));
     }
     if ((c_2.z != 0.0)) {
-        vec3 _e97 = sum;
-        vec3 _e100 = octagloss_read_middle(probe_10, _e4, 1.0);
-        sum = (_e97 + (c_2.z * _e100));
+        vec3 _e82 = sum;
+#ifdef OCTAGLOSS_CUBE
+        vec3 _e85 = octagloss_read_middle(probe_8, _e4, 1u);
+#else
+        vec3 _e85 = octagloss_read_middle(probe_9, _e4, 1u);
+#endif
+        sum = (_e82 + (c_2.z * _e85));
     }
     if ((c_2.w != 0.0)) {
-        vec3 _e106 = sum;
-        vec3 _e108 = octagloss_read_cosine(probe_10, _e4);
-        sum = (_e106 + (c_2.w * _e108));
+        vec3 _e91 = sum;
+#ifdef OCTAGLOSS_CUBE
+        vec3 _e93 = octagloss_read_cosine(probe_8, _e4);
+#else
+        vec3 _e93 = octagloss_read_cosine(probe_9, _e4);
+#endif
+        sum = (_e91 + (c_2.w * _e93));
     }
-    vec3 _e111 = sum;
-    vec3 _e118 = octagloss_harmonics_around(probe_10, _e3, float[5](e.x, e.y, e.z, e.w, f.x));
-    sum = (_e111 + _e118);
-    vec3 _e120 = sum;
-    float _e126 = octagloss_lights[probe_10].unscale;
-    sum = (max(_e120, vec3(0.0)) * _e126);
+    vec3 _e96 = sum;
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e103 = octagloss_harmonics_around(probe_8, _e3, float[5](e.x, e.y, e.z, e.w, f.x));
+#else
+    vec3 _e103 = octagloss_harmonics_around(probe_9, _e3, float[5](e.x, e.y, e.z, e.w, f.x));
+#endif
+    sum = (_e96 + _e103);
+    vec3 _e105 = sum;
+#ifdef OCTAGLOSS_CUBE
+    float _e111 = octagloss_lights[probe_8].unscale;
+#else
+    float _e111 = octagloss_lights[probe_9].unscale;
+#endif
+    sum = (max(_e105, vec3(0.0)) * _e111);
     float a2_ = max((((roughness * roughness) * roughness) * roughness), 1e-12);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e252 = disc_1;
-            disc_1 = (_e252 + 1u);
+            uint _e237 = disc_1;
+            disc_1 = (_e237 + 1u);
         }
         loop_init_2 = false;
-        uint _e135 = disc_1;
-        if ((_e135 < 16u)) {
+        uint _e120 = disc_1;
+        if ((_e120 < 16u)) {
         } else {
             break;
         }
         {
-            uint _e141 = disc_1;
-            OctaglossSun sun = octagloss_lights[probe_10].suns[(_e141 / 2u)];
-            uint _e146 = disc_1;
-            vec3 _e147 = octagloss_half_axis_of(probe_10, _e146);
-            float _e148 = octagloss_squared(_e147);
-            float nearer = (1.0 - (0.5 * _e148));
-            vec3 to = (_e3 - _e147);
-            float _e158 = octagloss_squared((to - (nearer * sun.red.xyz)));
-            float _e163 = octagloss_squared((to - (nearer * sun.green.xyz)));
-            float _e168 = octagloss_squared((to - (nearer * sun.blue.xyz)));
-            vec3 apart = vec3(_e158, _e163, _e168);
+            uint _e126 = disc_1;
+#ifdef OCTAGLOSS_CUBE
+            OctaglossSun sun = octagloss_lights[probe_8].suns[(_e126 / 2u)];
+#else
+            OctaglossSun sun = octagloss_lights[probe_9].suns[(_e126 / 2u)];
+#endif
+            uint _e131 = disc_1;
+#ifdef OCTAGLOSS_CUBE
+            vec3 _e132 = octagloss_half_axis_of(probe_8, _e131);
+#else
+            vec3 _e132 = octagloss_half_axis_of(probe_9, _e131);
+#endif
+            float _e133 = octagloss_squared(_e132);
+            float nearer = (1.0 - (0.5 * _e133));
+            vec3 to = (_e3 - _e132);
+            float _e143 = octagloss_squared((to - (nearer * sun.red.xyz)));
+            float _e148 = octagloss_squared((to - (nearer * sun.green.xyz)));
+            float _e153 = octagloss_squared((to - (nearer * sun.blue.xyz)));
+            vec3 apart = vec3(_e143, _e148, _e153);
             vec3 s = min((0.25 * apart), vec3(0.5));
             vec3 radius2_ = (0.5 * vec3(sun.red.w, sun.green.w, sun.blue.w));
             vec3 nearness = ((s + (a2_ * (vec3(1.0) - s))) - radius2_);
@@ -379,13 +416,13 @@ vec3 octagloss_radiance_of(uint probe_10, vec3 direction_2, float roughness) {
                 vec3 inside = ((root - nearness) / ((2.0 * max(radius2_, vec3(1e-30))) * root));
                 lobe = mix(inside, outside, greaterThan(nearness, vec3(0.0)));
             }
-            vec3 _e232 = sum;
-            vec3 _e234 = lobe;
-            sum = (_e232 + (sun.energy * ((_e234 * (vec3(1.0) - (2.0 * s))) * ((0.15915494 * f.y) * (1.0 - a_1.x)))));
+            vec3 _e217 = sum;
+            vec3 _e219 = lobe;
+            sum = (_e217 + (sun.energy * ((_e219 * (vec3(1.0) - (2.0 * s))) * ((0.15915494 * f.y) * (1.0 - a_1.x)))));
         }
     }
-    vec3 _e254 = sum;
-    return _e254;
+    vec3 _e239 = sum;
+    return _e239;
 }
 
 vec3 octagloss_radiance(vec3 direction_3, float roughness_1) {
@@ -393,17 +430,26 @@ vec3 octagloss_radiance(vec3 direction_3, float roughness_1) {
     return _e3;
 }
 
-vec3 octagloss_irradiance_of(uint probe_11, vec3 normal) {
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_irradiance_of(uint probe_9, vec3 normal) {
+#else
+vec3 octagloss_irradiance_of(uint probe_10, vec3 normal) {
+#endif
     vec3 sum_1 = vec3(0.0);
     uint k_1 = 0u;
-    vec3 _e2 = octagloss_source_from_world(probe_11, normal);
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e3 = octagloss_place_of(_e2);
+    vec3 _e2 = octagloss_source_from_world(probe_9, normal);
 #else
-    vec2 _e3 = octagloss_place_of(_e2);
+    vec3 _e2 = octagloss_source_from_world(probe_10, normal);
 #endif
-    vec3 _e4 = octagloss_read_cosine(probe_11, _e3);
-    float _e8 = octagloss_lights[probe_11].unscale;
+    vec3 _e3 = octagloss_place_of(_e2);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e4 = octagloss_read_cosine(probe_9, _e3);
+    float _e8 = octagloss_lights[probe_9].unscale;
+#else
+    vec3 _e4 = octagloss_read_cosine(probe_10, _e3);
+    float _e8 = octagloss_lights[probe_10].unscale;
+#endif
     sum_1 = (_e4 * _e8);
     bool loop_init_3 = true;
     while(true) {
@@ -419,7 +465,11 @@ vec3 octagloss_irradiance_of(uint probe_11, vec3 normal) {
         }
         {
             uint _e19 = k_1;
-            OctaglossSun sun_1 = octagloss_lights[probe_11].suns[_e19];
+#ifdef OCTAGLOSS_CUBE
+            OctaglossSun sun_1 = octagloss_lights[probe_9].suns[_e19];
+#else
+            OctaglossSun sun_1 = octagloss_lights[probe_10].suns[_e19];
+#endif
             vec3 facing = vec3(dot(_e2, sun_1.red.xyz), dot(_e2, sun_1.green.xyz), dot(_e2, sun_1.blue.xyz));
             vec3 _e32 = sum_1;
             sum_1 = (_e32 + (sun_1.energy * (0.31830987 * max(facing, vec3(0.0)))));
@@ -434,17 +484,33 @@ vec3 octagloss_irradiance(vec3 normal_1) {
     return _e2;
 }
 
-vec4 octagloss_read_reflections(uint layer, vec2 at_6) {
+#ifdef OCTAGLOSS_CUBE
+vec4 octagloss_read_reflections(uint layer, vec2 at_4) {
     vec2 corner = vec2((1.0 + (float(layer) * 48.0)), 0.0);
-    vec4 _e17 = textureLod(octagloss_tables, vec2((((at_6 * octagloss_NODES) + corner) / octagloss_TABLES)), 0.0);
+    vec4 _e17 = textureLod(octagloss_tables, vec2((((at_4 * octagloss_NODES) + corner) / octagloss_TABLES)), 0.0);
+#else
+vec4 octagloss_read_reflections(uint layer_1, vec2 at_5) {
+    vec2 corner = vec2((1.0 + (float(layer_1) * 48.0)), 0.0);
+    vec4 _e17 = textureLod(octagloss_tables, vec2((((at_5 * octagloss_NODES) + corner) / octagloss_TABLES)), 0.0);
+#endif
     return _e17;
 }
 
+#ifdef OCTAGLOSS_CUBE
 vec4 octagloss_reflection_node(uint layer_1, float roughness_2, float cosine) {
+#else
+vec4 octagloss_reflection_node(uint layer_2, float roughness_2, float cosine) {
+#endif
     float sine = sqrt(max((1.0 - (cosine * cosine)), 0.0));
+#ifdef OCTAGLOSS_CUBE
     vec2 place_3 = vec2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * inversesqrt((1.0 + sine)))));
-    vec2 at_8 = (((place_3 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
-    vec4 _e31 = octagloss_read_reflections(layer_1, at_8);
+    vec2 at_6 = (((place_3 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
+    vec4 _e31 = octagloss_read_reflections(layer_1, at_6);
+#else
+    vec2 place_4 = vec2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * inversesqrt((1.0 + sine)))));
+    vec2 at_7 = (((place_4 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
+    vec4 _e31 = octagloss_read_reflections(layer_2, at_7);
+#endif
     return _e31;
 }
 
@@ -456,42 +522,41 @@ vec4 octagloss_read_albedo(uint texel) {
 vec2 octagloss_round_albedo(float cosine_1, float roughness_3) {
     float seen = clamp(cosine_1, 0.0001, 1.0);
     vec2 places = vec2((log2((1.0 + (30.0 * roughness_3))) * 0.2018487), ((sqrt(sqrt(seen)) - 0.1) / 0.9));
+#ifdef OCTAGLOSS_CUBE
     vec2 place_4 = (clamp(places, vec2(0.0), vec2(1.0)) * vec2(90.0, 74.0));
     vec2 node_2 = min(floor(place_4), vec2(89.0, 73.0));
     vec2 share_1 = (place_4 - node_2);
-#ifdef OCTAGLOSS_CUBE
+#else
+    vec2 place_5 = (clamp(places, vec2(0.0), vec2(1.0)) * vec2(90.0, 74.0));
+    vec2 node_2 = min(floor(place_5), vec2(89.0, 73.0));
+    vec2 share_1 = (place_5 - node_2);
+#endif
     uint first_1 = uint((node_2.x + (91.0 * node_2.y)));
     vec4 _e39 = octagloss_read_albedo(first_1);
     vec4 _e42 = octagloss_read_albedo((first_1 + 91u));
-#else
-    uint first_2 = uint((node_2.x + (91.0 * node_2.y)));
-    vec4 _e39 = octagloss_read_albedo(first_2);
-    vec4 _e42 = octagloss_read_albedo((first_2 + 91u));
-#endif
     vec4 pair = mix(_e39, _e42, share_1.y);
     float t = (seen / max((roughness_3 * roughness_3), octagloss_LEAST_ALPHA));
     float left = (1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126))))))));
     return (left * mix(pair.xy, pair.zw, share_1.x));
 }
 
-vec3 octagloss_between_levels(uint probe_12, vec3 direction_4, float level_2) {
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e3 = octagloss_place_of(direction_4);
+vec3 octagloss_between_levels(uint probe_10, vec3 direction_4, float level) {
 #else
-    vec2 _e3 = octagloss_place_of(direction_4);
+vec3 octagloss_between_levels(uint probe_11, vec3 direction_4, float level) {
 #endif
-    if ((level_2 >= 2.0)) {
-        vec3 _e8 = octagloss_read_levels(probe_12, _e3, (level_2 - 2.0));
-        return _e8;
-    }
-    if ((level_2 >= 1.0)) {
-        vec3 _e11 = octagloss_read_sharp(probe_12, _e3);
-        vec3 _e13 = octagloss_read_levels(probe_12, _e3, 0.0);
-        return mix(_e11, _e13, (level_2 - 1.0));
-    }
-    vec3 _e17 = octagloss_read_mirror(probe_12, _e3);
-    vec3 _e18 = octagloss_read_sharp(probe_12, _e3);
-    return mix(_e17, _e18, level_2);
+    vec3 _e3 = octagloss_place_of(direction_4);
+    uint finer = uint(level);
+    float share_2 = fract(level);
+    uint coarser = ((share_2 > 0.0) ? (finer + 1u) : finer);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e11 = octagloss_read_map(probe_10, _e3, finer);
+    vec3 _e12 = octagloss_read_map(probe_10, _e3, coarser);
+#else
+    vec3 _e11 = octagloss_read_map(probe_11, _e3, finer);
+    vec3 _e12 = octagloss_read_map(probe_11, _e3, coarser);
+#endif
+    return mix(_e11, _e12, share_2);
 }
 
 float octagloss_masking_of(vec3 w, vec2 alpha) {
@@ -575,21 +640,25 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
     float _e170 = x;
     float _e171 = slope;
     float lobe_1 = ((sqrt((_e169 / (((_e170 * _e171) * bend) * dot(axis_1, (shape * axis_1))))) * shape.z) / (3.1415927 * bend));
-    float share_2 = (pow(left_1, 1.25) * (1.0 - (0.5 * above)));
+    float share_3 = (pow(left_1, 1.25) * (1.0 - (0.5 * above)));
     float _e191 = octagloss_masking_of(view, alpha_1);
     float _e194 = octagloss_masking_of(lit, alpha_1);
     float visible = (facing_1 / ((facing_1 * _e191) + (view.z * _e194)));
     float _e205 = octagloss_fresnel_of(cosine_11);
-    return vec2(((((((share_2 * 2.0) * along_2) * cosine_11) / length2_) * lobe_1) * visible), _e205);
+    return vec2(((((((share_3 * 2.0) * along_2) * cosine_11) / length2_) * lobe_1) * visible), _e205);
 }
 
-vec3 octagloss_cosine_light(uint probe_13, vec3 n) {
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e2 = octagloss_place_of(n);
+vec3 octagloss_cosine_light(uint probe_11, vec3 n) {
 #else
-    vec2 _e2 = octagloss_place_of(n);
+vec3 octagloss_cosine_light(uint probe_12, vec3 n) {
 #endif
-    vec3 _e3 = octagloss_read_cosine(probe_13, _e2);
+    vec3 _e2 = octagloss_place_of(n);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e3 = octagloss_read_cosine(probe_11, _e2);
+#else
+    vec3 _e3 = octagloss_read_cosine(probe_12, _e2);
+#endif
     return _e3;
 }
 
@@ -597,19 +666,43 @@ mat2x3 octagloss_weighed(vec3 light_1, vec2 weights_2) {
     return mat2x3((light_1 * weights_2.x), (light_1 * weights_2.y));
 }
 
-mat2x3 octagloss_harmonics_reflected(uint probe_14, octagloss_SurfaceFrame surface, vec4 pairs[8]) {
+#ifdef OCTAGLOSS_CUBE
+mat2x3 octagloss_harmonics_reflected(uint probe_12, octagloss_SurfaceFrame surface, vec4 pairs[8]) {
+#else
+mat2x3 octagloss_harmonics_reflected(uint probe_13, octagloss_SurfaceFrame surface, vec4 pairs[8]) {
+#endif
     vec3 n_1 = surface.normal;
     vec3 t_1 = surface.towards;
     float _e5[25] = octagloss_harmonic_basis(n_1);
-    vec3 _e6[5] = octagloss_orders_of(probe_14, _e5);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e6[5] = octagloss_orders_of(probe_12, _e5);
+#else
+    vec3 _e6[5] = octagloss_orders_of(probe_13, _e5);
+#endif
     float _e12[25] = octagloss_harmonic_basis(((n_1 * 0.309017) + (t_1 * 0.95105654)));
-    vec3 _e13[5] = octagloss_orders_of(probe_14, _e12);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e13[5] = octagloss_orders_of(probe_12, _e12);
+#else
+    vec3 _e13[5] = octagloss_orders_of(probe_13, _e12);
+#endif
     float _e19[25] = octagloss_harmonic_basis(((n_1 * -0.809017) + (t_1 * 0.58778524)));
-    vec3 _e20[5] = octagloss_orders_of(probe_14, _e19);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e20[5] = octagloss_orders_of(probe_12, _e19);
+#else
+    vec3 _e20[5] = octagloss_orders_of(probe_13, _e19);
+#endif
     float _e26[25] = octagloss_harmonic_basis(((n_1 * 0.809017) + (t_1 * 0.58778524)));
-    vec3 _e27[5] = octagloss_orders_of(probe_14, _e26);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e27[5] = octagloss_orders_of(probe_12, _e26);
+#else
+    vec3 _e27[5] = octagloss_orders_of(probe_13, _e26);
+#endif
     float _e33[25] = octagloss_harmonic_basis(((n_1 * -0.309017) + (t_1 * 0.95105654)));
-    vec3 _e34[5] = octagloss_orders_of(probe_14, _e33);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e34[5] = octagloss_orders_of(probe_12, _e33);
+#else
+    vec3 _e34[5] = octagloss_orders_of(probe_13, _e33);
+#endif
     mat2x3 _e38 = octagloss_weighed(_e6[0], pairs[0].xy);
     mat2x3 _e42 = octagloss_weighed(_e6[1], pairs[0].zw);
     mat2x3 _e47 = octagloss_weighed(_e6[2], pairs[1].xy);
@@ -626,15 +719,22 @@ mat2x3 octagloss_harmonics_reflected(uint probe_14, octagloss_SurfaceFrame surfa
     mat2x3 _e102 = octagloss_weighed(_e27[4], pairs[6].zw);
     mat2x3 _e107 = octagloss_weighed(_e34[4], pairs[7].xy);
     return ((((((((((((((_e38 + _e42) + _e47) + _e52) + _e57) + _e62) + _e67) + _e72) + _e77) + _e82) + _e87) + _e92) + _e97) + _e102) + _e107);
-#ifdef OCTAGLOSS_CUBE
 }
 
 float octagloss_map_inner() {
+#ifdef OCTAGLOSS_CUBE
     return float(uvec2(textureSize(octagloss_maps, 0).xy).x);
+#else
+    uint _e1 = octagloss_map_octave();
+    return float((1u << _e1));
 #endif
 }
 
-vec3 octagloss_suns_reflected(uint probe_15, octagloss_SurfaceFrame surface_1, vec2 tangent, vec2 alpha_2, vec3 f0_, float f90_) {
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_suns_reflected(uint probe_13, octagloss_SurfaceFrame surface_1, vec2 tangent, vec2 alpha_2, vec3 f0_, float f90_) {
+#else
+vec3 octagloss_suns_reflected(uint probe_14, octagloss_SurfaceFrame surface_1, vec2 tangent, vec2 alpha_2, vec3 f0_, float f90_) {
+#endif
     vec3 sum_2 = vec3(0.0);
     uint disc_2 = 0u;
     uint c = 0u;
@@ -658,9 +758,17 @@ vec3 octagloss_suns_reflected(uint probe_15, octagloss_SurfaceFrame surface_1, v
         }
         {
             uint _e45 = disc_2;
-            OctaglossSun sun_2 = octagloss_lights[probe_15].suns[(_e45 / 2u)];
+#ifdef OCTAGLOSS_CUBE
+            OctaglossSun sun_2 = octagloss_lights[probe_13].suns[(_e45 / 2u)];
+#else
+            OctaglossSun sun_2 = octagloss_lights[probe_14].suns[(_e45 / 2u)];
+#endif
             uint _e50 = disc_2;
-            vec3 _e51 = octagloss_half_axis_of(probe_15, _e50);
+#ifdef OCTAGLOSS_CUBE
+            vec3 _e51 = octagloss_half_axis_of(probe_13, _e50);
+#else
+            vec3 _e51 = octagloss_half_axis_of(probe_14, _e50);
+#endif
             float _e52 = octagloss_squared(_e51);
             float nearer_1 = (1.0 - (0.5 * _e52));
             c = 0u;
@@ -698,7 +806,11 @@ vec2 octagloss_albedo_share(vec2 albedo, vec2 sums) {
     return ((albedo + vec2(0.0001)) / (max(sums, vec2(0.0)) + vec2(0.0001)));
 }
 
-vec3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_1, float f90_1) {
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_1, float f90_1) {
+#else
+vec3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_1, float f90_1) {
+#endif
     mat2x3 sum_3 = mat2x3(0.0);
     float in_mirror = 0.0;
     vec2 white = vec2(0.0);
@@ -709,7 +821,11 @@ vec3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surface
     vec3 v_1 = (along_3 + (n_2 * cosine_12));
     vec4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12);
     vec2 rest_1 = _e13.xy;
-    vec3 _e15 = octagloss_cosine_light(probe_16, n_2);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e15 = octagloss_cosine_light(probe_14, n_2);
+#else
+    vec3 _e15 = octagloss_cosine_light(probe_15, n_2);
+#endif
     mat2x3 _e16 = octagloss_weighed(_e15, rest_1);
     sum_3 = _e16;
     white = rest_1;
@@ -731,7 +847,11 @@ vec3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surface
             vec3 half_vector = normalize((n_2 + (_e27.x * along_3)));
             vec3 direction_5 = ((half_vector * (2.0 * dot(v_1, half_vector))) - v_1);
             mat2x3 _e37 = sum_3;
-            vec3 _e39 = octagloss_between_levels(probe_16, direction_5, _e27.y);
+#ifdef OCTAGLOSS_CUBE
+            vec3 _e39 = octagloss_between_levels(probe_14, direction_5, _e27.y);
+#else
+            vec3 _e39 = octagloss_between_levels(probe_15, direction_5, _e27.y);
+#endif
             mat2x3 _e41 = octagloss_weighed(_e39, _e27.zw);
             sum_3 = (_e37 + _e41);
             vec2 _e43 = white;
@@ -750,7 +870,11 @@ vec3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surface
     vec4 _e75 = octagloss_reflection_node(17u, roughness_4, cosine_12);
     vec4 pairs_1[8] = vec4[8](_e61, _e63, _e65, _e67, _e69, _e71, _e73, _e75);
     mat2x3 _e77 = sum_3;
-    mat2x3 _e78 = octagloss_harmonics_reflected(probe_16, surface_2, pairs_1);
+#ifdef OCTAGLOSS_CUBE
+    mat2x3 _e78 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1);
+#else
+    mat2x3 _e78 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1);
+#endif
     sum_3 = (_e77 + _e78);
     vec2 _e80 = white;
     white = (_e80 + pairs_1[0].xy);
@@ -759,21 +883,38 @@ vec3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surface
     vec2 _e86 = octagloss_albedo_share(_e84, _e85);
     vec3 _e90 = sum_3[0];
     vec3 _e95 = sum_3[1];
-    float _e103 = octagloss_lights[probe_16].unscale;
+#ifdef OCTAGLOSS_CUBE
+    float _e103 = octagloss_lights[probe_14].unscale;
+#else
+    float _e103 = octagloss_lights[probe_15].unscale;
+#endif
     vec3 lit_1 = (max((((f0_1 * _e86.x) * _e90) + ((f90_1 * _e86.y) * _e95)), vec3(0.0)) * _e103);
     float _e105 = in_mirror;
     float _e107 = white.x;
     float _e109 = white.y;
-    float share_3 = max((1.0 - (_e105 / (_e107 + _e109))), 0.0);
+    float share_4 = max((1.0 - (_e105 / (_e107 + _e109))), 0.0);
     vec2 alpha_11 = vec2((roughness_4 * roughness_4));
-    vec3 _e121 = octagloss_suns_reflected(probe_16, surface_2, vec2(1.0, 0.0), alpha_11, f0_1, f90_1);
-    return (lit_1 + (share_3 * _e121));
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e121 = octagloss_suns_reflected(probe_14, surface_2, vec2(1.0, 0.0), alpha_11, f0_1, f90_1);
+#else
+    vec3 _e121 = octagloss_suns_reflected(probe_15, surface_2, vec2(1.0, 0.0), alpha_11, f0_1, f90_1);
+#endif
+    return (lit_1 + (share_4 * _e121));
 }
 
-octagloss_SurfaceFrame octagloss_surface_of(uint probe_17, vec3 normal_2, vec3 view_1) {
+#ifdef OCTAGLOSS_CUBE
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_15, vec3 normal_2, vec3 view_1) {
+#else
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_16, vec3 normal_2, vec3 view_1) {
+#endif
     vec3 level_view = vec3(0.0);
-    vec3 _e3 = octagloss_source_from_world(probe_17, normal_2);
-    vec3 _e4 = octagloss_source_from_world(probe_17, view_1);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e3 = octagloss_source_from_world(probe_15, normal_2);
+    vec3 _e4 = octagloss_source_from_world(probe_15, view_1);
+#else
+    vec3 _e3 = octagloss_source_from_world(probe_16, normal_2);
+    vec3 _e4 = octagloss_source_from_world(probe_16, view_1);
+#endif
     float cosine_13 = clamp(dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = (_e4 - (_e3 * dot(_e3, _e4)));
     vec3 _e13 = level_view;
@@ -811,46 +952,71 @@ vec4 octagloss_row_places(vec2 alpha_4, float cosine_3, vec2 tangent_1) {
 
 octagloss_RowPlace octagloss_row_place(vec2 alpha_5, float cosine_4, vec2 tangent_2) {
     vec4 _e3 = octagloss_row_places(alpha_5, cosine_4, tangent_2);
+#ifdef OCTAGLOSS_CUBE
     vec4 place_5 = (_e3 * vec4(15.0, 9.0, 7.0, 6.0));
     float lower = min(floor(place_5.w), 5.0);
     vec2 inside_1 = clamp(place_5.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625)));
     vec3 texel_1 = (vec3(inside_1.x, (inside_1.y + (10.0 * lower)), place_5.z) + vec3(0.5));
     return octagloss_RowPlace((texel_1 / octagloss_ROW_SIZE), (place_5.w - lower));
+#else
+    vec4 place_6 = (_e3 * vec4(15.0, 9.0, 7.0, 6.0));
+    float lower = min(floor(place_6.w), 5.0);
+    vec2 inside_1 = clamp(place_6.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625)));
+    vec3 texel_1 = (vec3(inside_1.x, (inside_1.y + (10.0 * lower)), place_6.z) + vec3(0.5));
+    return octagloss_RowPlace((texel_1 / octagloss_ROW_SIZE), (place_6.w - lower));
+#endif
 }
 
-vec4 octagloss_read_rows(vec3 at_7) {
-    vec4 _e4 = textureLod(octagloss_rows, vec3(at_7), 0.0);
+#ifdef OCTAGLOSS_CUBE
+vec4 octagloss_read_rows(vec3 at_5) {
+    vec4 _e4 = textureLod(octagloss_rows, vec3(at_5), 0.0);
+#else
+vec4 octagloss_read_rows(vec3 at_6) {
+    vec4 _e4 = textureLod(octagloss_rows, vec3(at_6), 0.0);
+#endif
     return _e4;
 }
 
+#ifdef OCTAGLOSS_CUBE
 vec4 octagloss_row_node(uint layer_2, octagloss_RowPlace place) {
-    vec3 at_9 = vec3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
-    vec4 _e11 = octagloss_read_rows(at_9);
-    vec4 _e18 = octagloss_read_rows(vec3(at_9.x, (at_9.y + 0.125), at_9.z));
+    vec3 at_7 = vec3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
+    vec4 _e11 = octagloss_read_rows(at_7);
+    vec4 _e18 = octagloss_read_rows(vec3(at_7.x, (at_7.y + 0.125), at_7.z));
+#else
+vec4 octagloss_row_node(uint layer_3, octagloss_RowPlace place) {
+    vec3 at_8 = vec3((place.at.x + (float(layer_3) / 21.0)), place.at.yz);
+    vec4 _e11 = octagloss_read_rows(at_8);
+    vec4 _e18 = octagloss_read_rows(vec3(at_8.x, (at_8.y + 0.125), at_8.z));
+#endif
     return mix(_e11, _e18, place.share);
 }
 
 vec4 octagloss_row_block(float block, vec3 place_1) {
     float row_2 = floor(((block + 0.5) / octagloss_ROW_BLOCKS));
     vec2 corner_1 = (vec2(16.0, 10.0) * vec2((block - (octagloss_ROW_BLOCKS * row_2)), row_2));
-#ifdef OCTAGLOSS_CUBE
     vec3 first_2 = vec3(corner_1.x, (corner_1.y + 70.0), 0.0);
     vec4 _e27 = octagloss_read_rows((((first_2 + place_1) + vec3(0.5)) / octagloss_ROW_SIZE));
-#else
-    vec3 first_3 = vec3(corner_1.x, (corner_1.y + 70.0), 0.0);
-    vec4 _e27 = octagloss_read_rows((((first_3 + place_1) + vec3(0.5)) / octagloss_ROW_SIZE));
-#endif
     return _e27;
 }
 
 vec4 octagloss_row_more(vec2 alpha_6, float cosine_5, vec2 tangent_3) {
     vec4 _e3 = octagloss_row_places(alpha_6, cosine_5, tangent_3);
+#ifdef OCTAGLOSS_CUBE
     vec4 place_6 = (_e3 * vec4(15.0, 9.0, 7.0, 12.0));
     float lower_1 = min(floor(place_6.w), 11.0);
     vec3 inside_2 = vec3(clamp(place_6.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625))), place_6.z);
+#else
+    vec4 place_7 = (_e3 * vec4(15.0, 9.0, 7.0, 12.0));
+    float lower_1 = min(floor(place_7.w), 11.0);
+    vec3 inside_2 = vec3(clamp(place_7.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625))), place_7.z);
+#endif
     vec4 _e25 = octagloss_row_block(lower_1, inside_2);
     vec4 _e28 = octagloss_row_block((lower_1 + 1.0), inside_2);
+#ifdef OCTAGLOSS_CUBE
     return mix(_e25, _e28, (place_6.w - lower_1));
+#else
+    return mix(_e25, _e28, (place_7.w - lower_1));
+#endif
 }
 
 vec2 octagloss_row_albedo(vec2 alpha_7, float cosine_6, float along, vec2 more) {
@@ -900,8 +1066,13 @@ octagloss_Row octagloss_row_of(vec2 alpha_8, vec2 tangent_4, float cosine_7) {
 }
 
 vec2 octagloss_row_read(octagloss_Row row_1, uint read) {
+#ifdef OCTAGLOSS_CUBE
     float place_7 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
     float slope_1 = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_7))) / row_1.steps.y);
+#else
+    float place_8 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
+    float slope_1 = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_8))) / row_1.steps.y);
+#endif
     float wider = (((read % 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation));
     float growth = (row_1.steps.w * slope_1);
     float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
@@ -912,20 +1083,36 @@ vec2 octagloss_row_read(octagloss_Row row_1, uint read) {
     return vec2(slope_1, ((sharp_1 >= 1.0) ? min(sharp_1, last_1) : below));
 }
 
-vec3[5] octagloss_orders_aside(uint probe_18, octagloss_SurfaceFrame surface_3, vec3 across, vec3 d_2) {
-    vec3 level_4 = ((surface_3.towards * d_2.x) + (surface_3.normal * d_2.z));
-    float _e14[25] = octagloss_harmonic_basis((level_4 + (across * d_2.y)));
-    float _e18[25] = octagloss_harmonic_basis((level_4 - (across * d_2.y)));
+#ifdef OCTAGLOSS_CUBE
+vec3[5] octagloss_orders_aside(uint probe_16, octagloss_SurfaceFrame surface_3, vec3 across, vec3 d_2) {
+#else
+vec3[5] octagloss_orders_aside(uint probe_17, octagloss_SurfaceFrame surface_3, vec3 across, vec3 d_2) {
+#endif
+    vec3 level_2 = ((surface_3.towards * d_2.x) + (surface_3.normal * d_2.z));
+    float _e14[25] = octagloss_harmonic_basis((level_2 + (across * d_2.y)));
+    float _e18[25] = octagloss_harmonic_basis((level_2 - (across * d_2.y)));
     float difference_1[25] = float[25]((_e14[0] - _e18[0]), (_e14[1] - _e18[1]), (_e14[2] - _e18[2]), (_e14[3] - _e18[3]), (_e14[4] - _e18[4]), (_e14[5] - _e18[5]), (_e14[6] - _e18[6]), (_e14[7] - _e18[7]), (_e14[8] - _e18[8]), (_e14[9] - _e18[9]), (_e14[10] - _e18[10]), (_e14[11] - _e18[11]), (_e14[12] - _e18[12]), (_e14[13] - _e18[13]), (_e14[14] - _e18[14]), (_e14[15] - _e18[15]), (_e14[16] - _e18[16]), (_e14[17] - _e18[17]), (_e14[18] - _e18[18]), (_e14[19] - _e18[19]), (_e14[20] - _e18[20]), (_e14[21] - _e18[21]), (_e14[22] - _e18[22]), (_e14[23] - _e18[23]), (_e14[24] - _e18[24]));
-    vec3 _e95[5] = octagloss_orders_of(probe_18, difference_1);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e95[5] = octagloss_orders_of(probe_16, difference_1);
+#else
+    vec3 _e95[5] = octagloss_orders_of(probe_17, difference_1);
+#endif
     return _e95;
 }
 
-mat2x3 octagloss_harmonics_aside(uint probe_19, octagloss_SurfaceFrame surface_4, vec3 across_1, octagloss_RowPlace place_2, vec2 first) {
-    vec3 _e9[5] = octagloss_orders_aside(probe_19, surface_4, across_1, vec3(0.4620342, 0.54655075, -0.6984316));
-    vec3 _e14[5] = octagloss_orders_aside(probe_19, surface_4, across_1, vec3(0.8966183, 0.38650447, 0.21607853));
-    vec3 _e19[5] = octagloss_orders_aside(probe_19, surface_4, across_1, vec3(0.11814805, 0.3835753, 0.91592085));
-    vec3 _e24[5] = octagloss_orders_aside(probe_19, surface_4, across_1, vec3(0.14011177, 0.8172301, -0.5590202));
+#ifdef OCTAGLOSS_CUBE
+mat2x3 octagloss_harmonics_aside(uint probe_17, octagloss_SurfaceFrame surface_4, vec3 across_1, octagloss_RowPlace place_2, vec2 first) {
+    vec3 _e9[5] = octagloss_orders_aside(probe_17, surface_4, across_1, vec3(0.4620342, 0.54655075, -0.6984316));
+    vec3 _e14[5] = octagloss_orders_aside(probe_17, surface_4, across_1, vec3(0.8966183, 0.38650447, 0.21607853));
+    vec3 _e19[5] = octagloss_orders_aside(probe_17, surface_4, across_1, vec3(0.11814805, 0.3835753, 0.91592085));
+    vec3 _e24[5] = octagloss_orders_aside(probe_17, surface_4, across_1, vec3(0.14011177, 0.8172301, -0.5590202));
+#else
+mat2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4, vec3 across_1, octagloss_RowPlace place_2, vec2 first) {
+    vec3 _e9[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.4620342, 0.54655075, -0.6984316));
+    vec3 _e14[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.8966183, 0.38650447, 0.21607853));
+    vec3 _e19[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.11814805, 0.3835753, 0.91592085));
+    vec3 _e24[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.14011177, 0.8172301, -0.5590202));
+#endif
     vec4 _e26 = octagloss_row_node(16u, place_2);
     vec4 _e28 = octagloss_row_node(17u, place_2);
     vec4 _e30 = octagloss_row_node(18u, place_2);
@@ -944,7 +1131,11 @@ mat2x3 octagloss_harmonics_aside(uint probe_19, octagloss_SurfaceFrame surface_4
     return (((((((((_e34 + _e37) + _e41) + _e45) + _e49) + _e53) + _e57) + _e61) + _e65) + _e71);
 }
 
-vec3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5, vec2 tangent_5, vec2 alpha_9, vec3 f0_3, float f90_3) {
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5, vec2 tangent_5, vec2 alpha_9, vec3 f0_3, float f90_3) {
+#else
+vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, vec2 tangent_5, vec2 alpha_9, vec3 f0_3, float f90_3) {
+#endif
     mat2x3 sum_4 = mat2x3(0.0);
     vec2 in_mirror_1 = vec2(0.0);
     vec2 white_1 = vec2(0.0);
@@ -978,7 +1169,11 @@ vec3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5, v
             uint _e44 = distance_;
             if ((_e44 == 0u)) {
                 mat2x3 _e47 = sum_4;
-                vec3 _e48 = octagloss_cosine_light(probe_20, n_3);
+#ifdef OCTAGLOSS_CUBE
+                vec3 _e48 = octagloss_cosine_light(probe_18, n_3);
+#else
+                vec3 _e48 = octagloss_cosine_light(probe_19, n_3);
+#endif
                 mat2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
                 sum_4 = (_e47 + _e50);
                 vec2 _e52 = white_1;
@@ -1015,7 +1210,11 @@ vec3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5, v
                     vec3 half_vector_1 = normalize((n_3 + (_e96.x * axis_2)));
                     vec3 direction_6 = ((half_vector_1 * (2.0 * dot(v_2, half_vector_1))) - v_2);
                     mat2x3 _e106 = sum_4;
-                    vec3 _e108 = octagloss_between_levels(probe_20, direction_6, _e96.y);
+#ifdef OCTAGLOSS_CUBE
+                    vec3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y);
+#else
+                    vec3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y);
+#endif
                     mat2x3 _e109 = octagloss_weighed(_e108, weights_3);
                     sum_4 = (_e106 + _e109);
                     vec2 _e111 = white_1;
@@ -1036,13 +1235,21 @@ vec3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5, v
     vec4 _e142 = octagloss_row_node(15u, _e16);
     vec4 pairs_2[8] = vec4[8](_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142);
     mat2x3 _e144 = sum_4;
-    mat2x3 _e145 = octagloss_harmonics_reflected(probe_20, surface_5, pairs_2);
+#ifdef OCTAGLOSS_CUBE
+    mat2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2);
+#else
+    mat2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2);
+#endif
     sum_4 = (_e144 + _e145);
     vec2 _e147 = white_1;
     white_1 = (_e147 + pairs_2[0].xy);
     vec3 mirrored = (across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
     mat2x3 _e160 = sum_4;
-    mat2x3 _e163 = octagloss_harmonics_aside(probe_20, surface_5, mirrored, _e16, pairs_2[7].zw);
+#ifdef OCTAGLOSS_CUBE
+    mat2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2[7].zw);
+#else
+    mat2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2[7].zw);
+#endif
     sum_4 = (_e160 + _e163);
     vec4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5);
     vec2 beyond = _e166.xy;
@@ -1051,45 +1258,90 @@ vec3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5, v
     vec2 shares = (_e172 / _e173);
     vec3 _e178 = sum_4[0];
     vec3 _e183 = sum_4[1];
-    float _e191 = octagloss_lights[probe_20].unscale;
+#ifdef OCTAGLOSS_CUBE
+    float _e191 = octagloss_lights[probe_18].unscale;
+#else
+    float _e191 = octagloss_lights[probe_19].unscale;
+#endif
     vec3 lit_2 = (max((((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183)), vec3(0.0)) * _e191);
     vec2 _e193 = in_mirror_1;
-    float share_4 = max((1.0 - (dot(shares, _e193) / (_e172.x + _e172.y))), 0.0);
-    vec3 _e203 = octagloss_suns_reflected(probe_20, surface_5, tangent_5, alpha_9, f0_3, f90_3);
-    return (lit_2 + (share_4 * _e203));
+    float share_5 = max((1.0 - (dot(shares, _e193) / (_e172.x + _e172.y))), 0.0);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e203 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+#else
+    vec3 _e203 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+#endif
+    return (lit_2 + (share_5 * _e203));
 }
 
-vec3 octagloss_reflect_of(uint probe_21, vec3 normal_4, vec3 view_3, vec3 tangent_6, float roughness_7, float anisotropy_1, vec3 f0_4, float f90_4) {
-    vec2 level_3 = vec2(0.0);
+#ifdef OCTAGLOSS_CUBE
+vec3 octagloss_reflect_of(uint probe_19, vec3 normal_4, vec3 view_3, vec3 tangent_6, float roughness_7, float anisotropy_1, vec3 f0_4, float f90_4) {
+#else
+vec3 octagloss_reflect_of(uint probe_20, vec3 normal_4, vec3 view_3, vec3 tangent_6, float roughness_7, float anisotropy_1, vec3 f0_4, float f90_4) {
+#endif
+    vec2 level_1 = vec2(0.0);
+#ifdef OCTAGLOSS_CUBE
     bool local = false;
-    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_21, normal_4, view_3);
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_19, normal_4, view_3);
+#else
+    bool local_1 = false;
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_20, normal_4, view_3);
+#endif
     if ((anisotropy_1 > 0.0)) {
+#ifdef OCTAGLOSS_CUBE
         local = (dot(tangent_6, tangent_6) > 0.0);
+#else
+        local_1 = (dot(tangent_6, tangent_6) > 0.0);
+#endif
     } else {
+#ifdef OCTAGLOSS_CUBE
         local = false;
+#else
+        local_1 = false;
+#endif
     }
+#ifdef OCTAGLOSS_CUBE
     bool _e19 = local;
+#else
+    bool _e19 = local_1;
+#endif
     if (_e19) {
-        vec3 _e20 = octagloss_source_from_world(probe_21, tangent_6);
+#ifdef OCTAGLOSS_CUBE
+        vec3 _e20 = octagloss_source_from_world(probe_19, tangent_6);
+#else
+        vec3 _e20 = octagloss_source_from_world(probe_20, tangent_6);
+#endif
         vec3 across_5 = cross(_e8.normal, _e8.towards);
-        level_3 = vec2(dot(_e20, _e8.towards), dot(_e20, across_5));
+        level_1 = vec2(dot(_e20, _e8.towards), dot(_e20, across_5));
     }
-    vec2 _e28 = level_3;
-    vec2 _e29 = level_3;
+    vec2 _e28 = level_1;
+    vec2 _e29 = level_1;
     if ((dot(_e28, _e29) < 1e-10)) {
-        vec3 _e33 = octagloss_reflected_isotropic(probe_21, _e8, roughness_7, f0_4, f90_4);
+#ifdef OCTAGLOSS_CUBE
+        vec3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_4, f90_4);
+#else
+        vec3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_4, f90_4);
+#endif
         return _e33;
     }
     vec2 _e36 = octagloss_row_alphas(roughness_7, min(anisotropy_1, 1.0));
     float _e37 = octagloss_row_share(_e36);
-    vec2 _e38 = level_3;
-    vec3 _e40 = octagloss_reflect_in_row(probe_21, _e8, normalize(_e38), _e36, f0_4, f90_4);
+    vec2 _e38 = level_1;
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e40 = octagloss_reflect_in_row(probe_19, _e8, normalize(_e38), _e36, f0_4, f90_4);
+#else
+    vec3 _e40 = octagloss_reflect_in_row(probe_20, _e8, normalize(_e38), _e36, f0_4, f90_4);
+#endif
     vec3 sum_5 = (_e37 * _e40);
     if ((_e37 == 1.0)) {
         return sum_5;
     }
     float round_ = sqrt(sqrt((_e36.x * _e36.y)));
-    vec3 _e51 = octagloss_reflected_isotropic(probe_21, _e8, round_, f0_4, f90_4);
+#ifdef OCTAGLOSS_CUBE
+    vec3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round_, f0_4, f90_4);
+#else
+    vec3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round_, f0_4, f90_4);
+#endif
     return (sum_5 + ((1.0 - _e37) * _e51));
 }
 

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 332da9bf09febe67.
+// Translated from pyramid_cube.wgsl, FNV-1a 16f1027705dc3434.
 #else
-// Translated from pyramid.wgsl, FNV-1a 3a2ce98256792918.
+// Translated from pyramid.wgsl, FNV-1a 2139395833c5737c.
 #endif
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
@@ -75,9 +75,9 @@ static const uint octagloss_INTERVALS = 860u;
 static const uint octagloss_WEIGHTS_FROM = 32u;
 #else
 static const uint octagloss_WEIGHTS_FROM = 27u;
-static const int octagloss_MIRROR = int(1);
-static const int octagloss_SHARP = int(2);
-static const int octagloss_LEVELS = int(0);
+static const uint octagloss_SHARP_LAYER = 2u;
+static const uint octagloss_FINE_LAYER = 0u;
+static const uint octagloss_MIRROR_LAYER = 1u;
 #endif
 static const uint octagloss_READS = 9u;
 static const uint octagloss_LAYERS = 18u;
@@ -184,20 +184,12 @@ float3 octagloss_harmonics_around(uint probe_3, float3 d_1, float weights[5])
     return (((((weights[0] * _e4[0]) + (weights[1] * _e4[1])) + (weights[2] * _e4[2])) + (weights[3] * _e4[3])) + (weights[4] * _e4[4]));
 }
 
-#ifdef OCTAGLOSS_CUBE
 float3 octagloss_place_of(float3 direction_1)
-#else
-float2 octagloss_place_of(float3 direction_1)
-#endif
 {
 #ifdef OCTAGLOSS_CUBE
     return direction_1;
 #else
-    float3 p = (direction_1 / (((abs(direction_1.x) + abs(direction_1.y)) + abs(direction_1.z))).xxx);
-    float2 folded = ((1.0).xx - abs(p.zx));
-    float2 turned = float2(((p.x >= 0.0) ? folded.x : -(folded.x)), ((p.z >= 0.0) ? folded.y : -(folded.y)));
-    float2 uv = ((p.y >= 0.0) ? p.xz : turned);
-    return ((0.5).xx + (uv * 0.47058824));
+    return (direction_1 / (((abs(direction_1.x) + abs(direction_1.y)) + abs(direction_1.z))).xxx);
 #endif
 }
 
@@ -237,80 +229,84 @@ ret_octagloss_node_weights octagloss_node_weights(uint node)
 #ifndef OCTAGLOSS_CUBE
 }
 
-float3 octagloss_read_mirror(uint probe_4, float2 at)
-{
-    float4 _e6 = octagloss_maps.SampleLevel(octagloss_linear, float3(at, octagloss_MIRROR), 0.0);
-    return _e6.xyz;
-#endif
-}
-
-#ifdef OCTAGLOSS_CUBE
-float3 octagloss_read_mirror(uint probe_4, float3 at)
-#else
-float3 octagloss_read_sharp(uint probe_5, float2 at_1)
-#endif
-{
-#ifdef OCTAGLOSS_CUBE
-    float4 _e5 = octagloss_maps.SampleLevel(octagloss_linear, at, 0.0);
-    return _e5.xyz;
-#else
-    float4 _e6 = octagloss_maps.SampleLevel(octagloss_linear, float3(at_1, octagloss_SHARP), 0.0);
-    return _e6.xyz;
-#endif
-}
-
-#ifdef OCTAGLOSS_CUBE
-float3 octagloss_read_sharp(uint probe_5, float3 at_1)
-#else
-float3 octagloss_read_levels(uint probe_6, float2 at_2, float level)
-#endif
-{
-#ifdef OCTAGLOSS_CUBE
-    float4 _e5 = octagloss_maps.SampleLevel(octagloss_linear, at_1, 1.0);
-    return _e5.xyz;
-#else
-    float4 _e6 = octagloss_maps.SampleLevel(octagloss_linear, float3(at_2, octagloss_LEVELS), level);
-    return _e6.xyz;
-#endif
-}
-
-#ifdef OCTAGLOSS_CUBE
-float3 octagloss_read_levels(uint probe_6, float3 at_2, float level)
-#else
 uint2 NagaDimensions2DArray(Texture2DArray<float4> tex)
-#endif
 {
-#ifdef OCTAGLOSS_CUBE
-    float4 _e7 = octagloss_maps.SampleLevel(octagloss_linear, at_2, (level + 2.0));
-    return _e7.xyz;
-#else
     uint4 ret;
     tex.GetDimensions(0, ret.x, ret.y, ret.z, ret.w);
     return ret.xy;
+}
+
+float octagloss_map_side()
+{
+    return float(NagaDimensions2DArray(octagloss_maps).x);
+}
+
+uint octagloss_map_octave()
+{
+    const float _e0 = octagloss_map_side();
+    return ((asuint(_e0) >> 23u) - 127u);
 #endif
 }
+
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_read_map(uint probe_4, float3 at, uint map)
+#else
+float3 octagloss_read_square(uint probe_4, float3 at, uint layer, uint mip)
+#endif
+{
+#ifdef OCTAGLOSS_CUBE
+    float4 _e6 = octagloss_maps.SampleLevel(octagloss_linear, at, float(map));
+    return _e6.xyz;
+#else
+    const uint _e5 = octagloss_map_octave();
+    float inner = float((1u << _e5));
+    float edge = (float((1u << mip)) / inner);
+    float3 rounded = max(abs(at), float3(edge, 0.0, edge));
+    float2 p = (at.xz / (((rounded.x + rounded.y) + rounded.z)).xx);
+    float2 folded = ((1.0).xx - abs(p.yx));
+    float2 turned = float2(((p.x >= 0.0) ? folded.x : -(folded.x)), ((p.y >= 0.0) ? folded.y : -(folded.y)));
+    float2 uv = ((at.y >= 0.0) ? p : turned);
+    const float _e50 = octagloss_map_side();
+    float2 place_3 = ((0.5).xx + (uv * ((0.5 * inner) / _e50)));
+    float4 _e62 = octagloss_maps.SampleLevel(octagloss_linear, float3(place_3, ((3u * probe_4) + layer)), float(mip));
+    return _e62.xyz;
+#endif
+}
+#ifndef OCTAGLOSS_CUBE
+
+float3 octagloss_read_map(uint probe_5, float3 at_1, uint map)
+{
+    bool local = (bool)0;
+#endif
 
 #ifdef OCTAGLOSS_CUBE
 float3 ZeroValuefloat3() {
     return (float3)0;
 #else
-float octagloss_map_inner()
-{
-    return (float(NagaDimensions2DArray(octagloss_maps).x) * 0.9411765);
+    if (!((map == 2u))) {
+        local = (map == 3u);
+    } else {
+        local = true;
+    }
+    bool _e13 = local;
+    uint other = (_e13 ? octagloss_FINE_LAYER : octagloss_SHARP_LAYER);
+    uint layer_4 = ((map == 0u) ? octagloss_MIRROR_LAYER : other);
+    const float3 _e27 = octagloss_read_square(probe_5, at_1, layer_4, ((map == 3u) ? 1u : (max(map, 3u) - 3u)));
+    return _e27;
 #endif
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_read_middle(uint probe_7, float3 at_3, float middle)
+float3 octagloss_read_middle(uint probe_5, float3 at_1, uint middle)
 #else
-float octagloss_coarsest_mip()
+uint octagloss_last_mip()
 #endif
 {
 #ifdef OCTAGLOSS_CUBE
     return ZeroValuefloat3();
 #else
-    const float _e0 = octagloss_map_inner();
-    return round(log2((_e0 / 32.0)));
+    const uint _e0 = octagloss_map_octave();
+    return max((_e0 - ((_e0 > 8u) ? 6u : 5u)), 1u);
 #endif
 }
 
@@ -320,28 +316,27 @@ ret_Constructarray5_float_ Constructarray5_float_(float arg0, float arg1, float 
     float ret[5] = { arg0, arg1, arg2, arg3, arg4 };
     return ret;
 #else
-float3 octagloss_read_middle(uint probe_7, float2 at_3, float middle)
+float3 octagloss_read_middle(uint probe_6, float3 at_2, uint middle)
 {
-    const float _e3 = octagloss_coarsest_mip();
-    float first_1 = max((_e3 - 2.0), 1.0);
-    float4 _e12 = octagloss_maps.SampleLevel(octagloss_linear, float3(at_3, octagloss_MIRROR), (first_1 + middle));
-    return _e12.xyz;
+    const uint _e4 = octagloss_last_mip();
+    const float3 _e10 = octagloss_read_square(probe_6, at_2, octagloss_MIRROR_LAYER, ((max(_e4, 3u) - 2u) + middle));
+    return _e10;
 #endif
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_read_cosine(uint probe_8, float3 at_4)
+float3 octagloss_read_cosine(uint probe_6, float3 at_2)
 #else
-float3 octagloss_read_cosine(uint probe_8, float2 at_4)
+float3 octagloss_read_cosine(uint probe_7, float3 at_3)
 #endif
 {
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e8 = octagloss_harmonics_around(probe_8, at_4, Constructarray5_float_(1.0, 0.6666667, 0.25, 0.0, -0.041666668));
+    const float3 _e8 = octagloss_harmonics_around(probe_6, at_2, Constructarray5_float_(1.0, 0.6666667, 0.25, 0.0, -0.041666668));
     return _e8;
 #else
-    const float _e5 = octagloss_coarsest_mip();
-    float4 _e6 = octagloss_maps.SampleLevel(octagloss_linear, float3(at_4, octagloss_MIRROR), _e5);
-    return _e6.xyz;
+    const uint _e3 = octagloss_last_mip();
+    const float3 _e4 = octagloss_read_square(probe_7, at_3, octagloss_MIRROR_LAYER, _e3);
+    return _e4;
 #endif
 }
 
@@ -353,12 +348,22 @@ uint naga_mod(uint lhs, uint rhs) {
     return lhs % (rhs == 0u ? 1u : rhs);
 }
 
-float3 octagloss_half_axis_of(uint probe_9, uint disc)
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_half_axis_of(uint probe_7, uint disc)
+#else
+float3 octagloss_half_axis_of(uint probe_8, uint disc)
+#endif
 {
     uint k_3 = (3u * naga_div(disc, 2u));
-    float _e11 = octagloss_lights[probe_9].harmonics[k_3].w;
-    float _e19 = octagloss_lights[probe_9].harmonics[(k_3 + 1u)].w;
-    float _e27 = octagloss_lights[probe_9].harmonics[(k_3 + 2u)].w;
+#ifdef OCTAGLOSS_CUBE
+    float _e11 = octagloss_lights[probe_7].harmonics[k_3].w;
+    float _e19 = octagloss_lights[probe_7].harmonics[(k_3 + 1u)].w;
+    float _e27 = octagloss_lights[probe_7].harmonics[(k_3 + 2u)].w;
+#else
+    float _e11 = octagloss_lights[probe_8].harmonics[k_3].w;
+    float _e19 = octagloss_lights[probe_8].harmonics[(k_3 + 1u)].w;
+    float _e27 = octagloss_lights[probe_8].harmonics[(k_3 + 2u)].w;
+#endif
     float3 half_axis = float3(_e11, _e19, _e27);
     return ((naga_mod(disc, 2u) == 0u) ? half_axis : -(half_axis));
 }
@@ -368,9 +373,9 @@ float octagloss_squared(float3 v)
     return dot(v, v);
 }
 
-typedef float ret_Constructarray7_float_[7];
-ret_Constructarray7_float_ Constructarray7_float_(float arg0, float arg1, float arg2, float arg3, float arg4, float arg5, float arg6) {
-    float ret[7] = { arg0, arg1, arg2, arg3, arg4, arg5, arg6 };
+typedef float ret_Constructarray9_float_[9];
+ret_Constructarray9_float_ Constructarray9_float_(float arg0, float arg1, float arg2, float arg3, float arg4, float arg5, float arg6, float arg7, float arg8) {
+    float ret[9] = { arg0, arg1, arg2, arg3, arg4, arg5, arg6, arg7, arg8 };
 #ifndef OCTAGLOSS_CUBE
     return ret;
 }
@@ -392,20 +397,24 @@ uint naga_f2u32(float value) {
     return uint(clamp(value, 0.0, 4294967000.0));
 }
 
-float3 octagloss_radiance_of(uint probe_10, float3 direction_2, float roughness)
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_radiance_of(uint probe_8, float3 direction_2, float roughness)
+#else
+float3 octagloss_radiance_of(uint probe_9, float3 direction_2, float roughness)
+#endif
 {
     float3 sum = ZeroValuefloat3();
-    float levels[7] = { (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0 };
-    uint level_1 = 0u;
+    float maps[9] = { (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0 };
+    uint map_1 = 0u;
     uint disc_1 = 0u;
     float3 lobe = (float3)0;
 
-    const float3 _e3 = octagloss_source_from_world(probe_10, direction_2);
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e4 = octagloss_place_of(_e3);
+    const float3 _e3 = octagloss_source_from_world(probe_8, direction_2);
 #else
-    const float2 _e4 = octagloss_place_of(_e3);
+    const float3 _e3 = octagloss_source_from_world(probe_9, direction_2);
 #endif
+    const float3 _e4 = octagloss_place_of(_e3);
     float node_1 = (log2((1.0 + (30.0 * roughness))) * 173.59021);
     uint k_4 = min(naga_f2u32(node_1), 859u);
     float share = (node_1 - float(k_4));
@@ -416,88 +425,110 @@ float3 octagloss_radiance_of(uint probe_10, float3 direction_2, float roughness)
     float4 c_2 = lerp(_e17[2], _e20[2], share);
     float4 e = lerp(_e17[3], _e20[3], share);
     float4 f = lerp(_e17[4], _e20[4], share);
-    if ((a_1.x != 0.0)) {
-        float3 _e41 = sum;
-        const float3 _e43 = octagloss_read_mirror(probe_10, _e4);
-        sum = (_e41 + (a_1.x * _e43));
-    }
-    if ((a_1.y != 0.0)) {
-        float3 _e49 = sum;
-        const float3 _e51 = octagloss_read_sharp(probe_10, _e4);
-        sum = (_e49 + (a_1.y * _e51));
-    }
-    levels = Constructarray7_float_(a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x);
+    maps = Constructarray9_float_(a_1.x, a_1.y, a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e83 = level_1;
-            level_1 = (_e83 + 1u);
+            uint _e68 = map_1;
+            map_1 = (_e68 + 1u);
         }
         loop_init_1 = false;
-        uint _e65 = level_1;
-        if ((_e65 < 7u)) {
+        uint _e51 = map_1;
+        if ((_e51 < 9u)) {
         } else {
             break;
         }
         {
-            uint _e68 = level_1;
-            float _e70 = levels[_e68];
-            if ((_e70 != 0.0)) {
-                float3 _e73 = sum;
-                uint _e74 = level_1;
-                float _e76 = levels[_e74];
-                uint _e77 = level_1;
-                const float3 _e79 = octagloss_read_levels(probe_10, _e4, float(_e77));
-                sum = (_e73 + (_e76 * _e79));
+            uint _e54 = map_1;
+            float _e56 = maps[_e54];
+            if ((_e56 != 0.0)) {
+                float3 _e59 = sum;
+                uint _e60 = map_1;
+                float _e62 = maps[_e60];
+                uint _e63 = map_1;
+#ifdef OCTAGLOSS_CUBE
+                const float3 _e64 = octagloss_read_map(probe_8, _e4, _e63);
+#else
+                const float3 _e64 = octagloss_read_map(probe_9, _e4, _e63);
+#endif
+                sum = (_e59 + (_e62 * _e64));
             }
         }
     }
     if ((c_2.y != 0.0)) {
-        float3 _e88 = sum;
-        const float3 _e91 = octagloss_read_middle(probe_10, _e4, 0.0);
-        sum = (_e88 + (c_2.y * _e91));
+        float3 _e73 = sum;
+#ifdef OCTAGLOSS_CUBE
+        const float3 _e76 = octagloss_read_middle(probe_8, _e4, 0u);
+#else
+        const float3 _e76 = octagloss_read_middle(probe_9, _e4, 0u);
+#endif
+        sum = (_e73 + (c_2.y * _e76));
     }
     if ((c_2.z != 0.0)) {
-        float3 _e97 = sum;
-        const float3 _e100 = octagloss_read_middle(probe_10, _e4, 1.0);
-        sum = (_e97 + (c_2.z * _e100));
+        float3 _e82 = sum;
+#ifdef OCTAGLOSS_CUBE
+        const float3 _e85 = octagloss_read_middle(probe_8, _e4, 1u);
+#else
+        const float3 _e85 = octagloss_read_middle(probe_9, _e4, 1u);
+#endif
+        sum = (_e82 + (c_2.z * _e85));
     }
     if ((c_2.w != 0.0)) {
-        float3 _e106 = sum;
-        const float3 _e108 = octagloss_read_cosine(probe_10, _e4);
-        sum = (_e106 + (c_2.w * _e108));
+        float3 _e91 = sum;
+#ifdef OCTAGLOSS_CUBE
+        const float3 _e93 = octagloss_read_cosine(probe_8, _e4);
+#else
+        const float3 _e93 = octagloss_read_cosine(probe_9, _e4);
+#endif
+        sum = (_e91 + (c_2.w * _e93));
     }
-    float3 _e111 = sum;
-    const float3 _e118 = octagloss_harmonics_around(probe_10, _e3, Constructarray5_float_(e.x, e.y, e.z, e.w, f.x));
-    sum = (_e111 + _e118);
-    float3 _e120 = sum;
-    float _e126 = octagloss_lights[probe_10].unscale;
-    sum = (max(_e120, ZeroValuefloat3()) * _e126);
+    float3 _e96 = sum;
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e103 = octagloss_harmonics_around(probe_8, _e3, Constructarray5_float_(e.x, e.y, e.z, e.w, f.x));
+#else
+    const float3 _e103 = octagloss_harmonics_around(probe_9, _e3, Constructarray5_float_(e.x, e.y, e.z, e.w, f.x));
+#endif
+    sum = (_e96 + _e103);
+    float3 _e105 = sum;
+#ifdef OCTAGLOSS_CUBE
+    float _e111 = octagloss_lights[probe_8].unscale;
+#else
+    float _e111 = octagloss_lights[probe_9].unscale;
+#endif
+    sum = (max(_e105, ZeroValuefloat3()) * _e111);
     float a2_ = max((((roughness * roughness) * roughness) * roughness), 1e-12);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e252 = disc_1;
-            disc_1 = (_e252 + 1u);
+            uint _e237 = disc_1;
+            disc_1 = (_e237 + 1u);
         }
         loop_init_2 = false;
-        uint _e135 = disc_1;
-        if ((_e135 < 16u)) {
+        uint _e120 = disc_1;
+        if ((_e120 < 16u)) {
         } else {
             break;
         }
         {
-            uint _e141 = disc_1;
-            OctaglossSun sun = octagloss_lights[probe_10].suns[naga_div(_e141, 2u)];
-            uint _e146 = disc_1;
-            const float3 _e147 = octagloss_half_axis_of(probe_10, _e146);
-            const float _e148 = octagloss_squared(_e147);
-            float nearer = (1.0 - (0.5 * _e148));
-            float3 to = (_e3 - _e147);
-            const float _e158 = octagloss_squared((to - (nearer * sun.red.xyz)));
-            const float _e163 = octagloss_squared((to - (nearer * sun.green.xyz)));
-            const float _e168 = octagloss_squared((to - (nearer * sun.blue.xyz)));
-            float3 apart = float3(_e158, _e163, _e168);
+            uint _e126 = disc_1;
+#ifdef OCTAGLOSS_CUBE
+            OctaglossSun sun = octagloss_lights[probe_8].suns[naga_div(_e126, 2u)];
+#else
+            OctaglossSun sun = octagloss_lights[probe_9].suns[naga_div(_e126, 2u)];
+#endif
+            uint _e131 = disc_1;
+#ifdef OCTAGLOSS_CUBE
+            const float3 _e132 = octagloss_half_axis_of(probe_8, _e131);
+#else
+            const float3 _e132 = octagloss_half_axis_of(probe_9, _e131);
+#endif
+            const float _e133 = octagloss_squared(_e132);
+            float nearer = (1.0 - (0.5 * _e133));
+            float3 to = (_e3 - _e132);
+            const float _e143 = octagloss_squared((to - (nearer * sun.red.xyz)));
+            const float _e148 = octagloss_squared((to - (nearer * sun.green.xyz)));
+            const float _e153 = octagloss_squared((to - (nearer * sun.blue.xyz)));
+            float3 apart = float3(_e143, _e148, _e153);
             float3 s = min((0.25 * apart), (0.5).xxx);
             float3 radius2_ = (0.5 * float3(sun.red.w, sun.green.w, sun.blue.w));
             float3 nearness = ((s + (a2_ * ((1.0).xxx - s))) - radius2_);
@@ -510,13 +541,13 @@ float3 octagloss_radiance_of(uint probe_10, float3 direction_2, float roughness)
                 float3 inside = ((root - nearness) / ((2.0 * max(radius2_, (1e-30).xxx)) * root));
                 lobe = ((nearness > ZeroValuefloat3()) ? outside : inside);
             }
-            float3 _e232 = sum;
-            float3 _e234 = lobe;
-            sum = (_e232 + (sun.energy * ((_e234 * ((1.0).xxx - (2.0 * s))) * ((0.15915494 * f.y) * (1.0 - a_1.x)))));
+            float3 _e217 = sum;
+            float3 _e219 = lobe;
+            sum = (_e217 + (sun.energy * ((_e219 * ((1.0).xxx - (2.0 * s))) * ((0.15915494 * f.y) * (1.0 - a_1.x)))));
         }
     }
-    float3 _e254 = sum;
-    return _e254;
+    float3 _e239 = sum;
+    return _e239;
 }
 
 float3 octagloss_radiance(float3 direction_3, float roughness_1)
@@ -525,19 +556,28 @@ float3 octagloss_radiance(float3 direction_3, float roughness_1)
     return _e3;
 }
 
-float3 octagloss_irradiance_of(uint probe_11, float3 normal)
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_irradiance_of(uint probe_9, float3 normal)
+#else
+float3 octagloss_irradiance_of(uint probe_10, float3 normal)
+#endif
 {
     float3 sum_1 = (float3)0;
     uint k_1 = 0u;
 
-    const float3 _e2 = octagloss_source_from_world(probe_11, normal);
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e3 = octagloss_place_of(_e2);
+    const float3 _e2 = octagloss_source_from_world(probe_9, normal);
 #else
-    const float2 _e3 = octagloss_place_of(_e2);
+    const float3 _e2 = octagloss_source_from_world(probe_10, normal);
 #endif
-    const float3 _e4 = octagloss_read_cosine(probe_11, _e3);
-    float _e8 = octagloss_lights[probe_11].unscale;
+    const float3 _e3 = octagloss_place_of(_e2);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e4 = octagloss_read_cosine(probe_9, _e3);
+    float _e8 = octagloss_lights[probe_9].unscale;
+#else
+    const float3 _e4 = octagloss_read_cosine(probe_10, _e3);
+    float _e8 = octagloss_lights[probe_10].unscale;
+#endif
     sum_1 = (_e4 * _e8);
     bool loop_init_3 = true;
     while(true) {
@@ -553,7 +593,11 @@ float3 octagloss_irradiance_of(uint probe_11, float3 normal)
         }
         {
             uint _e19 = k_1;
-            OctaglossSun sun_1 = octagloss_lights[probe_11].suns[_e19];
+#ifdef OCTAGLOSS_CUBE
+            OctaglossSun sun_1 = octagloss_lights[probe_9].suns[_e19];
+#else
+            OctaglossSun sun_1 = octagloss_lights[probe_10].suns[_e19];
+#endif
             float3 facing = float3(dot(_e2, sun_1.red.xyz), dot(_e2, sun_1.green.xyz), dot(_e2, sun_1.blue.xyz));
             float3 _e32 = sum_1;
             sum_1 = (_e32 + (sun_1.energy * (0.31830987 * max(facing, ZeroValuefloat3()))));
@@ -569,19 +613,38 @@ float3 octagloss_irradiance(float3 normal_1)
     return _e2;
 }
 
-float4 octagloss_read_reflections(uint layer, float2 at_5)
+#ifdef OCTAGLOSS_CUBE
+float4 octagloss_read_reflections(uint layer, float2 at_3)
+#else
+float4 octagloss_read_reflections(uint layer_1, float2 at_4)
+#endif
 {
+#ifdef OCTAGLOSS_CUBE
     float2 corner = float2((1.0 + (float(layer) * 48.0)), 0.0);
-    float4 _e17 = octagloss_tables.SampleLevel(octagloss_linear, (((at_5 * octagloss_NODES) + corner) / octagloss_TABLES), 0.0);
+    float4 _e17 = octagloss_tables.SampleLevel(octagloss_linear, (((at_3 * octagloss_NODES) + corner) / octagloss_TABLES), 0.0);
+#else
+    float2 corner = float2((1.0 + (float(layer_1) * 48.0)), 0.0);
+    float4 _e17 = octagloss_tables.SampleLevel(octagloss_linear, (((at_4 * octagloss_NODES) + corner) / octagloss_TABLES), 0.0);
+#endif
     return _e17;
 }
 
+#ifdef OCTAGLOSS_CUBE
 float4 octagloss_reflection_node(uint layer_1, float roughness_2, float cosine)
+#else
+float4 octagloss_reflection_node(uint layer_2, float roughness_2, float cosine)
+#endif
 {
     float sine = sqrt(max((1.0 - (cosine * cosine)), 0.0));
+#ifdef OCTAGLOSS_CUBE
     float2 place_3 = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * rsqrt((1.0 + sine)))));
-    float2 at_7 = (((place_3 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
-    const float4 _e31 = octagloss_read_reflections(layer_1, at_7);
+    float2 at_5 = (((place_3 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
+    const float4 _e31 = octagloss_read_reflections(layer_1, at_5);
+#else
+    float2 place_4 = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * rsqrt((1.0 + sine)))));
+    float2 at_6 = (((place_4 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
+    const float4 _e31 = octagloss_read_reflections(layer_2, at_6);
+#endif
     return _e31;
 }
 
@@ -599,43 +662,42 @@ float2 octagloss_round_albedo(float cosine_1, float roughness_3)
 {
     float seen = clamp(cosine_1, 0.0001, 1.0);
     float2 places = float2((log2((1.0 + (30.0 * roughness_3))) * 0.2018487), ((sqrt(sqrt(seen)) - 0.1) / 0.9));
+#ifdef OCTAGLOSS_CUBE
     float2 place_4 = (clamp(places, ZeroValuefloat2(), (1.0).xx) * float2(90.0, 74.0));
     float2 node_2 = min(floor(place_4), float2(89.0, 73.0));
     float2 share_1 = (place_4 - node_2);
-#ifdef OCTAGLOSS_CUBE
+#else
+    float2 place_5 = (clamp(places, ZeroValuefloat2(), (1.0).xx) * float2(90.0, 74.0));
+    float2 node_2 = min(floor(place_5), float2(89.0, 73.0));
+    float2 share_1 = (place_5 - node_2);
+#endif
     uint first_1 = naga_f2u32((node_2.x + (91.0 * node_2.y)));
     const float4 _e39 = octagloss_read_albedo(first_1);
     const float4 _e42 = octagloss_read_albedo((first_1 + 91u));
-#else
-    uint first_2 = naga_f2u32((node_2.x + (91.0 * node_2.y)));
-    const float4 _e39 = octagloss_read_albedo(first_2);
-    const float4 _e42 = octagloss_read_albedo((first_2 + 91u));
-#endif
     float4 pair = lerp(_e39, _e42, share_1.y);
     float t = (seen / max((roughness_3 * roughness_3), octagloss_LEAST_ALPHA));
     float left = (1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126))))))));
     return (left * lerp(pair.xy, pair.zw, share_1.x));
 }
 
-float3 octagloss_between_levels(uint probe_12, float3 direction_4, float level_2)
-{
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e3 = octagloss_place_of(direction_4);
+float3 octagloss_between_levels(uint probe_10, float3 direction_4, float level)
 #else
-    const float2 _e3 = octagloss_place_of(direction_4);
+float3 octagloss_between_levels(uint probe_11, float3 direction_4, float level)
 #endif
-    if ((level_2 >= 2.0)) {
-        const float3 _e8 = octagloss_read_levels(probe_12, _e3, (level_2 - 2.0));
-        return _e8;
-    }
-    if ((level_2 >= 1.0)) {
-        const float3 _e11 = octagloss_read_sharp(probe_12, _e3);
-        const float3 _e13 = octagloss_read_levels(probe_12, _e3, 0.0);
-        return lerp(_e11, _e13, (level_2 - 1.0));
-    }
-    const float3 _e17 = octagloss_read_mirror(probe_12, _e3);
-    const float3 _e18 = octagloss_read_sharp(probe_12, _e3);
-    return lerp(_e17, _e18, level_2);
+{
+    const float3 _e3 = octagloss_place_of(direction_4);
+    uint finer = naga_f2u32(level);
+    float share_2 = frac(level);
+    uint coarser = ((share_2 > 0.0) ? (finer + 1u) : finer);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e11 = octagloss_read_map(probe_10, _e3, finer);
+    const float3 _e12 = octagloss_read_map(probe_10, _e3, coarser);
+#else
+    const float3 _e11 = octagloss_read_map(probe_11, _e3, finer);
+    const float3 _e12 = octagloss_read_map(probe_11, _e3, coarser);
+#endif
+    return lerp(_e11, _e12, share_2);
 }
 
 float octagloss_masking_of(float3 w, float2 alpha)
@@ -723,22 +785,26 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha_1, float sp
     float _e170 = x;
     float _e171 = slope;
     float lobe_1 = ((sqrt((_e169 / (((_e170 * _e171) * bend) * dot(axis_1, (shape * axis_1))))) * shape.z) / (3.1415927 * bend));
-    float share_2 = (pow(left_1, 1.25) * (1.0 - (0.5 * above)));
+    float share_3 = (pow(left_1, 1.25) * (1.0 - (0.5 * above)));
     const float _e191 = octagloss_masking_of(view, alpha_1);
     const float _e194 = octagloss_masking_of(lit_, alpha_1);
     float visible = (facing_1 / ((facing_1 * _e191) + (view.z * _e194)));
     const float _e205 = octagloss_fresnel_of(cosine_11);
-    return float2(((((((share_2 * 2.0) * along_2) * cosine_11) / length2_) * lobe_1) * visible), _e205);
+    return float2(((((((share_3 * 2.0) * along_2) * cosine_11) / length2_) * lobe_1) * visible), _e205);
 }
 
-float3 octagloss_cosine_light(uint probe_13, float3 n)
-{
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e2 = octagloss_place_of(n);
+float3 octagloss_cosine_light(uint probe_11, float3 n)
 #else
-    const float2 _e2 = octagloss_place_of(n);
+float3 octagloss_cosine_light(uint probe_12, float3 n)
 #endif
-    const float3 _e3 = octagloss_read_cosine(probe_13, _e2);
+{
+    const float3 _e2 = octagloss_place_of(n);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e3 = octagloss_read_cosine(probe_11, _e2);
+#else
+    const float3 _e3 = octagloss_read_cosine(probe_12, _e2);
+#endif
     return _e3;
 }
 
@@ -747,20 +813,44 @@ float2x3 octagloss_weighed(float3 light_1, float2 weights_2)
     return float2x3((light_1 * weights_2.x), (light_1 * weights_2.y));
 }
 
-float2x3 octagloss_harmonics_reflected(uint probe_14, octagloss_SurfaceFrame surface, float4 pairs[8])
+#ifdef OCTAGLOSS_CUBE
+float2x3 octagloss_harmonics_reflected(uint probe_12, octagloss_SurfaceFrame surface, float4 pairs[8])
+#else
+float2x3 octagloss_harmonics_reflected(uint probe_13, octagloss_SurfaceFrame surface, float4 pairs[8])
+#endif
 {
     float3 n_1 = surface.normal;
     float3 t_1 = surface.towards;
     const float _e5[25] = octagloss_harmonic_basis(n_1);
-    const float3 _e6[5] = octagloss_orders_of(probe_14, _e5);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e6[5] = octagloss_orders_of(probe_12, _e5);
+#else
+    const float3 _e6[5] = octagloss_orders_of(probe_13, _e5);
+#endif
     const float _e12[25] = octagloss_harmonic_basis(((n_1 * 0.309017) + (t_1 * 0.95105654)));
-    const float3 _e13[5] = octagloss_orders_of(probe_14, _e12);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e13[5] = octagloss_orders_of(probe_12, _e12);
+#else
+    const float3 _e13[5] = octagloss_orders_of(probe_13, _e12);
+#endif
     const float _e19[25] = octagloss_harmonic_basis(((n_1 * -0.809017) + (t_1 * 0.58778524)));
-    const float3 _e20[5] = octagloss_orders_of(probe_14, _e19);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e20[5] = octagloss_orders_of(probe_12, _e19);
+#else
+    const float3 _e20[5] = octagloss_orders_of(probe_13, _e19);
+#endif
     const float _e26[25] = octagloss_harmonic_basis(((n_1 * 0.809017) + (t_1 * 0.58778524)));
-    const float3 _e27[5] = octagloss_orders_of(probe_14, _e26);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e27[5] = octagloss_orders_of(probe_12, _e26);
+#else
+    const float3 _e27[5] = octagloss_orders_of(probe_13, _e26);
+#endif
     const float _e33[25] = octagloss_harmonic_basis(((n_1 * -0.309017) + (t_1 * 0.95105654)));
-    const float3 _e34[5] = octagloss_orders_of(probe_14, _e33);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e34[5] = octagloss_orders_of(probe_12, _e33);
+#else
+    const float3 _e34[5] = octagloss_orders_of(probe_13, _e33);
+#endif
     const float2x3 _e38 = octagloss_weighed(_e6[0], pairs[0].xy);
     const float2x3 _e42 = octagloss_weighed(_e6[1], pairs[0].zw);
     const float2x3 _e47 = octagloss_weighed(_e6[2], pairs[1].xy);
@@ -785,15 +875,24 @@ uint2 NagaDimensionsCube(TextureCube<float4> tex)
     uint4 ret;
     tex.GetDimensions(0, ret.x, ret.y, ret.z);
     return ret.xy;
+#endif
 }
 
 float octagloss_map_inner()
 {
+#ifdef OCTAGLOSS_CUBE
     return float(NagaDimensionsCube(octagloss_maps).x);
+#else
+    const uint _e1 = octagloss_map_octave();
+    return float((1u << _e1));
 #endif
 }
 
-float3 octagloss_suns_reflected(uint probe_15, octagloss_SurfaceFrame surface_1, float2 tangent, float2 alpha_2, float3 f0_, float f90_)
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_suns_reflected(uint probe_13, octagloss_SurfaceFrame surface_1, float2 tangent, float2 alpha_2, float3 f0_, float f90_)
+#else
+float3 octagloss_suns_reflected(uint probe_14, octagloss_SurfaceFrame surface_1, float2 tangent, float2 alpha_2, float3 f0_, float f90_)
+#endif
 {
     float3 sum_2 = ZeroValuefloat3();
     uint disc_2 = 0u;
@@ -819,9 +918,17 @@ float3 octagloss_suns_reflected(uint probe_15, octagloss_SurfaceFrame surface_1,
         }
         {
             uint _e45 = disc_2;
-            OctaglossSun sun_2 = octagloss_lights[probe_15].suns[naga_div(_e45, 2u)];
+#ifdef OCTAGLOSS_CUBE
+            OctaglossSun sun_2 = octagloss_lights[probe_13].suns[naga_div(_e45, 2u)];
+#else
+            OctaglossSun sun_2 = octagloss_lights[probe_14].suns[naga_div(_e45, 2u)];
+#endif
             uint _e50 = disc_2;
-            const float3 _e51 = octagloss_half_axis_of(probe_15, _e50);
+#ifdef OCTAGLOSS_CUBE
+            const float3 _e51 = octagloss_half_axis_of(probe_13, _e50);
+#else
+            const float3 _e51 = octagloss_half_axis_of(probe_14, _e50);
+#endif
             const float _e52 = octagloss_squared(_e51);
             float nearer_1 = (1.0 - (0.5 * _e52));
             c = 0u;
@@ -866,7 +973,11 @@ ret_Constructarray8_float4_ Constructarray8_float4_(float4 arg0, float4 arg1, fl
     return ret;
 }
 
-float3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_1, float f90_1)
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_1, float f90_1)
+#else
+float3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_1, float f90_1)
+#endif
 {
     float2x3 sum_3 = (float2x3)0;
     float in_mirror = 0.0;
@@ -879,7 +990,11 @@ float3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surfa
     float3 v_1 = (along_3 + (n_2 * cosine_12));
     const float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12);
     float2 rest_1 = _e13.xy;
-    const float3 _e15 = octagloss_cosine_light(probe_16, n_2);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e15 = octagloss_cosine_light(probe_14, n_2);
+#else
+    const float3 _e15 = octagloss_cosine_light(probe_15, n_2);
+#endif
     const float2x3 _e16 = octagloss_weighed(_e15, rest_1);
     sum_3 = _e16;
     white = rest_1;
@@ -901,7 +1016,11 @@ float3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surfa
             float3 half_vector = normalize((n_2 + (_e27.x * along_3)));
             float3 direction_5 = ((half_vector * (2.0 * dot(v_1, half_vector))) - v_1);
             float2x3 _e37 = sum_3;
-            const float3 _e39 = octagloss_between_levels(probe_16, direction_5, _e27.y);
+#ifdef OCTAGLOSS_CUBE
+            const float3 _e39 = octagloss_between_levels(probe_14, direction_5, _e27.y);
+#else
+            const float3 _e39 = octagloss_between_levels(probe_15, direction_5, _e27.y);
+#endif
             const float2x3 _e41 = octagloss_weighed(_e39, _e27.zw);
             sum_3 = (_e37 + _e41);
             float2 _e43 = white;
@@ -920,7 +1039,11 @@ float3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surfa
     const float4 _e75 = octagloss_reflection_node(17u, roughness_4, cosine_12);
     float4 pairs_1[8] = Constructarray8_float4_(_e61, _e63, _e65, _e67, _e69, _e71, _e73, _e75);
     float2x3 _e77 = sum_3;
-    const float2x3 _e78 = octagloss_harmonics_reflected(probe_16, surface_2, pairs_1);
+#ifdef OCTAGLOSS_CUBE
+    const float2x3 _e78 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1);
+#else
+    const float2x3 _e78 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1);
+#endif
     sum_3 = (_e77 + _e78);
     float2 _e80 = white;
     white = (_e80 + pairs_1[0].xy);
@@ -929,15 +1052,23 @@ float3 octagloss_reflected_isotropic(uint probe_16, octagloss_SurfaceFrame surfa
     const float2 _e86 = octagloss_albedo_share(_e84, _e85);
     float3 _e90 = sum_3[0];
     float3 _e95 = sum_3[1];
-    float _e103 = octagloss_lights[probe_16].unscale;
+#ifdef OCTAGLOSS_CUBE
+    float _e103 = octagloss_lights[probe_14].unscale;
+#else
+    float _e103 = octagloss_lights[probe_15].unscale;
+#endif
     float3 lit_1 = (max((((f0_1 * _e86.x) * _e90) + ((f90_1 * _e86.y) * _e95)), ZeroValuefloat3()) * _e103);
     float _e105 = in_mirror;
     float _e107 = white.x;
     float _e109 = white.y;
-    float share_3 = max((1.0 - (_e105 / (_e107 + _e109))), 0.0);
+    float share_4 = max((1.0 - (_e105 / (_e107 + _e109))), 0.0);
     float2 alpha_11 = ((roughness_4 * roughness_4)).xx;
-    const float3 _e121 = octagloss_suns_reflected(probe_16, surface_2, float2(1.0, 0.0), alpha_11, f0_1, f90_1);
-    return (lit_1 + (share_3 * _e121));
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e121 = octagloss_suns_reflected(probe_14, surface_2, float2(1.0, 0.0), alpha_11, f0_1, f90_1);
+#else
+    const float3 _e121 = octagloss_suns_reflected(probe_15, surface_2, float2(1.0, 0.0), alpha_11, f0_1, f90_1);
+#endif
+    return (lit_1 + (share_4 * _e121));
 }
 
 octagloss_SurfaceFrame Constructoctagloss_SurfaceFrame(float3 arg0, float3 arg1, float arg2, float arg3) {
@@ -949,12 +1080,21 @@ octagloss_SurfaceFrame Constructoctagloss_SurfaceFrame(float3 arg0, float3 arg1,
     return ret;
 }
 
-octagloss_SurfaceFrame octagloss_surface_of(uint probe_17, float3 normal_2, float3 view_1)
+#ifdef OCTAGLOSS_CUBE
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_15, float3 normal_2, float3 view_1)
+#else
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_16, float3 normal_2, float3 view_1)
+#endif
 {
     float3 level_view = (float3)0;
 
-    const float3 _e3 = octagloss_source_from_world(probe_17, normal_2);
-    const float3 _e4 = octagloss_source_from_world(probe_17, view_1);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e3 = octagloss_source_from_world(probe_15, normal_2);
+    const float3 _e4 = octagloss_source_from_world(probe_15, view_1);
+#else
+    const float3 _e3 = octagloss_source_from_world(probe_16, normal_2);
+    const float3 _e4 = octagloss_source_from_world(probe_16, view_1);
+#endif
     float cosine_13 = clamp(dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = (_e4 - (_e3 * dot(_e3, _e4)));
     float3 _e13 = level_view;
@@ -1009,25 +1149,51 @@ octagloss_RowPlace Constructoctagloss_RowPlace(float3 arg0, float arg1) {
 octagloss_RowPlace octagloss_row_place(float2 alpha_5, float cosine_4, float2 tangent_2)
 {
     const float4 _e3 = octagloss_row_places(alpha_5, cosine_4, tangent_2);
+#ifdef OCTAGLOSS_CUBE
     float4 place_5 = (_e3 * float4(15.0, 9.0, 7.0, 6.0));
     float lower = min(floor(place_5.w), 5.0);
     float2 inside_1 = clamp(place_5.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx));
     float3 texel_1 = (float3(inside_1.x, (inside_1.y + (10.0 * lower)), place_5.z) + (0.5).xxx);
     const octagloss_RowPlace octagloss_rowplace = Constructoctagloss_RowPlace((texel_1 / octagloss_ROW_SIZE), (place_5.w - lower));
+#else
+    float4 place_6 = (_e3 * float4(15.0, 9.0, 7.0, 6.0));
+    float lower = min(floor(place_6.w), 5.0);
+    float2 inside_1 = clamp(place_6.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx));
+    float3 texel_1 = (float3(inside_1.x, (inside_1.y + (10.0 * lower)), place_6.z) + (0.5).xxx);
+    const octagloss_RowPlace octagloss_rowplace = Constructoctagloss_RowPlace((texel_1 / octagloss_ROW_SIZE), (place_6.w - lower));
+#endif
     return octagloss_rowplace;
 }
 
-float4 octagloss_read_rows(float3 at_6)
+#ifdef OCTAGLOSS_CUBE
+float4 octagloss_read_rows(float3 at_4)
+#else
+float4 octagloss_read_rows(float3 at_5)
+#endif
 {
-    float4 _e4 = octagloss_rows.SampleLevel(octagloss_linear, at_6, 0.0);
+#ifdef OCTAGLOSS_CUBE
+    float4 _e4 = octagloss_rows.SampleLevel(octagloss_linear, at_4, 0.0);
+#else
+    float4 _e4 = octagloss_rows.SampleLevel(octagloss_linear, at_5, 0.0);
+#endif
     return _e4;
 }
 
+#ifdef OCTAGLOSS_CUBE
 float4 octagloss_row_node(uint layer_2, octagloss_RowPlace place)
+#else
+float4 octagloss_row_node(uint layer_3, octagloss_RowPlace place)
+#endif
 {
-    float3 at_8 = float3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
-    const float4 _e11 = octagloss_read_rows(at_8);
-    const float4 _e18 = octagloss_read_rows(float3(at_8.x, (at_8.y + 0.125), at_8.z));
+#ifdef OCTAGLOSS_CUBE
+    float3 at_6 = float3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
+    const float4 _e11 = octagloss_read_rows(at_6);
+    const float4 _e18 = octagloss_read_rows(float3(at_6.x, (at_6.y + 0.125), at_6.z));
+#else
+    float3 at_7 = float3((place.at.x + (float(layer_3) / 21.0)), place.at.yz);
+    const float4 _e11 = octagloss_read_rows(at_7);
+    const float4 _e18 = octagloss_read_rows(float3(at_7.x, (at_7.y + 0.125), at_7.z));
+#endif
     return lerp(_e11, _e18, place.share);
 }
 
@@ -1035,25 +1201,30 @@ float4 octagloss_row_block(float block, float3 place_1)
 {
     float row_2 = floor(((block + 0.5) / octagloss_ROW_BLOCKS));
     float2 corner_1 = (float2(16.0, 10.0) * float2((block - (octagloss_ROW_BLOCKS * row_2)), row_2));
-#ifdef OCTAGLOSS_CUBE
     float3 first_2 = float3(corner_1.x, (corner_1.y + 70.0), 0.0);
     const float4 _e27 = octagloss_read_rows((((first_2 + place_1) + (0.5).xxx) / octagloss_ROW_SIZE));
-#else
-    float3 first_3 = float3(corner_1.x, (corner_1.y + 70.0), 0.0);
-    const float4 _e27 = octagloss_read_rows((((first_3 + place_1) + (0.5).xxx) / octagloss_ROW_SIZE));
-#endif
     return _e27;
 }
 
 float4 octagloss_row_more(float2 alpha_6, float cosine_5, float2 tangent_3)
 {
     const float4 _e3 = octagloss_row_places(alpha_6, cosine_5, tangent_3);
+#ifdef OCTAGLOSS_CUBE
     float4 place_6 = (_e3 * float4(15.0, 9.0, 7.0, 12.0));
     float lower_1 = min(floor(place_6.w), 11.0);
     float3 inside_2 = float3(clamp(place_6.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx)), place_6.z);
+#else
+    float4 place_7 = (_e3 * float4(15.0, 9.0, 7.0, 12.0));
+    float lower_1 = min(floor(place_7.w), 11.0);
+    float3 inside_2 = float3(clamp(place_7.xy, (0.00390625).xx, (float2(15.0, 9.0) - (0.00390625).xx)), place_7.z);
+#endif
     const float4 _e25 = octagloss_row_block(lower_1, inside_2);
     const float4 _e28 = octagloss_row_block((lower_1 + 1.0), inside_2);
+#ifdef OCTAGLOSS_CUBE
     return lerp(_e25, _e28, (place_6.w - lower_1));
+#else
+    return lerp(_e25, _e28, (place_7.w - lower_1));
+#endif
 }
 
 float2 octagloss_row_albedo(float2 alpha_7, float cosine_6, float along, float2 more)
@@ -1126,8 +1297,13 @@ octagloss_Row octagloss_row_of(float2 alpha_8, float2 tangent_4, float cosine_7)
 
 float2 octagloss_row_read(octagloss_Row row_1, uint read)
 {
+#ifdef OCTAGLOSS_CUBE
     float place_7 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
     float slope_1 = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_7))) / row_1.steps.y);
+#else
+    float place_8 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
+    float slope_1 = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_8))) / row_1.steps.y);
+#endif
     float wider = ((naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation));
     float growth = (row_1.steps.w * slope_1);
     float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
@@ -1139,22 +1315,41 @@ float2 octagloss_row_read(octagloss_Row row_1, uint read)
 }
 
 typedef float3 ret_octagloss_orders_aside[5];
-ret_octagloss_orders_aside octagloss_orders_aside(uint probe_18, octagloss_SurfaceFrame surface_3, float3 across, float3 d_2)
+#ifdef OCTAGLOSS_CUBE
+ret_octagloss_orders_aside octagloss_orders_aside(uint probe_16, octagloss_SurfaceFrame surface_3, float3 across, float3 d_2)
+#else
+ret_octagloss_orders_aside octagloss_orders_aside(uint probe_17, octagloss_SurfaceFrame surface_3, float3 across, float3 d_2)
+#endif
 {
-    float3 level_4 = ((surface_3.towards * d_2.x) + (surface_3.normal * d_2.z));
-    const float _e14[25] = octagloss_harmonic_basis((level_4 + (across * d_2.y)));
-    const float _e18[25] = octagloss_harmonic_basis((level_4 - (across * d_2.y)));
+    float3 level_2 = ((surface_3.towards * d_2.x) + (surface_3.normal * d_2.z));
+    const float _e14[25] = octagloss_harmonic_basis((level_2 + (across * d_2.y)));
+    const float _e18[25] = octagloss_harmonic_basis((level_2 - (across * d_2.y)));
     float difference_1[25] = Constructarray25_float_((_e14[0] - _e18[0]), (_e14[1] - _e18[1]), (_e14[2] - _e18[2]), (_e14[3] - _e18[3]), (_e14[4] - _e18[4]), (_e14[5] - _e18[5]), (_e14[6] - _e18[6]), (_e14[7] - _e18[7]), (_e14[8] - _e18[8]), (_e14[9] - _e18[9]), (_e14[10] - _e18[10]), (_e14[11] - _e18[11]), (_e14[12] - _e18[12]), (_e14[13] - _e18[13]), (_e14[14] - _e18[14]), (_e14[15] - _e18[15]), (_e14[16] - _e18[16]), (_e14[17] - _e18[17]), (_e14[18] - _e18[18]), (_e14[19] - _e18[19]), (_e14[20] - _e18[20]), (_e14[21] - _e18[21]), (_e14[22] - _e18[22]), (_e14[23] - _e18[23]), (_e14[24] - _e18[24]));
-    const float3 _e95[5] = octagloss_orders_of(probe_18, difference_1);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e95[5] = octagloss_orders_of(probe_16, difference_1);
+#else
+    const float3 _e95[5] = octagloss_orders_of(probe_17, difference_1);
+#endif
     return _e95;
 }
 
-float2x3 octagloss_harmonics_aside(uint probe_19, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
+#ifdef OCTAGLOSS_CUBE
+float2x3 octagloss_harmonics_aside(uint probe_17, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
+#else
+float2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
+#endif
 {
-    const float3 _e9[5] = octagloss_orders_aside(probe_19, surface_4, across_1, float3(0.4620342, 0.54655075, -0.6984316));
-    const float3 _e14[5] = octagloss_orders_aside(probe_19, surface_4, across_1, float3(0.8966183, 0.38650447, 0.21607853));
-    const float3 _e19[5] = octagloss_orders_aside(probe_19, surface_4, across_1, float3(0.11814805, 0.3835753, 0.91592085));
-    const float3 _e24[5] = octagloss_orders_aside(probe_19, surface_4, across_1, float3(0.14011177, 0.8172301, -0.5590202));
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e9[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.4620342, 0.54655075, -0.6984316));
+    const float3 _e14[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.8966183, 0.38650447, 0.21607853));
+    const float3 _e19[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.11814805, 0.3835753, 0.91592085));
+    const float3 _e24[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.14011177, 0.8172301, -0.5590202));
+#else
+    const float3 _e9[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.4620342, 0.54655075, -0.6984316));
+    const float3 _e14[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.8966183, 0.38650447, 0.21607853));
+    const float3 _e19[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.11814805, 0.3835753, 0.91592085));
+    const float3 _e24[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.14011177, 0.8172301, -0.5590202));
+#endif
     const float4 _e26 = octagloss_row_node(16u, place_2);
     const float4 _e28 = octagloss_row_node(17u, place_2);
     const float4 _e30 = octagloss_row_node(18u, place_2);
@@ -1177,7 +1372,11 @@ float2x3 ZeroValuefloat2x3() {
     return (float2x3)0;
 }
 
-float3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_3, float f90_3)
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_3, float f90_3)
+#else
+float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_3, float f90_3)
+#endif
 {
     float2x3 sum_4 = ZeroValuefloat2x3();
     float2 in_mirror_1 = ZeroValuefloat2();
@@ -1213,7 +1412,11 @@ float3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5,
             uint _e44 = distance_;
             if ((_e44 == 0u)) {
                 float2x3 _e47 = sum_4;
-                const float3 _e48 = octagloss_cosine_light(probe_20, n_3);
+#ifdef OCTAGLOSS_CUBE
+                const float3 _e48 = octagloss_cosine_light(probe_18, n_3);
+#else
+                const float3 _e48 = octagloss_cosine_light(probe_19, n_3);
+#endif
                 const float2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
                 sum_4 = (_e47 + _e50);
                 float2 _e52 = white_1;
@@ -1250,7 +1453,11 @@ float3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5,
                     float3 half_vector_1 = normalize((n_3 + (_e96.x * axis_2)));
                     float3 direction_6 = ((half_vector_1 * (2.0 * dot(v_2, half_vector_1))) - v_2);
                     float2x3 _e106 = sum_4;
-                    const float3 _e108 = octagloss_between_levels(probe_20, direction_6, _e96.y);
+#ifdef OCTAGLOSS_CUBE
+                    const float3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y);
+#else
+                    const float3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y);
+#endif
                     const float2x3 _e109 = octagloss_weighed(_e108, weights_3);
                     sum_4 = (_e106 + _e109);
                     float2 _e111 = white_1;
@@ -1271,13 +1478,21 @@ float3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5,
     const float4 _e142 = octagloss_row_node(15u, _e16);
     float4 pairs_2[8] = Constructarray8_float4_(_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142);
     float2x3 _e144 = sum_4;
-    const float2x3 _e145 = octagloss_harmonics_reflected(probe_20, surface_5, pairs_2);
+#ifdef OCTAGLOSS_CUBE
+    const float2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2);
+#else
+    const float2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2);
+#endif
     sum_4 = (_e144 + _e145);
     float2 _e147 = white_1;
     white_1 = (_e147 + pairs_2[0].xy);
     float3 mirrored = (across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
     float2x3 _e160 = sum_4;
-    const float2x3 _e163 = octagloss_harmonics_aside(probe_20, surface_5, mirrored, _e16, pairs_2[7].zw);
+#ifdef OCTAGLOSS_CUBE
+    const float2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2[7].zw);
+#else
+    const float2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2[7].zw);
+#endif
     sum_4 = (_e160 + _e163);
     const float4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5);
     float2 beyond = _e166.xy;
@@ -1286,47 +1501,95 @@ float3 octagloss_reflect_in_row(uint probe_20, octagloss_SurfaceFrame surface_5,
     float2 shares = (_e172 / _e173);
     float3 _e178 = sum_4[0];
     float3 _e183 = sum_4[1];
-    float _e191 = octagloss_lights[probe_20].unscale;
+#ifdef OCTAGLOSS_CUBE
+    float _e191 = octagloss_lights[probe_18].unscale;
+#else
+    float _e191 = octagloss_lights[probe_19].unscale;
+#endif
     float3 lit_2 = (max((((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183)), ZeroValuefloat3()) * _e191);
     float2 _e193 = in_mirror_1;
-    float share_4 = max((1.0 - (dot(shares, _e193) / (_e172.x + _e172.y))), 0.0);
-    const float3 _e203 = octagloss_suns_reflected(probe_20, surface_5, tangent_5, alpha_9, f0_3, f90_3);
-    return (lit_2 + (share_4 * _e203));
+    float share_5 = max((1.0 - (dot(shares, _e193) / (_e172.x + _e172.y))), 0.0);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e203 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+#else
+    const float3 _e203 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+#endif
+    return (lit_2 + (share_5 * _e203));
 }
 
-float3 octagloss_reflect_of(uint probe_21, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_4, float f90_4)
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_reflect_of(uint probe_19, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_4, float f90_4)
+#else
+float3 octagloss_reflect_of(uint probe_20, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_4, float f90_4)
+#endif
 {
-    float2 level_3 = ZeroValuefloat2();
+    float2 level_1 = ZeroValuefloat2();
+#ifdef OCTAGLOSS_CUBE
     bool local = (bool)0;
+#else
+    bool local_1 = (bool)0;
+#endif
 
-    const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_21, normal_4, view_3);
+#ifdef OCTAGLOSS_CUBE
+    const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_19, normal_4, view_3);
+#else
+    const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_20, normal_4, view_3);
+#endif
     if ((anisotropy_1 > 0.0)) {
+#ifdef OCTAGLOSS_CUBE
         local = (dot(tangent_6, tangent_6) > 0.0);
+#else
+        local_1 = (dot(tangent_6, tangent_6) > 0.0);
+#endif
     } else {
+#ifdef OCTAGLOSS_CUBE
         local = false;
+#else
+        local_1 = false;
+#endif
     }
+#ifdef OCTAGLOSS_CUBE
     bool _e19 = local;
+#else
+    bool _e19 = local_1;
+#endif
     if (_e19) {
-        const float3 _e20 = octagloss_source_from_world(probe_21, tangent_6);
+#ifdef OCTAGLOSS_CUBE
+        const float3 _e20 = octagloss_source_from_world(probe_19, tangent_6);
+#else
+        const float3 _e20 = octagloss_source_from_world(probe_20, tangent_6);
+#endif
         float3 across_5 = cross(_e8.normal, _e8.towards);
-        level_3 = float2(dot(_e20, _e8.towards), dot(_e20, across_5));
+        level_1 = float2(dot(_e20, _e8.towards), dot(_e20, across_5));
     }
-    float2 _e28 = level_3;
-    float2 _e29 = level_3;
+    float2 _e28 = level_1;
+    float2 _e29 = level_1;
     if ((dot(_e28, _e29) < 1e-10)) {
-        const float3 _e33 = octagloss_reflected_isotropic(probe_21, _e8, roughness_7, f0_4, f90_4);
+#ifdef OCTAGLOSS_CUBE
+        const float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_4, f90_4);
+#else
+        const float3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_4, f90_4);
+#endif
         return _e33;
     }
     const float2 _e36 = octagloss_row_alphas(roughness_7, min(anisotropy_1, 1.0));
     const float _e37 = octagloss_row_share(_e36);
-    float2 _e38 = level_3;
-    const float3 _e40 = octagloss_reflect_in_row(probe_21, _e8, normalize(_e38), _e36, f0_4, f90_4);
+    float2 _e38 = level_1;
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, normalize(_e38), _e36, f0_4, f90_4);
+#else
+    const float3 _e40 = octagloss_reflect_in_row(probe_20, _e8, normalize(_e38), _e36, f0_4, f90_4);
+#endif
     float3 sum_5 = (_e37 * _e40);
     if ((_e37 == 1.0)) {
         return sum_5;
     }
     float round_ = sqrt(sqrt((_e36.x * _e36.y)));
-    const float3 _e51 = octagloss_reflected_isotropic(probe_21, _e8, round_, f0_4, f90_4);
+#ifdef OCTAGLOSS_CUBE
+    const float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round_, f0_4, f90_4);
+#else
+    const float3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round_, f0_4, f90_4);
+#endif
     return (sum_5 + ((1.0 - _e37) * _e51));
 }
 

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 332da9bf09febe67.
+// Translated from pyramid_cube.wgsl, FNV-1a 16f1027705dc3434.
 #else
-// Translated from pyramid.wgsl, FNV-1a 3a2ce98256792918.
+// Translated from pyramid.wgsl, FNV-1a 2139395833c5737c.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
@@ -52,13 +52,8 @@ struct type_13 {
 struct type_14 {
     float inner[5];
 };
-#ifdef OCTAGLOSS_CUBE
 typedef metal::float3 octagloss_MapPlace;
 struct type_15 {
-#else
-typedef metal::float2 octagloss_MapPlace;
-struct type_16 {
-#endif
     metal::float4 inner[5];
 };
 #ifdef OCTAGLOSS_CUBE
@@ -66,7 +61,7 @@ struct type_17 {
 #else
 struct type_19 {
 #endif
-    float inner[7];
+    float inner[9];
 };
 struct octagloss_SurfaceFrame {
     metal::float3 normal;
@@ -108,9 +103,9 @@ constant uint octagloss_INTERVALS = 860u;
 constant uint octagloss_WEIGHTS_FROM = 32u;
 #else
 constant uint octagloss_WEIGHTS_FROM = 27u;
-constant int octagloss_MIRROR = 1;
-constant int octagloss_SHARP = 2;
-constant int octagloss_LEVELS = 0;
+constant uint octagloss_SHARP_LAYER = 2u;
+constant uint octagloss_FINE_LAYER = 0u;
+constant uint octagloss_MIRROR_LAYER = 1u;
 #endif
 constant uint octagloss_READS = 9u;
 constant uint octagloss_LAYERS = 18u;
@@ -213,27 +208,15 @@ octagloss_MapPlace octagloss_place_of(
 #ifdef OCTAGLOSS_CUBE
     return direction_1;
 #else
-    metal::float3 p = direction_1 / metal::float3((metal::abs(direction_1.x) + metal::abs(direction_1.y)) + metal::abs(direction_1.z));
-    metal::float2 folded = metal::float2(1.0) - metal::abs(p.zx);
-    metal::float2 turned = metal::float2((p.x >= 0.0) ? folded.x : -(folded.x), (p.z >= 0.0) ? folded.y : -(folded.y));
-    metal::float2 uv = (p.y >= 0.0) ? p.xz : turned;
-    return metal::float2(0.5) + (uv * 0.47058824);
+    return direction_1 / metal::float3((metal::abs(direction_1.x) + metal::abs(direction_1.y)) + metal::abs(direction_1.z));
 #endif
 }
 
-#ifdef OCTAGLOSS_CUBE
 type_15 octagloss_node_weights(
-#else
-type_16 octagloss_node_weights(
-#endif
     uint node,
     metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
-#ifdef OCTAGLOSS_CUBE
     type_15 weights_1 = type_15 {};
-#else
-    type_16 weights_1 = type_16 {};
-#endif
     uint row = 0u;
     bool loop_init = true;
     while(true) {
@@ -254,133 +237,133 @@ type_16 octagloss_node_weights(
             weights_1.inner[_e8] = _e16;
         }
     }
-#ifdef OCTAGLOSS_CUBE
     type_15 _e20 = weights_1;
-#else
-    type_16 _e20 = weights_1;
-#endif
     return _e20;
-}
-
-metal::float3 octagloss_read_mirror(
-    uint probe_4,
-#ifdef OCTAGLOSS_CUBE
-    octagloss_MapPlace at,
-    metal::texturecube<float, metal::access::sample> octagloss_maps,
-#else
-    metal::float2 at,
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
-#endif
-    metal::sampler octagloss_linear
-) {
-#ifdef OCTAGLOSS_CUBE
-    metal::float4 _e5 = octagloss_maps.sample(octagloss_linear, at, metal::level(0.0));
-    return _e5.xyz;
-#else
-    metal::float4 _e6 = octagloss_maps.sample(octagloss_linear, at, octagloss_MIRROR, metal::level(0.0));
-    return _e6.xyz;
-#endif
-}
-
-metal::float3 octagloss_read_sharp(
-    uint probe_5,
-#ifdef OCTAGLOSS_CUBE
-    octagloss_MapPlace at_1,
-    metal::texturecube<float, metal::access::sample> octagloss_maps,
-#else
-    metal::float2 at_1,
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
-#endif
-    metal::sampler octagloss_linear
-) {
-#ifdef OCTAGLOSS_CUBE
-    metal::float4 _e5 = octagloss_maps.sample(octagloss_linear, at_1, metal::level(1.0));
-    return _e5.xyz;
-#else
-    metal::float4 _e6 = octagloss_maps.sample(octagloss_linear, at_1, octagloss_SHARP, metal::level(0.0));
-    return _e6.xyz;
-#endif
-}
-
-metal::float3 octagloss_read_levels(
-    uint probe_6,
-#ifdef OCTAGLOSS_CUBE
-    octagloss_MapPlace at_2,
-#else
-    metal::float2 at_2,
-#endif
-    float level,
-#ifdef OCTAGLOSS_CUBE
-    metal::texturecube<float, metal::access::sample> octagloss_maps,
-#else
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
-#endif
-    metal::sampler octagloss_linear
 #ifndef OCTAGLOSS_CUBE
+}
+
+float octagloss_map_side(
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
 ) {
-    metal::float4 _e6 = octagloss_maps.sample(octagloss_linear, at_2, octagloss_LEVELS, metal::level(level));
+    return static_cast<float>(metal::uint2(octagloss_maps.get_width(), octagloss_maps.get_height()).x);
+}
+
+uint octagloss_map_octave(
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
+) {
+    float _e0 = octagloss_map_side(octagloss_maps);
+    return (as_type<uint>(_e0) >> 23u) - 127u;
+#endif
+}
+
+#ifdef OCTAGLOSS_CUBE
+metal::float3 octagloss_read_map(
+#else
+metal::float3 octagloss_read_square(
+#endif
+    uint probe_4,
+    octagloss_MapPlace at,
+#ifdef OCTAGLOSS_CUBE
+    uint map,
+    metal::texturecube<float, metal::access::sample> octagloss_maps,
+#else
+    uint layer,
+    uint mip,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+#endif
+    metal::sampler octagloss_linear
+) {
+#ifdef OCTAGLOSS_CUBE
+    metal::float4 _e6 = octagloss_maps.sample(octagloss_linear, at, metal::level(static_cast<float>(map)));
     return _e6.xyz;
-}
-
-float octagloss_map_inner(
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps
-) {
-    return static_cast<float>(metal::uint2(octagloss_maps.get_width(), octagloss_maps.get_height()).x) * 0.9411765;
-}
-
-float octagloss_coarsest_mip(
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps
-#endif
-) {
-#ifdef OCTAGLOSS_CUBE
-    metal::float4 _e7 = octagloss_maps.sample(octagloss_linear, at_2, metal::level(level + 2.0));
-    return _e7.xyz;
 #else
-    float _e0 = octagloss_map_inner(octagloss_maps);
-    return metal::rint(metal::log2(_e0 / 32.0));
+    uint _e5 = octagloss_map_octave(octagloss_maps);
+    float inner = static_cast<float>(1u << _e5);
+    float edge = static_cast<float>(1u << mip) / inner;
+    metal::float3 rounded = metal::max(metal::abs(at), metal::float3(edge, 0.0, edge));
+    metal::float2 p = at.xz / metal::float2((rounded.x + rounded.y) + rounded.z);
+    metal::float2 folded = metal::float2(1.0) - metal::abs(p.yx);
+    metal::float2 turned = metal::float2((p.x >= 0.0) ? folded.x : -(folded.x), (p.y >= 0.0) ? folded.y : -(folded.y));
+    metal::float2 uv = (at.y >= 0.0) ? p : turned;
+    float _e50 = octagloss_map_side(octagloss_maps);
+    metal::float2 place_3 = metal::float2(0.5) + (uv * ((0.5 * inner) / _e50));
+    metal::float4 _e62 = octagloss_maps.sample(octagloss_linear, place_3, (3u * probe_4) + layer, metal::level(static_cast<float>(mip)));
+    return _e62.xyz;
 #endif
 }
 
+#ifdef OCTAGLOSS_CUBE
 metal::float3 octagloss_read_middle(
-    uint probe_7,
-#ifdef OCTAGLOSS_CUBE
-    octagloss_MapPlace at_3,
-    float middle
 #else
-    metal::float2 at_3,
-    float middle,
+metal::float3 octagloss_read_map(
+#endif
+    uint probe_5,
+    octagloss_MapPlace at_1,
+#ifdef OCTAGLOSS_CUBE
+    uint middle
+#else
+    uint map,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
     metal::sampler octagloss_linear
+) {
+    bool local = {};
+    if (!((map == 2u))) {
+        local = map == 3u;
+    } else {
+        local = true;
+    }
+    bool _e13 = local;
+    uint other = _e13 ? octagloss_FINE_LAYER : octagloss_SHARP_LAYER;
+    uint layer_4 = (map == 0u) ? octagloss_MIRROR_LAYER : other;
+    metal::float3 _e27 = octagloss_read_square(probe_5, at_1, layer_4, (map == 3u) ? 1u : (metal::max(map, 3u) - 3u), octagloss_maps, octagloss_linear);
+    return _e27;
+}
+
+uint octagloss_last_mip(
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
 #endif
 ) {
 #ifdef OCTAGLOSS_CUBE
     return metal::float3 {};
 #else
-    float _e3 = octagloss_coarsest_mip(octagloss_maps);
-    float first_1 = metal::max(_e3 - 2.0, 1.0);
-    metal::float4 _e12 = octagloss_maps.sample(octagloss_linear, at_3, octagloss_MIRROR, metal::level(first_1 + middle));
-    return _e12.xyz;
+    uint _e0 = octagloss_map_octave(octagloss_maps);
+    return metal::max(_e0 - ((_e0 > 8u) ? 6u : 5u), 1u);
 #endif
 }
 
-metal::float3 octagloss_read_cosine(
-    uint probe_8,
 #ifdef OCTAGLOSS_CUBE
-    octagloss_MapPlace at_4,
+metal::float3 octagloss_read_cosine(
+#else
+metal::float3 octagloss_read_middle(
+#endif
+    uint probe_6,
+    octagloss_MapPlace at_2,
+#ifdef OCTAGLOSS_CUBE
     constant type_7& octagloss_lights
 #else
-    metal::float2 at_4,
+    uint middle,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+    metal::sampler octagloss_linear
+) {
+    uint _e4 = octagloss_last_mip(octagloss_maps);
+    metal::float3 _e10 = octagloss_read_square(probe_6, at_2, octagloss_MIRROR_LAYER, (metal::max(_e4, 3u) - 2u) + middle, octagloss_maps, octagloss_linear);
+    return _e10;
+}
+
+metal::float3 octagloss_read_cosine(
+    uint probe_7,
+    octagloss_MapPlace at_3,
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
     metal::sampler octagloss_linear
 #endif
 ) {
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e8 = octagloss_harmonics_around(probe_8, at_4, type_14 {{1.0, 0.6666667, 0.25, 0.0, -0.041666668}}, octagloss_lights);
+    metal::float3 _e8 = octagloss_harmonics_around(probe_6, at_2, type_14 {{1.0, 0.6666667, 0.25, 0.0, -0.041666668}}, octagloss_lights);
     return _e8;
 #else
-    float _e5 = octagloss_coarsest_mip(octagloss_maps);
-    metal::float4 _e6 = octagloss_maps.sample(octagloss_linear, at_4, octagloss_MIRROR, metal::level(_e5));
-    return _e6.xyz;
+    uint _e3 = octagloss_last_mip(octagloss_maps);
+    metal::float3 _e4 = octagloss_read_square(probe_7, at_3, octagloss_MIRROR_LAYER, _e3, octagloss_maps, octagloss_linear);
+    return _e4;
 #endif
 }
 
@@ -393,14 +376,24 @@ uint naga_mod(uint lhs, uint rhs) {
 }
 
 metal::float3 octagloss_half_axis_of(
-    uint probe_9,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_7,
+#else
+    uint probe_8,
+#endif
     uint disc,
     constant type_7& octagloss_lights
 ) {
     uint k_3 = 3u * naga_div(disc, 2u);
-    float _e11 = octagloss_lights.inner[probe_9].harmonics.inner[k_3].w;
-    float _e19 = octagloss_lights.inner[probe_9].harmonics.inner[k_3 + 1u].w;
-    float _e27 = octagloss_lights.inner[probe_9].harmonics.inner[k_3 + 2u].w;
+#ifdef OCTAGLOSS_CUBE
+    float _e11 = octagloss_lights.inner[probe_7].harmonics.inner[k_3].w;
+    float _e19 = octagloss_lights.inner[probe_7].harmonics.inner[k_3 + 1u].w;
+    float _e27 = octagloss_lights.inner[probe_7].harmonics.inner[k_3 + 2u].w;
+#else
+    float _e11 = octagloss_lights.inner[probe_8].harmonics.inner[k_3].w;
+    float _e19 = octagloss_lights.inner[probe_8].harmonics.inner[k_3 + 1u].w;
+    float _e27 = octagloss_lights.inner[probe_8].harmonics.inner[k_3 + 2u].w;
+#endif
     metal::float3 half_axis = metal::float3(_e11, _e19, _e27);
     return (naga_mod(disc, 2u) == 0u) ? half_axis : -(half_axis);
 }
@@ -416,7 +409,11 @@ uint naga_f2u32(float value) {
 }
 
 metal::float3 octagloss_radiance_of(
-    uint probe_10,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_8,
+#else
+    uint probe_9,
+#endif
     metal::float3 direction_2,
     float roughness,
     constant type_7& octagloss_lights,
@@ -430,128 +427,137 @@ metal::float3 octagloss_radiance_of(
 ) {
     metal::float3 sum = metal::float3 {};
 #ifdef OCTAGLOSS_CUBE
-    type_17 levels = {};
+    type_17 maps = {};
 #else
-    type_19 levels = {};
+    type_19 maps = {};
 #endif
-    uint level_1 = 0u;
+    uint map_1 = 0u;
     uint disc_1 = 0u;
     metal::float3 lobe = {};
-    metal::float3 _e3 = octagloss_source_from_world(probe_10, direction_2, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e3 = octagloss_source_from_world(probe_8, direction_2, octagloss_lights);
+#else
+    metal::float3 _e3 = octagloss_source_from_world(probe_9, direction_2, octagloss_lights);
+#endif
     octagloss_MapPlace _e4 = octagloss_place_of(_e3);
     float node_1 = metal::log2(1.0 + (30.0 * roughness)) * 173.59021;
     uint k_4 = metal::min(naga_f2u32(node_1), 859u);
     float share = node_1 - static_cast<float>(k_4);
-#ifdef OCTAGLOSS_CUBE
     type_15 _e17 = octagloss_node_weights(k_4, octagloss_tables);
     type_15 _e20 = octagloss_node_weights(k_4 + 1u, octagloss_tables);
-#else
-    type_16 _e17 = octagloss_node_weights(k_4, octagloss_tables);
-    type_16 _e20 = octagloss_node_weights(k_4 + 1u, octagloss_tables);
-#endif
     metal::float4 a_1 = metal::mix(_e17.inner[0], _e20.inner[0], share);
     metal::float4 b_2 = metal::mix(_e17.inner[1], _e20.inner[1], share);
     metal::float4 c_2 = metal::mix(_e17.inner[2], _e20.inner[2], share);
     metal::float4 e = metal::mix(_e17.inner[3], _e20.inner[3], share);
     metal::float4 f = metal::mix(_e17.inner[4], _e20.inner[4], share);
-    if (a_1.x != 0.0) {
-        metal::float3 _e41 = sum;
-        metal::float3 _e43 = octagloss_read_mirror(probe_10, _e4, octagloss_maps, octagloss_linear);
-        sum = _e41 + (a_1.x * _e43);
-    }
-    if (a_1.y != 0.0) {
-        metal::float3 _e49 = sum;
-        metal::float3 _e51 = octagloss_read_sharp(probe_10, _e4, octagloss_maps, octagloss_linear);
-        sum = _e49 + (a_1.y * _e51);
-    }
 #ifdef OCTAGLOSS_CUBE
-    levels = type_17 {{a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x}};
+    maps = type_17 {{a_1.x, a_1.y, a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x}};
 #else
-    levels = type_19 {{a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x}};
+    maps = type_19 {{a_1.x, a_1.y, a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x}};
 #endif
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e83 = level_1;
-            level_1 = _e83 + 1u;
+            uint _e68 = map_1;
+            map_1 = _e68 + 1u;
         }
         loop_init_1 = false;
-        uint _e65 = level_1;
-        if (_e65 < 7u) {
+        uint _e51 = map_1;
+        if (_e51 < 9u) {
         } else {
             break;
         }
         {
-            uint _e68 = level_1;
-            float _e70 = levels.inner[_e68];
-            if (_e70 != 0.0) {
-                metal::float3 _e73 = sum;
-                uint _e74 = level_1;
-                float _e76 = levels.inner[_e74];
-                uint _e77 = level_1;
-                metal::float3 _e79 = octagloss_read_levels(probe_10, _e4, static_cast<float>(_e77), octagloss_maps, octagloss_linear);
-                sum = _e73 + (_e76 * _e79);
+            uint _e54 = map_1;
+            float _e56 = maps.inner[_e54];
+            if (_e56 != 0.0) {
+                metal::float3 _e59 = sum;
+                uint _e60 = map_1;
+                float _e62 = maps.inner[_e60];
+                uint _e63 = map_1;
+#ifdef OCTAGLOSS_CUBE
+                metal::float3 _e64 = octagloss_read_map(probe_8, _e4, _e63, octagloss_maps, octagloss_linear);
+#else
+                metal::float3 _e64 = octagloss_read_map(probe_9, _e4, _e63, octagloss_maps, octagloss_linear);
+#endif
+                sum = _e59 + (_e62 * _e64);
             }
         }
     }
     if (c_2.y != 0.0) {
-        metal::float3 _e88 = sum;
+        metal::float3 _e73 = sum;
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e91 = octagloss_read_middle(probe_10, _e4, 0.0);
+        metal::float3 _e76 = octagloss_read_middle(probe_8, _e4, 0u);
 #else
-        metal::float3 _e91 = octagloss_read_middle(probe_10, _e4, 0.0, octagloss_maps, octagloss_linear);
+        metal::float3 _e76 = octagloss_read_middle(probe_9, _e4, 0u, octagloss_maps, octagloss_linear);
 #endif
-        sum = _e88 + (c_2.y * _e91);
+        sum = _e73 + (c_2.y * _e76);
     }
     if (c_2.z != 0.0) {
-        metal::float3 _e97 = sum;
+        metal::float3 _e82 = sum;
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e100 = octagloss_read_middle(probe_10, _e4, 1.0);
+        metal::float3 _e85 = octagloss_read_middle(probe_8, _e4, 1u);
 #else
-        metal::float3 _e100 = octagloss_read_middle(probe_10, _e4, 1.0, octagloss_maps, octagloss_linear);
+        metal::float3 _e85 = octagloss_read_middle(probe_9, _e4, 1u, octagloss_maps, octagloss_linear);
 #endif
-        sum = _e97 + (c_2.z * _e100);
+        sum = _e82 + (c_2.z * _e85);
     }
     if (c_2.w != 0.0) {
-        metal::float3 _e106 = sum;
+        metal::float3 _e91 = sum;
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e108 = octagloss_read_cosine(probe_10, _e4, octagloss_lights);
+        metal::float3 _e93 = octagloss_read_cosine(probe_8, _e4, octagloss_lights);
 #else
-        metal::float3 _e108 = octagloss_read_cosine(probe_10, _e4, octagloss_maps, octagloss_linear);
+        metal::float3 _e93 = octagloss_read_cosine(probe_9, _e4, octagloss_maps, octagloss_linear);
 #endif
-        sum = _e106 + (c_2.w * _e108);
+        sum = _e91 + (c_2.w * _e93);
     }
-    metal::float3 _e111 = sum;
-    metal::float3 _e118 = octagloss_harmonics_around(probe_10, _e3, type_14 {{e.x, e.y, e.z, e.w, f.x}}, octagloss_lights);
-    sum = _e111 + _e118;
-    metal::float3 _e120 = sum;
-    float _e126 = octagloss_lights.inner[probe_10].unscale;
-    sum = metal::max(_e120, metal::float3 {}) * _e126;
+    metal::float3 _e96 = sum;
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e103 = octagloss_harmonics_around(probe_8, _e3, type_14 {{e.x, e.y, e.z, e.w, f.x}}, octagloss_lights);
+#else
+    metal::float3 _e103 = octagloss_harmonics_around(probe_9, _e3, type_14 {{e.x, e.y, e.z, e.w, f.x}}, octagloss_lights);
+#endif
+    sum = _e96 + _e103;
+    metal::float3 _e105 = sum;
+#ifdef OCTAGLOSS_CUBE
+    float _e111 = octagloss_lights.inner[probe_8].unscale;
+#else
+    float _e111 = octagloss_lights.inner[probe_9].unscale;
+#endif
+    sum = metal::max(_e105, metal::float3 {}) * _e111;
     float a2_ = metal::max(((roughness * roughness) * roughness) * roughness, 0.000000000001);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e252 = disc_1;
-            disc_1 = _e252 + 1u;
+            uint _e237 = disc_1;
+            disc_1 = _e237 + 1u;
         }
         loop_init_2 = false;
-        uint _e135 = disc_1;
-        if (_e135 < 16u) {
+        uint _e120 = disc_1;
+        if (_e120 < 16u) {
         } else {
             break;
         }
         {
-            uint _e141 = disc_1;
-            OctaglossSun sun = octagloss_lights.inner[probe_10].suns.inner[naga_div(_e141, 2u)];
-            uint _e146 = disc_1;
-            metal::float3 _e147 = octagloss_half_axis_of(probe_10, _e146, octagloss_lights);
-            float _e148 = octagloss_squared(_e147);
-            float nearer = 1.0 - (0.5 * _e148);
-            metal::float3 to = _e3 - _e147;
-            float _e158 = octagloss_squared(to - (nearer * sun.red.xyz));
-            float _e163 = octagloss_squared(to - (nearer * sun.green.xyz));
-            float _e168 = octagloss_squared(to - (nearer * sun.blue.xyz));
-            metal::float3 apart = metal::float3(_e158, _e163, _e168);
+            uint _e126 = disc_1;
+#ifdef OCTAGLOSS_CUBE
+            OctaglossSun sun = octagloss_lights.inner[probe_8].suns.inner[naga_div(_e126, 2u)];
+#else
+            OctaglossSun sun = octagloss_lights.inner[probe_9].suns.inner[naga_div(_e126, 2u)];
+#endif
+            uint _e131 = disc_1;
+#ifdef OCTAGLOSS_CUBE
+            metal::float3 _e132 = octagloss_half_axis_of(probe_8, _e131, octagloss_lights);
+#else
+            metal::float3 _e132 = octagloss_half_axis_of(probe_9, _e131, octagloss_lights);
+#endif
+            float _e133 = octagloss_squared(_e132);
+            float nearer = 1.0 - (0.5 * _e133);
+            metal::float3 to = _e3 - _e132;
+            float _e143 = octagloss_squared(to - (nearer * sun.red.xyz));
+            float _e148 = octagloss_squared(to - (nearer * sun.green.xyz));
+            float _e153 = octagloss_squared(to - (nearer * sun.blue.xyz));
+            metal::float3 apart = metal::float3(_e143, _e148, _e153);
             metal::float3 s = metal::min(0.25 * apart, metal::float3(0.5));
             metal::float3 radius2_ = 0.5 * metal::float3(sun.red.w, sun.green.w, sun.blue.w);
             metal::float3 nearness = (s + (a2_ * (metal::float3(1.0) - s))) - radius2_;
@@ -564,13 +570,13 @@ metal::float3 octagloss_radiance_of(
                 metal::float3 inside = (root - nearness) / ((2.0 * metal::max(radius2_, metal::float3(0.000000000000000000000000000001))) * root);
                 lobe = metal::select(inside, outside, nearness > metal::float3 {});
             }
-            metal::float3 _e232 = sum;
-            metal::float3 _e234 = lobe;
-            sum = _e232 + (sun.energy * ((_e234 * (metal::float3(1.0) - (2.0 * s))) * ((0.15915494 * f.y) * (1.0 - a_1.x))));
+            metal::float3 _e217 = sum;
+            metal::float3 _e219 = lobe;
+            sum = _e217 + (sun.energy * ((_e219 * (metal::float3(1.0) - (2.0 * s))) * ((0.15915494 * f.y) * (1.0 - a_1.x))));
         }
     }
-    metal::float3 _e254 = sum;
-    return _e254;
+    metal::float3 _e239 = sum;
+    return _e239;
 }
 
 metal::float3 octagloss_radiance(
@@ -590,7 +596,11 @@ metal::float3 octagloss_radiance(
 }
 
 metal::float3 octagloss_irradiance_of(
-    uint probe_11,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_9,
+#else
+    uint probe_10,
+#endif
     metal::float3 normal,
 #ifdef OCTAGLOSS_CUBE
     constant type_7& octagloss_lights
@@ -602,14 +612,19 @@ metal::float3 octagloss_irradiance_of(
 ) {
     metal::float3 sum_1 = {};
     uint k_1 = 0u;
-    metal::float3 _e2 = octagloss_source_from_world(probe_11, normal, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e2 = octagloss_source_from_world(probe_9, normal, octagloss_lights);
+#else
+    metal::float3 _e2 = octagloss_source_from_world(probe_10, normal, octagloss_lights);
+#endif
     octagloss_MapPlace _e3 = octagloss_place_of(_e2);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e4 = octagloss_read_cosine(probe_11, _e3, octagloss_lights);
+    metal::float3 _e4 = octagloss_read_cosine(probe_9, _e3, octagloss_lights);
+    float _e8 = octagloss_lights.inner[probe_9].unscale;
 #else
-    metal::float3 _e4 = octagloss_read_cosine(probe_11, _e3, octagloss_maps, octagloss_linear);
+    metal::float3 _e4 = octagloss_read_cosine(probe_10, _e3, octagloss_maps, octagloss_linear);
+    float _e8 = octagloss_lights.inner[probe_10].unscale;
 #endif
-    float _e8 = octagloss_lights.inner[probe_11].unscale;
     sum_1 = _e4 * _e8;
     bool loop_init_3 = true;
     while(true) {
@@ -625,7 +640,11 @@ metal::float3 octagloss_irradiance_of(
         }
         {
             uint _e19 = k_1;
-            OctaglossSun sun_1 = octagloss_lights.inner[probe_11].suns.inner[_e19];
+#ifdef OCTAGLOSS_CUBE
+            OctaglossSun sun_1 = octagloss_lights.inner[probe_9].suns.inner[_e19];
+#else
+            OctaglossSun sun_1 = octagloss_lights.inner[probe_10].suns.inner[_e19];
+#endif
             metal::float3 facing = metal::float3(metal::dot(_e2, sun_1.red.xyz), metal::dot(_e2, sun_1.green.xyz), metal::dot(_e2, sun_1.blue.xyz));
             metal::float3 _e32 = sum_1;
             sum_1 = _e32 + (sun_1.energy * (0.31830987 * metal::max(facing, metal::float3 {})));
@@ -654,27 +673,47 @@ metal::float3 octagloss_irradiance(
 }
 
 metal::float4 octagloss_read_reflections(
+#ifdef OCTAGLOSS_CUBE
     uint layer,
-    metal::float2 at_5,
+    metal::float2 at_3,
+#else
+    uint layer_1,
+    metal::float2 at_4,
+#endif
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
+#ifdef OCTAGLOSS_CUBE
     metal::float2 corner = metal::float2(1.0 + (static_cast<float>(layer) * 48.0), 0.0);
-    metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_5 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
+    metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_3 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
+#else
+    metal::float2 corner = metal::float2(1.0 + (static_cast<float>(layer_1) * 48.0), 0.0);
+    metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_4 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
+#endif
     return _e17;
 }
 
 metal::float4 octagloss_reflection_node(
+#ifdef OCTAGLOSS_CUBE
     uint layer_1,
+#else
+    uint layer_2,
+#endif
     float roughness_2,
     float cosine,
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
     float sine = metal::sqrt(metal::max(1.0 - (cosine * cosine), 0.0));
+#ifdef OCTAGLOSS_CUBE
     metal::float2 place_3 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
-    metal::float2 at_7 = ((place_3 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
-    metal::float4 _e31 = octagloss_read_reflections(layer_1, at_7, octagloss_tables, octagloss_linear);
+    metal::float2 at_5 = ((place_3 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
+    metal::float4 _e31 = octagloss_read_reflections(layer_1, at_5, octagloss_tables, octagloss_linear);
+#else
+    metal::float2 place_4 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
+    metal::float2 at_6 = ((place_4 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
+    metal::float4 _e31 = octagloss_read_reflections(layer_2, at_6, octagloss_tables, octagloss_linear);
+#endif
     return _e31;
 }
 
@@ -693,18 +732,18 @@ metal::float2 octagloss_round_albedo(
 ) {
     float seen = metal::clamp(cosine_1, 0.0001, 1.0);
     metal::float2 places = metal::float2(metal::log2(1.0 + (30.0 * roughness_3)) * 0.2018487, (metal::sqrt(metal::sqrt(seen)) - 0.1) / 0.9);
+#ifdef OCTAGLOSS_CUBE
     metal::float2 place_4 = metal::clamp(places, metal::float2 {}, metal::float2(1.0)) * metal::float2(90.0, 74.0);
     metal::float2 node_2 = metal::min(metal::floor(place_4), metal::float2(89.0, 73.0));
     metal::float2 share_1 = place_4 - node_2;
-#ifdef OCTAGLOSS_CUBE
+#else
+    metal::float2 place_5 = metal::clamp(places, metal::float2 {}, metal::float2(1.0)) * metal::float2(90.0, 74.0);
+    metal::float2 node_2 = metal::min(metal::floor(place_5), metal::float2(89.0, 73.0));
+    metal::float2 share_1 = place_5 - node_2;
+#endif
     uint first_1 = naga_f2u32(node_2.x + (91.0 * node_2.y));
     metal::float4 _e39 = octagloss_read_albedo(first_1, octagloss_tables);
     metal::float4 _e42 = octagloss_read_albedo(first_1 + 91u, octagloss_tables);
-#else
-    uint first_2 = naga_f2u32(node_2.x + (91.0 * node_2.y));
-    metal::float4 _e39 = octagloss_read_albedo(first_2, octagloss_tables);
-    metal::float4 _e42 = octagloss_read_albedo(first_2 + 91u, octagloss_tables);
-#endif
     metal::float4 pair = metal::mix(_e39, _e42, share_1.y);
     float t = seen / metal::max(roughness_3 * roughness_3, octagloss_LEAST_ALPHA);
     float left = 1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126)))))));
@@ -712,9 +751,13 @@ metal::float2 octagloss_round_albedo(
 }
 
 metal::float3 octagloss_between_levels(
-    uint probe_12,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_10,
+#else
+    uint probe_11,
+#endif
     metal::float3 direction_4,
-    float level_2,
+    float level,
 #ifdef OCTAGLOSS_CUBE
     metal::texturecube<float, metal::access::sample> octagloss_maps,
 #else
@@ -723,18 +766,17 @@ metal::float3 octagloss_between_levels(
     metal::sampler octagloss_linear
 ) {
     octagloss_MapPlace _e3 = octagloss_place_of(direction_4);
-    if (level_2 >= 2.0) {
-        metal::float3 _e8 = octagloss_read_levels(probe_12, _e3, level_2 - 2.0, octagloss_maps, octagloss_linear);
-        return _e8;
-    }
-    if (level_2 >= 1.0) {
-        metal::float3 _e11 = octagloss_read_sharp(probe_12, _e3, octagloss_maps, octagloss_linear);
-        metal::float3 _e13 = octagloss_read_levels(probe_12, _e3, 0.0, octagloss_maps, octagloss_linear);
-        return metal::mix(_e11, _e13, level_2 - 1.0);
-    }
-    metal::float3 _e17 = octagloss_read_mirror(probe_12, _e3, octagloss_maps, octagloss_linear);
-    metal::float3 _e18 = octagloss_read_sharp(probe_12, _e3, octagloss_maps, octagloss_linear);
-    return metal::mix(_e17, _e18, level_2);
+    uint finer = naga_f2u32(level);
+    float share_2 = metal::fract(level);
+    uint coarser = (share_2 > 0.0) ? (finer + 1u) : finer;
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e11 = octagloss_read_map(probe_10, _e3, finer, octagloss_maps, octagloss_linear);
+    metal::float3 _e12 = octagloss_read_map(probe_10, _e3, coarser, octagloss_maps, octagloss_linear);
+#else
+    metal::float3 _e11 = octagloss_read_map(probe_11, _e3, finer, octagloss_maps, octagloss_linear);
+    metal::float3 _e12 = octagloss_read_map(probe_11, _e3, coarser, octagloss_maps, octagloss_linear);
+#endif
+    return metal::mix(_e11, _e12, share_2);
 }
 
 float octagloss_masking_of(
@@ -828,16 +870,20 @@ metal::float2 octagloss_brdf_around(
     float _e170 = x;
     float _e171 = slope;
     float lobe_1 = (metal::sqrt(_e169 / (((_e170 * _e171) * bend) * metal::dot(axis_1, shape * axis_1))) * shape.z) / (3.1415927 * bend);
-    float share_2 = metal::pow(left_1, 1.25) * (1.0 - (0.5 * above));
+    float share_3 = metal::pow(left_1, 1.25) * (1.0 - (0.5 * above));
     float _e191 = octagloss_masking_of(view, alpha_1);
     float _e194 = octagloss_masking_of(lit, alpha_1);
     float visible = facing_1 / ((facing_1 * _e191) + (view.z * _e194));
     float _e205 = octagloss_fresnel_of(cosine_11);
-    return metal::float2((((((share_2 * 2.0) * along_2) * cosine_11) / length2_) * lobe_1) * visible, _e205);
+    return metal::float2((((((share_3 * 2.0) * along_2) * cosine_11) / length2_) * lobe_1) * visible, _e205);
 }
 
 metal::float3 octagloss_cosine_light(
-    uint probe_13,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_11,
+#else
+    uint probe_12,
+#endif
     metal::float3 n,
 #ifdef OCTAGLOSS_CUBE
     constant type_7& octagloss_lights
@@ -848,9 +894,9 @@ metal::float3 octagloss_cosine_light(
 ) {
     octagloss_MapPlace _e2 = octagloss_place_of(n);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e3 = octagloss_read_cosine(probe_13, _e2, octagloss_lights);
+    metal::float3 _e3 = octagloss_read_cosine(probe_11, _e2, octagloss_lights);
 #else
-    metal::float3 _e3 = octagloss_read_cosine(probe_13, _e2, octagloss_maps, octagloss_linear);
+    metal::float3 _e3 = octagloss_read_cosine(probe_12, _e2, octagloss_maps, octagloss_linear);
 #endif
     return _e3;
 }
@@ -863,7 +909,11 @@ metal::float2x3 octagloss_weighed(
 }
 
 metal::float2x3 octagloss_harmonics_reflected(
-    uint probe_14,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_12,
+#else
+    uint probe_13,
+#endif
     octagloss_SurfaceFrame surface,
 #ifdef OCTAGLOSS_CUBE
     type_20 pairs,
@@ -875,15 +925,35 @@ metal::float2x3 octagloss_harmonics_reflected(
     metal::float3 n_1 = surface.normal;
     metal::float3 t_1 = surface.towards;
     type_12 _e5 = octagloss_harmonic_basis(n_1);
-    type_13 _e6 = octagloss_orders_of(probe_14, _e5, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    type_13 _e6 = octagloss_orders_of(probe_12, _e5, octagloss_lights);
+#else
+    type_13 _e6 = octagloss_orders_of(probe_13, _e5, octagloss_lights);
+#endif
     type_12 _e12 = octagloss_harmonic_basis((n_1 * 0.309017) + (t_1 * 0.95105654));
-    type_13 _e13 = octagloss_orders_of(probe_14, _e12, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    type_13 _e13 = octagloss_orders_of(probe_12, _e12, octagloss_lights);
+#else
+    type_13 _e13 = octagloss_orders_of(probe_13, _e12, octagloss_lights);
+#endif
     type_12 _e19 = octagloss_harmonic_basis((n_1 * -0.809017) + (t_1 * 0.58778524));
-    type_13 _e20 = octagloss_orders_of(probe_14, _e19, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    type_13 _e20 = octagloss_orders_of(probe_12, _e19, octagloss_lights);
+#else
+    type_13 _e20 = octagloss_orders_of(probe_13, _e19, octagloss_lights);
+#endif
     type_12 _e26 = octagloss_harmonic_basis((n_1 * 0.809017) + (t_1 * 0.58778524));
-    type_13 _e27 = octagloss_orders_of(probe_14, _e26, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    type_13 _e27 = octagloss_orders_of(probe_12, _e26, octagloss_lights);
+#else
+    type_13 _e27 = octagloss_orders_of(probe_13, _e26, octagloss_lights);
+#endif
     type_12 _e33 = octagloss_harmonic_basis((n_1 * -0.309017) + (t_1 * 0.95105654));
-    type_13 _e34 = octagloss_orders_of(probe_14, _e33, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    type_13 _e34 = octagloss_orders_of(probe_12, _e33, octagloss_lights);
+#else
+    type_13 _e34 = octagloss_orders_of(probe_13, _e33, octagloss_lights);
+#endif
     metal::float2x3 _e38 = octagloss_weighed(_e6.inner[0], pairs.inner[0].xy);
     metal::float2x3 _e42 = octagloss_weighed(_e6.inner[1], pairs.inner[0].zw);
     metal::float2x3 _e47 = octagloss_weighed(_e6.inner[2], pairs.inner[1].xy);
@@ -900,18 +970,29 @@ metal::float2x3 octagloss_harmonics_reflected(
     metal::float2x3 _e102 = octagloss_weighed(_e27.inner[4], pairs.inner[6].zw);
     metal::float2x3 _e107 = octagloss_weighed(_e34.inner[4], pairs.inner[7].xy);
     return (((((((((((((_e38 + _e42) + _e47) + _e52) + _e57) + _e62) + _e67) + _e72) + _e77) + _e82) + _e87) + _e92) + _e97) + _e102) + _e107;
-#ifdef OCTAGLOSS_CUBE
 }
 
 float octagloss_map_inner(
+#ifdef OCTAGLOSS_CUBE
     metal::texturecube<float, metal::access::sample> octagloss_maps
+#else
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
+#endif
 ) {
+#ifdef OCTAGLOSS_CUBE
     return static_cast<float>(metal::uint2(octagloss_maps.get_width()).x);
+#else
+    uint _e1 = octagloss_map_octave(octagloss_maps);
+    return static_cast<float>(1u << _e1);
 #endif
 }
 
 metal::float3 octagloss_suns_reflected(
-    uint probe_15,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_13,
+#else
+    uint probe_14,
+#endif
     octagloss_SurfaceFrame surface_1,
     metal::float2 tangent,
     metal::float2 alpha_2,
@@ -947,9 +1028,17 @@ metal::float3 octagloss_suns_reflected(
         }
         {
             uint _e45 = disc_2;
-            OctaglossSun sun_2 = octagloss_lights.inner[probe_15].suns.inner[naga_div(_e45, 2u)];
+#ifdef OCTAGLOSS_CUBE
+            OctaglossSun sun_2 = octagloss_lights.inner[probe_13].suns.inner[naga_div(_e45, 2u)];
+#else
+            OctaglossSun sun_2 = octagloss_lights.inner[probe_14].suns.inner[naga_div(_e45, 2u)];
+#endif
             uint _e50 = disc_2;
-            metal::float3 _e51 = octagloss_half_axis_of(probe_15, _e50, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+            metal::float3 _e51 = octagloss_half_axis_of(probe_13, _e50, octagloss_lights);
+#else
+            metal::float3 _e51 = octagloss_half_axis_of(probe_14, _e50, octagloss_lights);
+#endif
             float _e52 = octagloss_squared(_e51);
             float nearer_1 = 1.0 - (0.5 * _e52);
             c = 0u;
@@ -991,7 +1080,11 @@ metal::float2 octagloss_albedo_share(
 }
 
 metal::float3 octagloss_reflected_isotropic(
-    uint probe_16,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_14,
+#else
+    uint probe_15,
+#endif
     octagloss_SurfaceFrame surface_2,
     float roughness_4,
     metal::float3 f0_1,
@@ -1016,9 +1109,9 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
     metal::float2 rest_1 = _e13.xy;
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e15 = octagloss_cosine_light(probe_16, n_2, octagloss_lights);
+    metal::float3 _e15 = octagloss_cosine_light(probe_14, n_2, octagloss_lights);
 #else
-    metal::float3 _e15 = octagloss_cosine_light(probe_16, n_2, octagloss_maps, octagloss_linear);
+    metal::float3 _e15 = octagloss_cosine_light(probe_15, n_2, octagloss_maps, octagloss_linear);
 #endif
     metal::float2x3 _e16 = octagloss_weighed(_e15, rest_1);
     sum_3 = _e16;
@@ -1041,7 +1134,11 @@ metal::float3 octagloss_reflected_isotropic(
             metal::float3 half_vector = metal::normalize(n_2 + (_e27.x * along_3));
             metal::float3 direction_5 = (half_vector * (2.0 * metal::dot(v_1, half_vector))) - v_1;
             metal::float2x3 _e37 = sum_3;
-            metal::float3 _e39 = octagloss_between_levels(probe_16, direction_5, _e27.y, octagloss_maps, octagloss_linear);
+#ifdef OCTAGLOSS_CUBE
+            metal::float3 _e39 = octagloss_between_levels(probe_14, direction_5, _e27.y, octagloss_maps, octagloss_linear);
+#else
+            metal::float3 _e39 = octagloss_between_levels(probe_15, direction_5, _e27.y, octagloss_maps, octagloss_linear);
+#endif
             metal::float2x3 _e41 = octagloss_weighed(_e39, _e27.zw);
             sum_3 = _e37 + _e41;
             metal::float2 _e43 = white;
@@ -1064,7 +1161,11 @@ metal::float3 octagloss_reflected_isotropic(
     type_21 pairs_1 = type_21 {{_e61, _e63, _e65, _e67, _e69, _e71, _e73, _e75}};
 #endif
     metal::float2x3 _e77 = sum_3;
-    metal::float2x3 _e78 = octagloss_harmonics_reflected(probe_16, surface_2, pairs_1, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    metal::float2x3 _e78 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1, octagloss_lights);
+#else
+    metal::float2x3 _e78 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1, octagloss_lights);
+#endif
     sum_3 = _e77 + _e78;
     metal::float2 _e80 = white;
     white = _e80 + pairs_1.inner[0].xy;
@@ -1073,26 +1174,43 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float2 _e86 = octagloss_albedo_share(_e84, _e85);
     metal::float3 _e90 = sum_3[0];
     metal::float3 _e95 = sum_3[1];
-    float _e103 = octagloss_lights.inner[probe_16].unscale;
+#ifdef OCTAGLOSS_CUBE
+    float _e103 = octagloss_lights.inner[probe_14].unscale;
+#else
+    float _e103 = octagloss_lights.inner[probe_15].unscale;
+#endif
     metal::float3 lit_1 = metal::max(((f0_1 * _e86.x) * _e90) + ((f90_1 * _e86.y) * _e95), metal::float3 {}) * _e103;
     float _e105 = in_mirror;
     float _e107 = white.x;
     float _e109 = white.y;
-    float share_3 = metal::max(1.0 - (_e105 / (_e107 + _e109)), 0.0);
+    float share_4 = metal::max(1.0 - (_e105 / (_e107 + _e109)), 0.0);
     metal::float2 alpha_11 = metal::float2(roughness_4 * roughness_4);
-    metal::float3 _e121 = octagloss_suns_reflected(probe_16, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
-    return lit_1 + (share_3 * _e121);
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e121 = octagloss_suns_reflected(probe_14, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
+#else
+    metal::float3 _e121 = octagloss_suns_reflected(probe_15, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
+#endif
+    return lit_1 + (share_4 * _e121);
 }
 
 octagloss_SurfaceFrame octagloss_surface_of(
-    uint probe_17,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_15,
+#else
+    uint probe_16,
+#endif
     metal::float3 normal_2,
     metal::float3 view_1,
     constant type_7& octagloss_lights
 ) {
     metal::float3 level_view = {};
-    metal::float3 _e3 = octagloss_source_from_world(probe_17, normal_2, octagloss_lights);
-    metal::float3 _e4 = octagloss_source_from_world(probe_17, view_1, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e3 = octagloss_source_from_world(probe_15, normal_2, octagloss_lights);
+    metal::float3 _e4 = octagloss_source_from_world(probe_15, view_1, octagloss_lights);
+#else
+    metal::float3 _e3 = octagloss_source_from_world(probe_16, normal_2, octagloss_lights);
+    metal::float3 _e4 = octagloss_source_from_world(probe_16, view_1, octagloss_lights);
+#endif
     float cosine_13 = metal::clamp(metal::dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = _e4 - (_e3 * metal::dot(_e3, _e4));
     metal::float3 _e13 = level_view;
@@ -1157,31 +1275,57 @@ octagloss_RowPlace octagloss_row_place(
     metal::float2 tangent_2
 ) {
     metal::float4 _e3 = octagloss_row_places(alpha_5, cosine_4, tangent_2);
+#ifdef OCTAGLOSS_CUBE
     metal::float4 place_5 = _e3 * metal::float4(15.0, 9.0, 7.0, 6.0);
     float lower = metal::min(metal::floor(place_5.w), 5.0);
     metal::float2 inside_1 = metal::clamp(place_5.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
     metal::float3 texel_1 = metal::float3(inside_1.x, inside_1.y + (10.0 * lower), place_5.z) + metal::float3(0.5);
     return octagloss_RowPlace {texel_1 / octagloss_ROW_SIZE, place_5.w - lower};
+#else
+    metal::float4 place_6 = _e3 * metal::float4(15.0, 9.0, 7.0, 6.0);
+    float lower = metal::min(metal::floor(place_6.w), 5.0);
+    metal::float2 inside_1 = metal::clamp(place_6.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625));
+    metal::float3 texel_1 = metal::float3(inside_1.x, inside_1.y + (10.0 * lower), place_6.z) + metal::float3(0.5);
+    return octagloss_RowPlace {texel_1 / octagloss_ROW_SIZE, place_6.w - lower};
+#endif
 }
 
 metal::float4 octagloss_read_rows(
-    metal::float3 at_6,
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 at_4,
+#else
+    metal::float3 at_5,
+#endif
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_6, metal::level(0.0));
+#ifdef OCTAGLOSS_CUBE
+    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_4, metal::level(0.0));
+#else
+    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_5, metal::level(0.0));
+#endif
     return _e4;
 }
 
 metal::float4 octagloss_row_node(
+#ifdef OCTAGLOSS_CUBE
     uint layer_2,
+#else
+    uint layer_3,
+#endif
     octagloss_RowPlace place,
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float3 at_8 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
-    metal::float4 _e11 = octagloss_read_rows(at_8, octagloss_linear, octagloss_rows);
-    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_8.x, at_8.y + 0.125, at_8.z), octagloss_linear, octagloss_rows);
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 at_6 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
+    metal::float4 _e11 = octagloss_read_rows(at_6, octagloss_linear, octagloss_rows);
+    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_6.x, at_6.y + 0.125, at_6.z), octagloss_linear, octagloss_rows);
+#else
+    metal::float3 at_7 = metal::float3(place.at[0] + (static_cast<float>(layer_3) / 21.0), metal::float3(place.at).yz);
+    metal::float4 _e11 = octagloss_read_rows(at_7, octagloss_linear, octagloss_rows);
+    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_7.x, at_7.y + 0.125, at_7.z), octagloss_linear, octagloss_rows);
+#endif
     return metal::mix(_e11, _e18, place.share);
 }
 
@@ -1193,13 +1337,8 @@ metal::float4 octagloss_row_block(
 ) {
     float row_2 = metal::floor((block + 0.5) / octagloss_ROW_BLOCKS);
     metal::float2 corner_1 = metal::float2(16.0, 10.0) * metal::float2(block - (octagloss_ROW_BLOCKS * row_2), row_2);
-#ifdef OCTAGLOSS_CUBE
     metal::float3 first_2 = metal::float3(corner_1.x, corner_1.y + 70.0, 0.0);
     metal::float4 _e27 = octagloss_read_rows(((first_2 + place_1) + metal::float3(0.5)) / octagloss_ROW_SIZE, octagloss_linear, octagloss_rows);
-#else
-    metal::float3 first_3 = metal::float3(corner_1.x, corner_1.y + 70.0, 0.0);
-    metal::float4 _e27 = octagloss_read_rows(((first_3 + place_1) + metal::float3(0.5)) / octagloss_ROW_SIZE, octagloss_linear, octagloss_rows);
-#endif
     return _e27;
 }
 
@@ -1211,12 +1350,22 @@ metal::float4 octagloss_row_more(
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
     metal::float4 _e3 = octagloss_row_places(alpha_6, cosine_5, tangent_3);
+#ifdef OCTAGLOSS_CUBE
     metal::float4 place_6 = _e3 * metal::float4(15.0, 9.0, 7.0, 12.0);
     float lower_1 = metal::min(metal::floor(place_6.w), 11.0);
     metal::float3 inside_2 = metal::float3(metal::clamp(place_6.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625)), place_6.z);
+#else
+    metal::float4 place_7 = _e3 * metal::float4(15.0, 9.0, 7.0, 12.0);
+    float lower_1 = metal::min(metal::floor(place_7.w), 11.0);
+    metal::float3 inside_2 = metal::float3(metal::clamp(place_7.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625)), place_7.z);
+#endif
     metal::float4 _e25 = octagloss_row_block(lower_1, inside_2, octagloss_linear, octagloss_rows);
     metal::float4 _e28 = octagloss_row_block(lower_1 + 1.0, inside_2, octagloss_linear, octagloss_rows);
+#ifdef OCTAGLOSS_CUBE
     return metal::mix(_e25, _e28, place_6.w - lower_1);
+#else
+    return metal::mix(_e25, _e28, place_7.w - lower_1);
+#endif
 }
 
 metal::float2 octagloss_row_albedo(
@@ -1297,8 +1446,13 @@ metal::float2 octagloss_row_read(
     metal::texture2d_array<float, metal::access::sample> octagloss_maps
 #endif
 ) {
+#ifdef OCTAGLOSS_CUBE
     float place_7 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
     float slope_1 = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_7)) / row_1.steps.y;
+#else
+    float place_8 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
+    float slope_1 = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_8)) / row_1.steps.y;
+#endif
     float wider = (naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation);
     float growth = row_1.steps.w * slope_1;
     float width = ((wider * row_1.steps.z) * metal::sqrt(1.0 + (growth * growth))) * row_1.extent;
@@ -1310,22 +1464,34 @@ metal::float2 octagloss_row_read(
 }
 
 type_13 octagloss_orders_aside(
-    uint probe_18,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_16,
+#else
+    uint probe_17,
+#endif
     octagloss_SurfaceFrame surface_3,
     metal::float3 across,
     metal::float3 d_2,
     constant type_7& octagloss_lights
 ) {
-    metal::float3 level_4 = (surface_3.towards * d_2.x) + (surface_3.normal * d_2.z);
-    type_12 _e14 = octagloss_harmonic_basis(level_4 + (across * d_2.y));
-    type_12 _e18 = octagloss_harmonic_basis(level_4 - (across * d_2.y));
+    metal::float3 level_2 = (surface_3.towards * d_2.x) + (surface_3.normal * d_2.z);
+    type_12 _e14 = octagloss_harmonic_basis(level_2 + (across * d_2.y));
+    type_12 _e18 = octagloss_harmonic_basis(level_2 - (across * d_2.y));
     type_12 difference_1 = type_12 {{_e14.inner[0] - _e18.inner[0], _e14.inner[1] - _e18.inner[1], _e14.inner[2] - _e18.inner[2], _e14.inner[3] - _e18.inner[3], _e14.inner[4] - _e18.inner[4], _e14.inner[5] - _e18.inner[5], _e14.inner[6] - _e18.inner[6], _e14.inner[7] - _e18.inner[7], _e14.inner[8] - _e18.inner[8], _e14.inner[9] - _e18.inner[9], _e14.inner[10] - _e18.inner[10], _e14.inner[11] - _e18.inner[11], _e14.inner[12] - _e18.inner[12], _e14.inner[13] - _e18.inner[13], _e14.inner[14] - _e18.inner[14], _e14.inner[15] - _e18.inner[15], _e14.inner[16] - _e18.inner[16], _e14.inner[17] - _e18.inner[17], _e14.inner[18] - _e18.inner[18], _e14.inner[19] - _e18.inner[19], _e14.inner[20] - _e18.inner[20], _e14.inner[21] - _e18.inner[21], _e14.inner[22] - _e18.inner[22], _e14.inner[23] - _e18.inner[23], _e14.inner[24] - _e18.inner[24]}};
-    type_13 _e95 = octagloss_orders_of(probe_18, difference_1, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    type_13 _e95 = octagloss_orders_of(probe_16, difference_1, octagloss_lights);
+#else
+    type_13 _e95 = octagloss_orders_of(probe_17, difference_1, octagloss_lights);
+#endif
     return _e95;
 }
 
 metal::float2x3 octagloss_harmonics_aside(
-    uint probe_19,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_17,
+#else
+    uint probe_18,
+#endif
     octagloss_SurfaceFrame surface_4,
     metal::float3 across_1,
     octagloss_RowPlace place_2,
@@ -1334,10 +1500,17 @@ metal::float2x3 octagloss_harmonics_aside(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    type_13 _e9 = octagloss_orders_aside(probe_19, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
-    type_13 _e14 = octagloss_orders_aside(probe_19, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
-    type_13 _e19 = octagloss_orders_aside(probe_19, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
-    type_13 _e24 = octagloss_orders_aside(probe_19, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    type_13 _e9 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
+    type_13 _e14 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
+    type_13 _e19 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
+    type_13 _e24 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
+#else
+    type_13 _e9 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
+    type_13 _e14 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
+    type_13 _e19 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
+    type_13 _e24 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
+#endif
     metal::float4 _e26 = octagloss_row_node(16u, place_2, octagloss_linear, octagloss_rows);
     metal::float4 _e28 = octagloss_row_node(17u, place_2, octagloss_linear, octagloss_rows);
     metal::float4 _e30 = octagloss_row_node(18u, place_2, octagloss_linear, octagloss_rows);
@@ -1357,7 +1530,11 @@ metal::float2x3 octagloss_harmonics_aside(
 }
 
 metal::float3 octagloss_reflect_in_row(
-    uint probe_20,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_18,
+#else
+    uint probe_19,
+#endif
     octagloss_SurfaceFrame surface_5,
     metal::float2 tangent_5,
     metal::float2 alpha_9,
@@ -1407,9 +1584,9 @@ metal::float3 octagloss_reflect_in_row(
             if (_e44 == 0u) {
                 metal::float2x3 _e47 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-                metal::float3 _e48 = octagloss_cosine_light(probe_20, n_3, octagloss_lights);
+                metal::float3 _e48 = octagloss_cosine_light(probe_18, n_3, octagloss_lights);
 #else
-                metal::float3 _e48 = octagloss_cosine_light(probe_20, n_3, octagloss_maps, octagloss_linear);
+                metal::float3 _e48 = octagloss_cosine_light(probe_19, n_3, octagloss_maps, octagloss_linear);
 #endif
                 metal::float2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
                 sum_4 = _e47 + _e50;
@@ -1447,7 +1624,11 @@ metal::float3 octagloss_reflect_in_row(
                     metal::float3 half_vector_1 = metal::normalize(n_3 + (_e96.x * axis_2));
                     metal::float3 direction_6 = (half_vector_1 * (2.0 * metal::dot(v_2, half_vector_1))) - v_2;
                     metal::float2x3 _e106 = sum_4;
-                    metal::float3 _e108 = octagloss_between_levels(probe_20, direction_6, _e96.y, octagloss_maps, octagloss_linear);
+#ifdef OCTAGLOSS_CUBE
+                    metal::float3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y, octagloss_maps, octagloss_linear);
+#else
+                    metal::float3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y, octagloss_maps, octagloss_linear);
+#endif
                     metal::float2x3 _e109 = octagloss_weighed(_e108, weights_3);
                     sum_4 = _e106 + _e109;
                     metal::float2 _e111 = white_1;
@@ -1472,13 +1653,21 @@ metal::float3 octagloss_reflect_in_row(
     type_21 pairs_2 = type_21 {{_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142}};
 #endif
     metal::float2x3 _e144 = sum_4;
-    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_20, surface_5, pairs_2, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2, octagloss_lights);
+#else
+    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2, octagloss_lights);
+#endif
     sum_4 = _e144 + _e145;
     metal::float2 _e147 = white_1;
     white_1 = _e147 + pairs_2.inner[0].xy;
     metal::float3 mirrored = across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
     metal::float2x3 _e160 = sum_4;
-    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_20, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
+#ifdef OCTAGLOSS_CUBE
+    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
+#else
+    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
+#endif
     sum_4 = _e160 + _e163;
     metal::float4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5, octagloss_linear, octagloss_rows);
     metal::float2 beyond = _e166.xy;
@@ -1487,16 +1676,28 @@ metal::float3 octagloss_reflect_in_row(
     metal::float2 shares = _e172 / _e173;
     metal::float3 _e178 = sum_4[0];
     metal::float3 _e183 = sum_4[1];
-    float _e191 = octagloss_lights.inner[probe_20].unscale;
+#ifdef OCTAGLOSS_CUBE
+    float _e191 = octagloss_lights.inner[probe_18].unscale;
+#else
+    float _e191 = octagloss_lights.inner[probe_19].unscale;
+#endif
     metal::float3 lit_2 = metal::max(((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183), metal::float3 {}) * _e191;
     metal::float2 _e193 = in_mirror_1;
-    float share_4 = metal::max(1.0 - (metal::dot(shares, _e193) / (_e172.x + _e172.y)), 0.0);
-    metal::float3 _e203 = octagloss_suns_reflected(probe_20, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
-    return lit_2 + (share_4 * _e203);
+    float share_5 = metal::max(1.0 - (metal::dot(shares, _e193) / (_e172.x + _e172.y)), 0.0);
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e203 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
+#else
+    metal::float3 _e203 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
+#endif
+    return lit_2 + (share_5 * _e203);
 }
 
 metal::float3 octagloss_reflect_of(
-    uint probe_21,
+#ifdef OCTAGLOSS_CUBE
+    uint probe_19,
+#else
+    uint probe_20,
+#endif
     metal::float3 normal_4,
     metal::float3 view_3,
     metal::float3 tangent_6,
@@ -1514,36 +1715,69 @@ metal::float3 octagloss_reflect_of(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float2 level_3 = metal::float2 {};
+    metal::float2 level_1 = metal::float2 {};
+#ifdef OCTAGLOSS_CUBE
     bool local = {};
-    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_21, normal_4, view_3, octagloss_lights);
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_19, normal_4, view_3, octagloss_lights);
+#else
+    bool local_1 = {};
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_20, normal_4, view_3, octagloss_lights);
+#endif
     if (anisotropy_1 > 0.0) {
+#ifdef OCTAGLOSS_CUBE
         local = metal::dot(tangent_6, tangent_6) > 0.0;
+#else
+        local_1 = metal::dot(tangent_6, tangent_6) > 0.0;
+#endif
     } else {
+#ifdef OCTAGLOSS_CUBE
         local = false;
+#else
+        local_1 = false;
+#endif
     }
+#ifdef OCTAGLOSS_CUBE
     bool _e19 = local;
+#else
+    bool _e19 = local_1;
+#endif
     if (_e19) {
-        metal::float3 _e20 = octagloss_source_from_world(probe_21, tangent_6, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+        metal::float3 _e20 = octagloss_source_from_world(probe_19, tangent_6, octagloss_lights);
+#else
+        metal::float3 _e20 = octagloss_source_from_world(probe_20, tangent_6, octagloss_lights);
+#endif
         metal::float3 across_5 = metal::cross(_e8.normal, _e8.towards);
-        level_3 = metal::float2(metal::dot(_e20, _e8.towards), metal::dot(_e20, across_5));
+        level_1 = metal::float2(metal::dot(_e20, _e8.towards), metal::dot(_e20, across_5));
     }
-    metal::float2 _e28 = level_3;
-    metal::float2 _e29 = level_3;
+    metal::float2 _e28 = level_1;
+    metal::float2 _e29 = level_1;
     if (metal::dot(_e28, _e29) < 0.0000000001) {
-        metal::float3 _e33 = octagloss_reflected_isotropic(probe_21, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+#ifdef OCTAGLOSS_CUBE
+        metal::float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+#else
+        metal::float3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+#endif
         return _e33;
     }
     metal::float2 _e36 = octagloss_row_alphas(roughness_7, metal::min(anisotropy_1, 1.0));
     float _e37 = octagloss_row_share(_e36);
-    metal::float2 _e38 = level_3;
-    metal::float3 _e40 = octagloss_reflect_in_row(probe_21, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float2 _e38 = level_1;
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+#else
+    metal::float3 _e40 = octagloss_reflect_in_row(probe_20, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+#endif
     metal::float3 sum_5 = _e37 * _e40;
     if (_e37 == 1.0) {
         return sum_5;
     }
     float round = metal::sqrt(metal::sqrt(_e36.x * _e36.y));
-    metal::float3 _e51 = octagloss_reflected_isotropic(probe_21, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+#else
+    metal::float3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+#endif
     return sum_5 + ((1.0 - _e37) * _e51);
 }
 

@@ -1,6 +1,6 @@
 // Viewer pipeline for the true reflection.
-@group(1) @binding(6) var octagloss_reflections: texture_2d_array<f32>;
-@group(1) @binding(7) var octagloss_rows: texture_3d<f32>;
+@group(1) @binding(4) var octagloss_reflections: texture_2d_array<f32>;
+@group(1) @binding(5) var octagloss_rows: texture_3d<f32>;
 #include "common/pyramid_group.wgsl"
 #include "common/reflect_maps.wgsl"
 #include "common/view_draw.wgsl"

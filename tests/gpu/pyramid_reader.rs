@@ -243,17 +243,15 @@ fn files_are_read_as_the_cpu_reads_its_pyramid() {
             // same in several.
             let own = match map {
                 Octahedral => vec![
-                    ("octagloss_SHARP = 2i", "octagloss_SHARP = 1i"),
-                    ("octagloss_MIRROR = 1i", "octagloss_MIRROR = 2i"),
-                    ("octagloss_LEVELS = 0i", "octagloss_LEVELS = 1i"),
-                    ("first + middle", "first - 1.0 + middle"),
+                    ("octagloss_SHARP_LAYER = 2u", "octagloss_SHARP_LAYER = 1u"),
+                    ("octagloss_MIRROR_LAYER = 1u", "octagloss_MIRROR_LAYER = 2u"),
+                    ("octagloss_FINE_LAYER = 0u", "octagloss_FINE_LAYER = 1u"),
+                    ("- 2u + middle", "- 3u + middle"),
+                    ("(0.5 * inner / octagloss_map_side())", "(0.47 * inner / octagloss_map_side())"),
                     ("WEIGHTS_FROM = 27u", "WEIGHTS_FROM = 26u"),
-                    ("(8.0 / 17.0)", "(7.5 / 17.0)"),
                 ],
                 Cube => vec![
-                    ("at, 0.0)", "at, 1.0)"),
-                    ("at, 1.0)", "at, 2.0)"),
-                    ("level + 2.0", "level + 1.0"),
+                    ("f32(map)", "f32(map + 1u)"),
                     ("WEIGHTS_FROM = 32u", "WEIGHTS_FROM = 27u"),
                     ("(1.0, 0.66666667", "(0.8, 0.66666667"),
                 ],

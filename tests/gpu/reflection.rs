@@ -250,9 +250,9 @@ fn foreign(module: &Module) -> Vec<String> {
 
 #[test]
 fn shaders_for_callers_have_only_names_with_our_prefix() {
-    let radiance = [LiveEnvironment::wgsl(0), LiveProbes::wgsl(0)].map(|source| (source, 9));
+    let radiance = [LiveEnvironment::wgsl(0), LiveProbes::wgsl(0)].map(|source| (source, 7));
     let reflections =
-        [LiveEnvironment::reflect_wgsl(0), LiveProbes::reflect_wgsl(0)].map(|source| (source, 11));
+        [LiveEnvironment::reflect_wgsl(0), LiveProbes::reflect_wgsl(0)].map(|source| (source, 9));
     for (first, resources) in radiance.iter().chain(&reflections) {
         // One shader takes all three kinds.
         let all = first.clone() + &LiveEnvironment::draw_wgsl(1) + &ShadowMap::wgsl(2);

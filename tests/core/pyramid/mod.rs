@@ -5,7 +5,7 @@ mod reflection;
 
 use glam::{DMat2, DVec2, DVec3};
 use octagloss_core::analysis::oracle;
-use octagloss_core::light::environment::Layout;
+use octagloss_core::light::environment::{Environment, Layout};
 use octagloss_core::light::oem::{Oem, OemSize};
 use octagloss_core::lobe::{self, Lobe};
 use octagloss_core::pyramid::fit::{
@@ -118,7 +118,7 @@ fn reads_have_the_moments_of_a_gaussian() {
     assert!((sum(&|x, y| x * x - y * y)).abs() < 1e-6 && sum(&|x, y| x * y).abs() < 1e-6, "round");
 }
 
-fn map_of(size: u32, seed: u64, look: Look) -> (octagloss_core::light::environment::Environment, Oem) {
+fn map_of(size: u32, seed: u64, look: Look) -> (Environment, Oem) {
     let layout = Layout::Octahedral { size };
     let texels = texels(&mut Random::new(seed), look, layout);
     (environment(layout, texels.clone()), oem(OemSize { inner: size, border: 0 }, &texels))
@@ -187,6 +187,28 @@ fn reads_of_levels_are_gaussians() {
         }
         let relative = (error / square).sqrt();
         assert!(relative < 0.02, "a Gaussian of {width}: off by {relative}");
+    }
+}
+
+/// Light that grows along x has hardly a slope across z = 0, where the octahedron's faces meet. Reads that bend
+/// with the faces have one of .4.
+#[test]
+fn reads_across_the_octahedrons_edges_do_not_bend() {
+    let size = 128;
+    let texel = |k: u32| [1.0 + 0.9 * direction_from_oct(texel_centre(size, k % size, k / size)).x as f32; 3];
+    let texels = (0..size * size).map(texel).collect();
+    let environment = Environment::new(Layout::Octahedral { size }, texels).expect("an environment");
+    let pyramid = Pyramid::build(&environment, size).expect("a pyramid");
+    let scale = (pyramid.exponent() as f32).exp2();
+    for map in &pyramid.maps()[1..] {
+        for beside in (0..32).map(|k| DVec2::from_angle(2.0 * PI * (f64::from(k) + 0.5) / 32.0)) {
+            // Half a texel to either side.
+            let step = 0.1 / f64::from(map.inner());
+            let read = |k: i32| map.around(beside.extend(f64::from(k) * step).normalize()).x;
+            let slopes = (-10..10).map(|k| scale * (read(k + 1) - read(k)).abs() / step as f32);
+            let most = slopes.fold(0.0, f32::max);
+            assert!(most < 0.1, "{} texels, around {beside}: {most}", map.inner());
+        }
     }
 }
 

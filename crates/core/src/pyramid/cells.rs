@@ -3,7 +3,6 @@
 //! max(0, n.l) is linear on either side of the horizon: moments give irradiance exactly, up to cells that the
 //! horizon crosses.
 
-use super::COARSEST;
 use super::levels::{self, Map};
 use super::suns;
 use crate::common::parallel;
@@ -55,10 +54,10 @@ impl Cells {
         Self { cells: parallel::values((side * side) as usize, cell) }
     }
 
-    /// Irradiance over pi.
-    pub(crate) fn cosine(&self) -> Map {
-        Map::new(COARSEST, |x, y| {
-            let [nx, ny, nz] = direction_from_oct(texel_centre(COARSEST, x, y)).as_vec3().to_array();
+    /// Irradiance over pi, in a map of `size` texels along an edge.
+    pub(crate) fn cosine(&self, size: u32) -> Map {
+        Map::new(size, |x, y| {
+            let [nx, ny, nz] = direction_from_oct(texel_centre(size, x, y)).as_vec3().to_array();
             let mut sum = Vec3A::ZERO;
             for Cell { moments: [x, y, z], .. } in &self.cells {
                 sum += (nx * *x + ny * *y + nz * *z).max(Vec3A::ZERO);

@@ -17,9 +17,7 @@ use crate::common::vector::{Arch, Extremes as _, Fused as _};
 use crate::light::environment::Rgb;
 use crate::light::oem::Oem;
 use crate::sphere::cube::{Face, cube_from_direction, cube_from_texel, cube_point};
-use crate::sphere::octahedral::{
-    direction_from_oct, oct_from_direction, steps_from_oct, texel_centre, wrap_texel,
-};
+use crate::sphere::octahedral::{direction_from_oct, steps_from_oct, texel_centre, wrap_texel};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A, Vec4};
 use half::f16;
 
@@ -121,21 +119,32 @@ impl Map {
         self.read(self.place_of(direction))
     }
 
-    /// The face and the point in [-1, 1]^2 of `direction`, a unit vector: the same for all maps of a pyramid.
-    pub(super) fn place_of(&self, direction: DVec3) -> (usize, Vec2) {
+    /// The face and the point in [-1, 1]^2 of `direction`, a unit vector; on a square 0 and its point on the
+    /// octahedron |x| + |y| + |z| = 1. It is the same for all maps of a pyramid.
+    pub(super) fn place_of(&self, direction: DVec3) -> (usize, Vec3) {
         if self.is_cube {
             let (face, s, t) = cube_from_direction(direction);
-            (face.index(), DVec2::new(s, t).as_vec2())
+            (face.index(), DVec3::new(s, t, 0.0).as_vec3())
         } else {
-            (0, oct_from_direction(direction).as_vec2())
+            (0, (direction / direction.abs().element_sum()).as_vec3())
         }
     }
 
     /// Bilinear between the texels around a place of [`Self::place_of`].
-    pub(super) fn read(&self, (face, uv): (usize, Vec2)) -> Vec3A {
+    ///
+    /// Where the octahedron's faces meet, at x = 0 and z = 0, a read between the texels on either side does
+    /// not bend as the faces do: there |x| and |z| count as those of the texels, as if the octahedron were
+    /// flat between them. That makes reads linear on the sphere.
+    pub(super) fn read(&self, (face, point): (usize, Vec3)) -> Vec3A {
+        let edge = 1.0 / self.inner as f32;
+        let [x, y, z] = point.to_array();
+        let uv = match self.is_cube {
+            true => [x, y],
+            false => folded([x, y, z], 1.0 / (x.abs().max(edge) + y.abs() + z.abs().max(edge))),
+        };
         // The first of the four texels, border included, and the shares of the next.
         let half = 0.5 * self.inner as f32;
-        let [(x, right), (y, up)] = uv.to_array().map(|at| whole_and_share(half * (at + 1.0) + 0.5));
+        let [(x, right), (y, up)] = uv.map(|at| whole_and_share(half * (at + 1.0) + 0.5));
         let [x, y] = [x as usize, y as usize];
         let side = self.inner as usize + 2;
         let first = (face * side + y) * side + x;
@@ -382,14 +391,19 @@ pub(crate) fn cascade(finer: &Map, inner: u32, variance: f64) -> Map {
     Map::of_quarters(inner, |x, y| taps.mirrored(finer, &Place::new(inner, x, y, variance, READ)))
 }
 
-/// [`oct_from_direction`] in single precision.
+/// [`crate::sphere::octahedral::oct_from_direction`] in single precision.
 pub(super) fn oct_from(direction: Vec3) -> Vec2 {
     oct(direction.x, direction.y, direction.z).into()
 }
 
 #[inline(always)]
 fn oct(x: f32, y: f32, z: f32) -> [f32; 2] {
-    let scale = 1.0 / (x.abs() + y.abs() + z.abs());
+    folded([x, y, z], 1.0 / (x.abs() + y.abs() + z.abs()))
+}
+
+/// Coordinates in the square of (`x`, `y`, `z`) times `scale`, a point of the octahedron.
+#[inline(always)]
+fn folded([x, y, z]: [f32; 3], scale: f32) -> [f32; 2] {
     let (u, v) = (x * scale, z * scale);
     let folded = [(1.0 - v.abs()).copysign(u), (1.0 - u.abs()).copysign(v)];
     if y >= 0.0 { [u, v] } else { folded }

@@ -50,6 +50,22 @@ pub const COARSEST: u32 = 32;
 /// Standard deviation of the coarsest level's Gaussian.
 pub const WIDEST: f64 = 0.35;
 
+/// Layers of an environment's squares: the two finest levels; the mirror, the middle levels and the cosine
+/// level; the sharp level and the others.
+pub const SQUARES: u32 = 3;
+pub const FINE_LAYER: u32 = 0;
+pub const MIRROR_LAYER: u32 = 1;
+pub const SHARP_LAYER: u32 = 2;
+
+/// Where a map of a pyramid stands among the squares of its textures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Square {
+    /// One of [`SQUARES`].
+    pub layer: u32,
+    /// MIP level of the layer.
+    pub mip: u32,
+}
+
 /// The levels of a pyramid, which follow from the size of its map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Octaves {
@@ -65,7 +81,7 @@ impl Octaves {
     pub const LARGEST: u32 = COARSEST << (Self::MOST - 1);
 
     /// The sizes of maps, from small to large.
-    pub(crate) fn sizes() -> impl DoubleEndedIterator<Item = u32> {
+    pub fn sizes() -> impl DoubleEndedIterator<Item = u32> {
         (0..Self::MOST).map(|octave| COARSEST << octave)
     }
 
@@ -110,7 +126,7 @@ impl Octaves {
         self.middles
     }
 
-    /// The level that `middle`, 0 the finest, lies half an octave above: it has the same texels.
+    /// The level that `middle`, 0 the finest, lies half an octave above.
     pub const fn below_middle(self, middle: u32) -> u32 {
         self.count - 1 - self.middles + middle
     }
@@ -125,9 +141,36 @@ impl Octaves {
         COARSEST << (self.count - 1)
     }
 
-    /// Size of `level`, 0 the finest, with borders that halve with the levels.
-    pub const fn size(self, level: u32) -> OemSize {
-        OemSize { inner: self.inner() >> level, border: 1 << (self.count - 1 - level) }
+    /// MIP levels of the squares. The coarsest have 64 texels along an edge, and 32 where the map has less
+    /// than 512; 16 of the smallest map.
+    pub const fn mips(self) -> u32 {
+        let (levels, others) = (self.count - 1, self.middles + 2);
+        if levels > others { levels } else { others }
+    }
+
+    /// Size of the squares of MIP level `mip`, with borders that halve with the levels.
+    pub const fn size(self, mip: u32) -> OemSize {
+        OemSize { inner: self.inner() >> mip, border: 1 << (self.mips() - 1 - mip) }
+    }
+
+    /// Where `map` stands: 0 is the mirror, 1 the sharp level, then come the levels from fine to coarse.
+    pub const fn square_of(self, map: u32) -> Square {
+        match map {
+            0 => Square { layer: MIRROR_LAYER, mip: 0 },
+            1 => Square { layer: SHARP_LAYER, mip: 0 },
+            2 | 3 => Square { layer: FINE_LAYER, mip: map - 2 },
+            _ => Square { layer: SHARP_LAYER, mip: map - 3 },
+        }
+    }
+
+    /// Where `middle`, 0 the finest, stands.
+    pub const fn square_of_middle(self, middle: u32) -> Square {
+        Square { layer: MIRROR_LAYER, mip: self.mips() - 1 - self.middles + middle }
+    }
+
+    /// Where the cosine level stands.
+    pub const fn square_of_cosine(self) -> Square {
+        Square { layer: MIRROR_LAYER, mip: self.mips() - 1 }
     }
 
     /// Standard deviation of the Gaussian of `level`, 0 the finest.
@@ -176,17 +219,19 @@ impl Pyramid {
         for level in 0..octaves.count() {
             let finer = maps.last().expect("the sharp level at least");
             let variance = levels::BETWEEN * octaves.width(level).powi(2);
-            maps.push(levels::cascade(finer, octaves.size(level).inner, variance));
+            let size = octaves.size(octaves.square_of(level + 2).mip);
+            maps.push(levels::cascade(finer, size.inner, variance));
         }
         let middle = |middle: u32| {
             let variance = levels::FROM_MIDDLE * octaves.middle_width(middle).powi(2);
             let below = &maps[octaves.below_middle(middle) as usize + 1];
-            levels::cascade(below, below.inner(), variance)
+            levels::cascade(below, octaves.size(octaves.square_of_middle(middle).mip).inner, variance)
         };
         let middles = (0..octaves.middles()).map(middle).collect();
         maps.insert(0, mirror);
         let cells = Cells::new(oem, suns.clamp, exponent);
-        let (cosine, harmonics) = (cells.cosine(), cells.harmonics());
+        let cosine = cells.cosine(octaves.size(octaves.square_of_cosine().mip).inner);
+        let harmonics = cells.harmonics();
         Ok(Self { octaves, maps, middles, cosine: Some(cosine), harmonics, suns, exponent })
     }
 

@@ -8,12 +8,12 @@
 //!                +--harmonics--> light
 //! ```
 
-use super::pyramid::{COSINE, PyramidMaps};
+use super::pyramid::PyramidMaps;
 use crate::device::stage::Dispatch;
 use crate::{Context, OemPlanes, Stage};
 use octagloss_core::light::oem::OemSize;
 use octagloss_core::pyramid::levels::{BETWEEN, FROM_MIDDLE, TAPS, taps};
-use octagloss_core::pyramid::{COARSEST, cells, suns};
+use octagloss_core::pyramid::{Square, cells, suns};
 use wgpu::BindingResource::{Sampler, TextureView};
 
 /// Invocations of a workgroup in one dimension.
@@ -78,7 +78,7 @@ fn suns_of(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
 fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
     let file = "pyramid/levels.wgsl";
     let (octaves, size) = (maps.octaves(), maps.octaves().size(0));
-    let (mirror, sharp) = (maps.mirror(), maps.sharp());
+    let [mirror, sharp] = [0, 1].map(|map| maps.square(octaves.square_of(map)));
     let [to_mirror, to_sharp] =
         [0.0, octaves.sharp_width()].map(|width| level(context, size, size, width * width));
     let mut of_oem = oem.bindings();
@@ -93,27 +93,26 @@ fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
         Dispatch::new(context, (file, "mirror"), &of_oem, squares(size.inner)),
         Dispatch::new(context, (file, "sharp"), &of_mirror, squares(size.inner / 2)),
     ];
-    let mut cascade = |finer: &wgpu::TextureView, finer_size, own: &wgpu::TextureView, own_size, variance| {
-        let to_own = level(context, own_size, finer_size, variance);
+    let mut cascade = |finer: Square, own: Square, variance| {
+        let (finer_size, size) = (octaves.size(finer.mip), octaves.size(own.mip));
+        let to_own = level(context, size, finer_size, variance);
+        let [finer, own] = [finer, own].map(|square| maps.square(square));
         let resources = [
-            (6, TextureView(finer)),
+            (6, TextureView(&finer)),
             (7, to_own.as_entire_binding()),
-            (8, TextureView(own)),
+            (8, TextureView(&own)),
             (9, Sampler(maps.linear())),
         ];
-        dispatches.push(Dispatch::new(context, (file, "cascade"), &resources, squares(own_size.inner)));
+        dispatches.push(Dispatch::new(context, (file, "cascade"), &resources, squares(size.inner)));
     };
-    let (mut finer, mut finer_size) = (sharp, size);
     for k in 0..octaves.count() {
-        let (own, own_size) = (maps.level(k), octaves.size(k));
-        cascade(&finer, finer_size, &own, own_size, BETWEEN * octaves.width(k).powi(2));
-        (finer, finer_size) = (own, own_size);
+        let [finer, own] = [k + 1, k + 2].map(|map| octaves.square_of(map));
+        cascade(finer, own, BETWEEN * octaves.width(k).powi(2));
     }
     for middle in 0..octaves.middles() {
-        let below = octaves.below_middle(middle);
-        let size = octaves.size(below);
+        let below = octaves.square_of(octaves.below_middle(middle) + 2);
         let variance = FROM_MIDDLE * octaves.middle_width(middle).powi(2);
-        cascade(&maps.level(below), size, &maps.middle(middle), size, variance);
+        cascade(below, octaves.square_of_middle(middle), variance);
     }
     Stage::new("levels", dispatches)
 }
@@ -122,8 +121,9 @@ fn moments(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
     let file = "pyramid/cells.wgsl";
     let planes = oem.bindings();
     let rows = oem.size().inner * oem.size().inner.min(cells::FINEST);
-    let cosine = maps.cosine();
-    let to_cosine = level(context, COSINE, COSINE, 0.0);
+    let place = maps.octaves().square_of_cosine();
+    let (cosine, size) = (maps.square(place), maps.octaves().size(place.mip));
+    let to_cosine = level(context, size, size, 0.0);
     let stored = (6, maps.cells.as_entire_binding());
     let of_texels = [&planes[..], &[(5, maps.light()), stored.clone()]].concat();
     let of_cells =
@@ -133,7 +133,7 @@ fn moments(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
         "cells",
         vec![
             Dispatch::new(context, (file, "cells_of_texels"), &of_texels, [rows / GROUP_SIZE, 1, 1]),
-            Dispatch::new(context, (file, "cosine"), &of_cells, [COARSEST / 2, COARSEST / 2, 1]),
+            Dispatch::new(context, (file, "cosine"), &of_cells, [size.inner / 2, size.inner / 2, 1]),
             Dispatch::new(context, (file, "harmonics"), &summed, [25_u32.div_ceil(4), 1, 1]),
         ],
     )

@@ -8,10 +8,9 @@ use crate::device::stage::{Dispatch, in_rows};
 use crate::{Context, Stage};
 use glam::DVec3;
 use octagloss_core::common::error::{Error, Result};
-use octagloss_core::light::oem::OemSize;
 use octagloss_core::pyramid::fit::{self, WEIGHTS};
 use octagloss_core::pyramid::light::OctaglossLight;
-use octagloss_core::pyramid::{COARSEST, Octaves, cells, suns};
+use octagloss_core::pyramid::{Octaves, SQUARES, Square, cells, suns};
 
 /// Invocations of a workgroup over queries.
 pub const GROUP_SIZE: u32 = 64;
@@ -29,15 +28,6 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Most environments whose lights fit a uniform of 64 KiB, WebGPU's least limit.
 pub const MAX_PROBES: u32 = 64;
 
-/// Size of the cosine level.
-pub(super) const COSINE: OemSize = OemSize { inner: COARSEST, border: 1 };
-
-/// Size of the first of the middle levels, which halve from one to the next; the last is the cosine level.
-fn middles(octaves: Octaves) -> OemSize {
-    let scale = 1 << octaves.middles();
-    OemSize { inner: COSINE.inner * scale, border: COSINE.border * scale }
-}
-
 /// Bytes of a light: a multiple of 256, at which bindings may begin.
 const LIGHT: u64 = size_of::<OctaglossLight>() as u64;
 
@@ -49,12 +39,8 @@ pub struct PyramidMaps {
     probe: u32,
     weights: wgpu::TextureView,
     lights: wgpu::Buffer,
-    /// The chain: one layer an environment.
-    levels: wgpu::Texture,
-    /// Mirror and sharp level: two layers an environment.
-    sharp: wgpu::Texture,
-    /// Middle levels and the cosine level: one layer an environment.
-    middles: wgpu::Texture,
+    /// [`SQUARES`] layers an environment.
+    maps: wgpu::Texture,
     linear: wgpu::Sampler,
     /// What the passes hand on, overwritten by each build: brightness of blocks, light of cells.
     pub(super) blocks: wgpu::Buffer,
@@ -78,12 +64,10 @@ impl PyramidMaps {
     pub fn sharing(context: &Context, inner: u32, probes: u32) -> Result<Vec<Self>> {
         let octaves = Octaves::over(inner)?;
         Self::check_fits(context, octaves, probes)?;
-        let size = octaves.size(0);
-        let texture = |label, size: OemSize, layers, mips| {
-            let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING;
-            let side = size.bordered();
-            context.texture(label, FORMAT, [side, side, layers], mips, usage | wgpu::TextureUsages::COPY_SRC)
-        };
+        let side = octaves.size(0).bordered();
+        let shape = [side, side, SQUARES * probes];
+        let sampled = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+        let usage = sampled | wgpu::TextureUsages::STORAGE_BINDING;
         let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let used = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | copied;
         let squares = |finest: u32| u64::from(inner.min(finest)).pow(2);
@@ -93,9 +77,7 @@ impl PyramidMaps {
             weights: weights(context, octaves),
             // Shaders of several declare the most.
             lights: context.buffer("light of pyramids", LIGHT * u64::from(MAX_PROBES), used),
-            levels: texture("levels", size, probes, octaves.count()),
-            sharp: texture("sharp levels", size, 2 * probes, 1),
-            middles: texture("middle levels", middles(octaves), probes, octaves.middles() + 1),
+            maps: context.texture("maps of pyramids", FORMAT, shape, octaves.mips(), usage),
             linear: trilinear(context),
             blocks: context
                 .storage("brightness of blocks", 16 * (squares(suns::FINEST) + suns::COUNT as u64)),
@@ -113,8 +95,8 @@ impl PyramidMaps {
         let limits = context.device().limits();
         let (side, most) = (octaves.size(0).bordered(), limits.max_texture_dimension_2d);
         if side > most {
-            // A border adds a sixteenth.
-            let largest = 1 << (most * 16 / 17).max(1).ilog2();
+            let fits = |size: &u32| Octaves::over(*size).is_ok_and(|of| of.size(0).bordered() <= most);
+            let largest = Octaves::sizes().rev().find(fits).unwrap_or_default();
             return Err(Error::Limit {
                 what: format!("a pyramid over a map of {0} x {0}", octaves.inner()),
                 needed: u64::from(side),
@@ -122,13 +104,13 @@ impl PyramidMaps {
                 remedy: format!("choose `oem_size` of at most {largest}"),
             });
         }
-        if 2 * probes > limits.max_texture_array_layers {
-            let layers = limits.max_texture_array_layers;
+        let (needed, available) = (SQUARES * probes, limits.max_texture_array_layers);
+        if needed > available {
             return Err(Error::Limit {
                 what: format!("{probes} pyramids in one texture"),
-                needed: u64::from(2 * probes),
-                available: u64::from(layers),
-                remedy: format!("choose `count` of at most {}", layers / 2),
+                needed: u64::from(needed),
+                available: u64::from(available),
+                remedy: format!("choose `count` of at most {}", available / SQUARES),
             });
         }
         Ok(())
@@ -142,11 +124,8 @@ impl PyramidMaps {
 
     /// Bytes of the textures of one environment.
     pub fn bytes(&self) -> u64 {
-        let texels = |size: OemSize| u64::from(size.bordered()).pow(2);
-        let level = |level| texels(self.octaves.size(level));
-        let chain: u64 = (0..self.octaves.count()).map(level).sum();
-        let middles = (0..self.octaves.middles()).map(|middle| level(self.octaves.below_middle(middle)));
-        8 * (chain + 2 * level(0) + middles.sum::<u64>() + texels(COSINE))
+        let texels = |mip| u64::from(self.octaves.size(mip).bordered()).pow(2);
+        8 * u64::from(SQUARES) * (0..self.octaves.mips()).map(texels).sum::<u64>()
     }
 
     /// The levels.
@@ -163,26 +142,9 @@ impl PyramidMaps {
         })
     }
 
-    /// `level` of the chain, 0 the finest.
-    pub(super) fn level(&self, level: u32) -> wgpu::TextureView {
-        single(&self.levels, self.probe, level)
-    }
-
-    pub(super) fn mirror(&self) -> wgpu::TextureView {
-        single(&self.sharp, 2 * self.probe, 0)
-    }
-
-    pub(super) fn sharp(&self) -> wgpu::TextureView {
-        single(&self.sharp, 2 * self.probe + 1, 0)
-    }
-
-    /// A middle level, 0 the finer.
-    pub(super) fn middle(&self, middle: u32) -> wgpu::TextureView {
-        single(&self.middles, self.probe, middle)
-    }
-
-    pub(super) fn cosine(&self) -> wgpu::TextureView {
-        self.middle(self.octaves.middles())
+    /// One of the maps.
+    pub(super) fn square(&self, square: Square) -> wgpu::TextureView {
+        single(&self.maps, SQUARES * self.probe + square.layer, square.mip)
     }
 
     pub(super) const fn linear(&self) -> &wgpu::Sampler {
@@ -192,8 +154,8 @@ impl PyramidMaps {
     /// Layout of a bind group with the resources of `wgsl`, for the shader stages `visibility`.
     pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
         let filterable = wgpu::TextureSampleType::Float { filterable: true };
-        let layers = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
-        let bindings = [WEIGHTS_TEXTURE, UNIFORM, layers, layers, layers, SAMPLER];
+        let maps = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
+        let bindings = [WEIGHTS_TEXTURE, UNIFORM, maps, SAMPLER];
         group_layout(context, "octagloss pyramid", visibility, &bindings)
     }
 
@@ -212,23 +174,18 @@ impl PyramidMaps {
     pub(super) fn with_resources<T>(
         &self,
         all: bool,
-        make: impl FnOnce([wgpu::BindingResource<'_>; 6]) -> T,
+        make: impl FnOnce([wgpu::BindingResource<'_>; 4]) -> T,
     ) -> T {
-        let layers = |texture: &wgpu::Texture, count| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2Array),
-                base_array_layer: if all { 0 } else { count * self.probe },
-                array_layer_count: (!all).then_some(count),
-                ..Default::default()
-            })
-        };
-        let views = [(&self.levels, 1), (&self.sharp, 2), (&self.middles, 1)]
-            .map(|(texture, count)| layers(texture, count));
-        let [levels, sharp, middles] = views.each_ref().map(wgpu::BindingResource::TextureView);
+        let maps = self.maps.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            base_array_layer: if all { 0 } else { SQUARES * self.probe },
+            array_layer_count: (!all).then_some(SQUARES),
+            ..Default::default()
+        });
         let weights = wgpu::BindingResource::TextureView(&self.weights);
         let lights = if all { self.lights.as_entire_binding() } else { self.light() };
         let linear = wgpu::BindingResource::Sampler(&self.linear);
-        make([weights, lights, levels, sharp, middles, linear])
+        make([weights, lights, wgpu::BindingResource::TextureView(&maps), linear])
     }
 }
 
@@ -254,9 +211,7 @@ pub(super) fn wgsl_of(file: &str, count: u32, further: &[&str], group: u32) -> S
     let resources = [
         "var octagloss_weights: texture_2d<f32>",
         &lights,
-        "var octagloss_levels: texture_2d_array<f32>",
-        "var octagloss_sharp: texture_2d_array<f32>",
-        "var octagloss_middles: texture_2d_array<f32>",
+        "var octagloss_maps: texture_2d_array<f32>",
         "var octagloss_linear: sampler",
     ];
     octagloss_shaders::for_callers(file, &[&resources, further].concat(), group, "octagloss")

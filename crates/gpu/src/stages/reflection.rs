@@ -55,7 +55,7 @@ pub fn bind_group_layout(context: &Context, visibility: wgpu::ShaderStages) -> w
     let filterable = wgpu::TextureSampleType::Float { filterable: true };
     let layers = texture_binding(filterable, wgpu::TextureViewDimension::D2Array);
     let rows = texture_binding(filterable, wgpu::TextureViewDimension::D3);
-    let bindings = [WEIGHTS_TEXTURE, UNIFORM, layers, layers, layers, SAMPLER, layers, rows];
+    let bindings = [WEIGHTS_TEXTURE, UNIFORM, layers, SAMPLER, layers, rows];
     group_layout(context, "octagloss reflections", visibility, &bindings)
 }
 

@@ -4,7 +4,7 @@
 use super::LoadedChain;
 use super::key_values::value_of;
 use super::picture::check_finite;
-use super::pyramid_write::{KEY, SQUARES, VERSION, check_size};
+use super::pyramid_write::{KEY, VERSION, check_size};
 use super::texture::Texture;
 use crate::common::error::Result;
 use crate::common::parallel;
@@ -12,7 +12,7 @@ use crate::light::chain::Level;
 use crate::light::environment::{Layout, Rgb};
 use crate::pyramid::levels::Map;
 use crate::pyramid::light::OctaglossLight;
-use crate::pyramid::{BakedPyramid, COARSEST, Octaves};
+use crate::pyramid::{BakedPyramid, COARSEST, Octaves, SQUARES, Square};
 use glam::{DVec3, Vec3A};
 use serde::Deserialize;
 
@@ -81,10 +81,10 @@ fn decode(texture: &Texture<'_>) -> Result<BakedPyramid> {
         .and_then(|()| Octaves::over(light.size))
         .map_err(|_| wrong(format!("{KEY} has size {}", light.size)))?;
     let shape = (texture.width, texture.height, texture.layers, texture.levels as u32);
-    let (side, mips) = (octaves.size(0).bordered(), octaves.count());
+    let side = octaves.size(0).bordered();
     let expected = match texture.is_cube {
-        true => (light.size, light.size, 1, mips + 2),
-        false => (side, side, SQUARES as u32, mips),
+        true => (light.size, light.size, 1, octaves.count() + 2),
+        false => (side, side, SQUARES, octaves.mips()),
     };
     if shape != expected {
         let (width, height, layers, levels) = shape;
@@ -121,22 +121,18 @@ fn cubes(texture: &Texture<'_>) -> Result<Vec<Map>> {
 
 /// The squares of a file in the same order and the middle levels, and the cosine level.
 fn squares(texture: &Texture<'_>, octaves: Octaves) -> Result<([Vec<Map>; 2], Map)> {
-    let (mut levels, mut others, mut middles) = (Vec::new(), Vec::new(), Vec::new());
-    for level in 0..octaves.count() {
-        let size = octaves.size(level);
-        let texels = texture.level(level as usize)?;
-        check_finite(texture.source.path, level, size.bordered(), &texels)?;
-        let square = |k: usize| {
-            let area = texels.len() / SQUARES;
-            Map::of_bordered(size.inner, size.border, &texels[k * area..(k + 1) * area])
-        };
-        levels.push(square(0));
-        if level == 0 {
-            others.extend([square(1), square(2)]);
-        } else if level >= octaves.below_middle(0) {
-            middles.push(square(1));
-        }
-    }
-    let cosine = middles.pop().expect("two levels at least");
-    Ok(([others.into_iter().chain(levels).collect(), middles], cosine))
+    let mips = (0..octaves.mips()).map(|mip| {
+        let texels = texture.level(mip as usize)?;
+        check_finite(texture.source.path, mip, octaves.size(mip).bordered(), &texels)?;
+        Ok(texels)
+    });
+    let mips: Vec<_> = mips.collect::<Result<_>>()?;
+    let square = |Square { layer, mip }| {
+        let (size, texels) = (octaves.size(mip), &mips[mip as usize]);
+        let area = texels.len() / SQUARES as usize;
+        Map::of_bordered(size.inner, size.border, &texels[layer as usize * area..][..area])
+    };
+    let maps = (0..octaves.count() + 2).map(|map| square(octaves.square_of(map))).collect();
+    let middles = (0..octaves.middles()).map(|middle| square(octaves.square_of_middle(middle))).collect();
+    Ok(([maps, middles], square(octaves.square_of_cosine())))
 }

@@ -1,9 +1,9 @@
 //! Writes pyramids as KTX2 files that shaders read: `shaders/common/pyramid_file.wgsl`.
 //!
-//! The maps are an array of three bordered octahedral squares with MIP levels. The first has the levels, from
-//! fine to coarse. Of the second the finest MIP level has the mirror, the coarsest the cosine level and those
-//! before it the middle levels, of the third the finest has the sharp level; the others are black. A border
-//! is a 32nd of the edge, one texel at the coarsest level.
+//! The maps are an array of three bordered octahedral squares with MIP levels. The first has the two finest
+//! levels. The second begins with the mirror and ends with the middle levels and the cosine level. The third
+//! begins with the sharp level, after which come the other levels, from fine to coarse. What is not said is
+//! black. Borders halve with the MIP levels, down to one texel.
 //!
 //! On a cube, MIP level 0 has the mirror, 1 the sharp level, then come the levels from fine to coarse.
 //!
@@ -22,15 +22,12 @@ use crate::light::environment::Rgb;
 use crate::pyramid::fit::{self, WEIGHTS};
 use crate::pyramid::levels::Map;
 use crate::pyramid::reads::{LAYERS, NODES, table};
-use crate::pyramid::{BakedPyramid, COARSEST, Octaves, albedo, anisotropic};
+use crate::pyramid::{BakedPyramid, COARSEST, Octaves, SQUARES, Square, albedo, anisotropic};
 use ktx2::Format;
 
 /// Key of the light in the maps' metadata, and a version that changes with the layout of the files.
 pub(crate) const KEY: &str = "octaglossPyramid";
-pub(crate) const VERSION: u32 = 2;
-
-/// Squares of the array.
-pub(super) const SQUARES: usize = 3;
+pub(crate) const VERSION: u32 = 3;
 
 /// Texels along an edge of the smallest map: over a smaller one, mirror and cosine were one MIP level.
 pub(crate) const LEAST: u32 = 2 * COARSEST;
@@ -51,29 +48,23 @@ pub(crate) fn squares_bytes(
     let pyramid = &baked.pyramid;
     let octaves = pyramid.octaves();
     check_size(octaves.inner())?;
-    let [mirror, sharp, levels @ ..] = pyramid.maps() else { unreachable!("a level at least") };
-    let (middles, last) = (pyramid.middles(), levels.len() - 1);
-    let squares = |mip: usize| -> [Option<&Map>; SQUARES] {
-        let second = match mip {
-            0 => Some(mirror),
-            _ if mip == last => pyramid.cosine(),
-            _ => (mip + middles.len()).checked_sub(last).map(|middle| &middles[middle]),
+    let [mips, layers] = [octaves.mips() as usize, SQUARES as usize];
+    let mut squares = vec![vec![None; layers]; mips];
+    let mut put = |square: Square, map| squares[square.mip as usize][square.layer as usize] = map;
+    (0..).zip(pyramid.maps()).for_each(|(k, map)| put(octaves.square_of(k), Some(map)));
+    (0..).zip(pyramid.middles()).for_each(|(k, map)| put(octaves.square_of_middle(k), Some(map)));
+    put(octaves.square_of_cosine(), pyramid.cosine());
+    let bordered = |mip: usize| -> Vec<Rgb> {
+        let size = octaves.size(mip as u32);
+        let texels = |map: &Option<&Map>| match map {
+            Some(map) => map.with_border(size.border),
+            None => vec![[0.0; 3]; size.bordered() as usize * size.bordered() as usize],
         };
-        [Some(&levels[mip]), second, (mip == 0).then_some(sharp)]
+        squares[mip].iter().flat_map(texels).collect()
     };
-    let bordered: Vec<Vec<Rgb>> = (0..levels.len())
-        .map(|mip| {
-            let size = octaves.size(mip as u32);
-            let area = size.bordered() as usize * size.bordered() as usize;
-            squares(mip)
-                .into_iter()
-                .flat_map(|map| map.map_or_else(|| vec![[0.0; 3]; area], |map| map.with_border(size.border)))
-                .collect()
-        })
-        .collect();
-    let flat = TextureShape::flat(format_of(pixel)?, [octaves.size(0).bordered(); 2], levels.len());
-    let shape = TextureShape { layers: SQUARES as u32, ..flat };
-    packed(&shape, metadata, |mip| texel_bytes(octaves.size(mip as u32).bordered(), &bordered[mip], pixel))
+    let flat = TextureShape::flat(format_of(pixel)?, [octaves.size(0).bordered(); 2], mips);
+    let shape = TextureShape { layers: SQUARES, ..flat };
+    packed(&shape, metadata, |mip| texel_bytes(octaves.size(mip as u32).bordered(), &bordered(mip), pixel))
 }
 
 /// Encodes the maps of `baked` as one cube.

@@ -6,8 +6,9 @@ use crate::common::error::Result;
 use crate::files::format::Pixel;
 use crate::files::io::key_values::value_of;
 use crate::files::io::picture::{Source, TEXEL_BYTES};
-use crate::files::io::pyramid_write::{KEY as PYRAMID_KEY, SQUARES};
+use crate::files::io::pyramid_write::KEY as PYRAMID_KEY;
 use crate::files::io::texture::{READABLE, Texture, image_bytes};
+use crate::pyramid::SQUARES;
 use ktx2::{Format, SupercompressionScheme};
 use std::borrow::Cow;
 
@@ -33,9 +34,7 @@ pub(in crate::files::io) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>>
     }
     let layers = header.layer_count.max(1);
     let has_light = reader.key_value_data().any(|(key, _)| key == PYRAMID_KEY);
-    if header.pixel_depth > 1
-        || (layers > 1 && !(has_light && header.face_count == 1 && layers == SQUARES as u32))
-    {
+    if header.pixel_depth > 1 || (layers > 1 && !(has_light && header.face_count == 1 && layers == SQUARES)) {
         return Err(source.error(format!(
             "{layers} layers of depth {}; one flat layer and pyramids can be read",
             header.pixel_depth.max(1)
