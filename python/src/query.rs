@@ -2,14 +2,11 @@
 
 use crate::arrays::{Reals, array, common_shape, directions, element, repeated, shown, with_axis};
 use crate::errors::wrong;
-use crate::work::{Cancel, held, run};
+use crate::work::{held, run};
 use glam::DVec3;
-use octagloss::queries::{check_answers, sharpest};
-use octagloss::{
-    Answer, Environment as Light, Filter, Lobe, OemSize, Reflector, ReflectorSettings, Workspace,
-};
+use octagloss::queries::{Query, sharpest};
+use octagloss::{Answer, Environment as Light, Filter, Lobe, OemSize, Reflector, ReflectorSettings};
 use pyo3::prelude::*;
-use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
 
 /// A prepared reflector, and what it was prepared for.
@@ -31,49 +28,6 @@ fn prepared<'t>(
         *tables = Some(Tables { plan, reflector: Reflector::owning(light.clone(), settings)? });
     }
     Ok(&tables.as_ref().expect("made above").reflector)
-}
-
-/// Lobes prepared together.
-const LOBES_AT_ONCE: usize = 256;
-
-/// Answers each direction independently, as the command line does.
-fn queried(
-    reflector: &Reflector<'_>,
-    directions: &[DVec3],
-    roughness: &[f64],
-    (lobe, filter): (Lobe, Filter),
-    cancel: &Cancel,
-) -> octagloss::Result<Vec<Answer>> {
-    let mut order: Vec<usize> = (0..directions.len()).collect();
-    order.par_sort_by(|a, b| roughness[*a].total_cmp(&roughness[*b]));
-    let alike: Vec<&[usize]> = order.chunk_by(|a, b| roughness[*a] == roughness[*b]).collect();
-    let mut answers = vec![Answer { radiance: [0.0; 3], bound: None }; directions.len()];
-    // The reference filter prepares every texel for each lobe.
-    let at_once = if filter == Filter::Reference { 1 } else { LOBES_AT_ONCE };
-    for batch in alike.chunks(at_once) {
-        // One after the other: the tables they share are made on first use.
-        let mut lobes = Vec::with_capacity(batch.len());
-        for places in batch {
-            cancel.check()?;
-            lobes.push((reflector.lobes(lobe, roughness[places[0]], filter)?, *places));
-        }
-        let queries: Vec<_> = lobes
-            .iter()
-            .flat_map(|(lobes, places)| places.iter().map(move |place| (lobes, *place)))
-            .collect();
-        let start = || (Workspace::default(), Vec::with_capacity(1));
-        let found = queries.par_iter().map_init(start, |(workspace, found), (lobes, place)| {
-            cancel.check()?;
-            found.clear();
-            lobes.evaluate(&[directions[*place]], workspace, found)?;
-            Ok(found[0])
-        });
-        let found: Vec<Answer> = found.collect::<octagloss::Result<_>>()?;
-        for ((_, place), answer) in queries.iter().zip(found) {
-            answers[*place] = answer;
-        }
-    }
-    Ok(answers)
 }
 
 /// What a call asks for.
@@ -171,8 +125,8 @@ pub(crate) fn answers<'py>(
         let tables = &mut *tables;
         pool.install(|| {
             let reflector = prepared(tables, &light, &settings)?;
-            let answers = queried(reflector, &directions, &roughness, (lobe, filter), cancel)?;
-            check_answers(&directions, &answers)?;
+            let query = Query { lobe, filter, directions: &directions, roughness: &roughness };
+            let answers = query.answered_unless(reflector, &|| cancel.check())?;
             let scaled = |value: f32| (f64::from(value) * factor) as f32;
             let radiance: Vec<f32> = answers.iter().flat_map(|answer| answer.radiance.map(scaled)).collect();
             let bound =

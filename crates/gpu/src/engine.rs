@@ -6,12 +6,11 @@ use crate::stages::adaptive::{Answers, LobePart, Packet, Packets};
 use crate::stages::box_filter::SatTextures;
 use crate::stages::cells::CellTree;
 use crate::stages::pyramid::{self, PyramidMaps};
-use crate::stages::{adaptive, box_filter, build_pyramid, cells, fixed_point, reparameterise, table_scan};
+use crate::stages::{adaptive, box_filter, build_pyramid, cells, reparameterise};
 use glam::{DMat3, DVec3};
-use octagloss_core::bake::interpolated::Interpolation;
 use octagloss_core::bake::job::Job;
-use octagloss_core::bake::level::{Advance, BakedLevel, LeafCounts, LevelJob};
-use octagloss_core::bake::{self, Bake, BakeSettings, OnProgress, Processor, sparse};
+use octagloss_core::bake::level::{Advance, BakedLevel, LeafCounts, LevelJob, Part};
+use octagloss_core::bake::{self, Bake, BakeSettings, OnProgress, Processor};
 use octagloss_core::common::direction::units;
 use octagloss_core::common::error::{Error, Result, wrong};
 use octagloss_core::common::parallel;
@@ -228,13 +227,7 @@ impl<'a> GpuReflector<'a> {
     fn sat(&self) -> Result<&SatTextures> {
         made_once(&self.sat, || {
             let context = &self.engine.context;
-            let sat = SatPlanes::new(context, self.planes.size())?;
-            let textures = SatTextures::new(context, &sat)?;
-            let stages = [
-                fixed_point::stage(context, &self.planes, &sat),
-                table_scan::stage(context, self.settings.scan, &self.planes, &sat)?,
-                box_filter::pack(context, &sat, &textures),
-            ];
+            let (textures, stages) = box_filter::tables(context, self.settings.scan, &self.planes)?;
             context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
             Ok(textures)
         })
@@ -358,7 +351,13 @@ impl<'a> GpuReflector<'a> {
 }
 
 impl bake::Engine for GpuReflector<'_> {
-    async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
+    const PROCESSOR: Processor = Processor::Gpu;
+
+    fn inner(&self) -> u32 {
+        self.planes.size().inner
+    }
+
+    async fn bake_texels(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
         let LevelJob { spec, lobe, filter, .. } = *level;
         let context = &self.engine.context;
         if level.is_mirror() {
@@ -375,27 +374,6 @@ impl bake::Engine for GpuReflector<'_> {
             let texels = texels.iter().map(|[r, g, b, _]| self.scale.radiance([*r, *g, *b])).collect();
             advance(level.spec.layout.texel_count() as u64)?;
             return Ok(BakedLevel { processor: Processor::Gpu, ..BakedLevel::unbounded(texels) });
-        }
-        let interpolation = Interpolation::of(level);
-        let of_nodes = interpolation.as_ref().map(Interpolation::tolerance);
-        if let Some(tolerance) = of_nodes.or_else(|| sparse::tolerance(level)) {
-            let evaluate = async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| {
-                if packets.is_empty() {
-                    return Ok((Vec::new(), LeafCounts::default()));
-                }
-                let filter = Filter::Adaptive(tolerance);
-                let answers = self.evaluate(packets, lobe, spec.roughness, filter).await?;
-                let (packets, directions) = (packets.len() as u64, answers.lanes.len() as u64);
-                done(0, 1)?;
-                Ok((answers.lanes, LeafCounts { leaves: answers.leaves, packets, directions }))
-            };
-            let (processor, inner) = (Processor::Gpu, self.planes.size().inner);
-            return match interpolation {
-                Some(interpolation) => {
-                    interpolation.bake(level, self.environment, processor, evaluate, advance).await
-                }
-                None => sparse::bake_sparsely(inner, level, tolerance, processor, evaluate, advance).await,
-            };
         }
         let is_sharp = is_near_mirror(lobe, spec.roughness * spec.roughness);
         let on_cpu = is_sharp && matches!(filter, Filter::Adaptive(_));
@@ -420,6 +398,24 @@ impl bake::Engine for GpuReflector<'_> {
         advance(texels.len() as u64)?;
         let work = LeafCounts { leaves: answers.leaves, packets, directions: answers.lanes.len() as u64 };
         Ok(BakedLevel::new(processor, texels.into_iter(), work))
+    }
+
+    async fn answers(
+        &self,
+        level: &LevelJob,
+        tolerance: f64,
+        packets: &[Vec<DVec3>],
+        done: Part<'_>,
+    ) -> Result<(Vec<Answer>, LeafCounts)> {
+        if packets.is_empty() {
+            return Ok((Vec::new(), LeafCounts::default()));
+        }
+        let LevelJob { spec, lobe, .. } = *level;
+        let Answers { lanes, leaves } =
+            self.evaluate(packets, lobe, spec.roughness, Filter::Adaptive(tolerance)).await?;
+        done(0, 1)?;
+        let work = LeafCounts { leaves, packets: packets.len() as u64, directions: lanes.len() as u64 };
+        Ok((lanes, work))
     }
 
     async fn oem(&self) -> Result<(OemSize, [f64; 3])> {

@@ -15,9 +15,9 @@
 //! are within 3 sqrt(2) h of each other, so that this adds 17 h of the hinge. Interpolation misses a hinge of
 //! slope 1 by at most 0.2 h, wherever it is; that was found by search, and a test looks again.
 
-use super::FINEST;
-use super::level::{Advance, BakedLevel, LeafCounts, LevelJob, Processor};
-use super::sparse::{FEWEST_CELLS, Nodes, Part, share};
+use super::level::{Advance, BakedLevel, LevelJob, Part};
+use super::sparse::{FEWEST_CELLS, Nodes, share};
+use super::{Engine, FINEST};
 use crate::common::error::Result;
 use crate::common::parallel;
 use crate::geometry::energy::energy;
@@ -26,7 +26,6 @@ use crate::light::light_scale::rounded_up;
 use crate::lobe::filter::{Answer, Bound, Filter};
 use crate::lobe::kernel::{Kernel, KernelShape};
 use crate::lobe::profiles::Ggx;
-use glam::DVec3;
 use std::f64::consts::PI;
 
 /// The greatest bound that interpolation adds in the middle of a cell, over the radiance around it.
@@ -45,7 +44,7 @@ const MIDDLE: f64 = 2.25 * 3.0 / 128.0;
 const HINGE: f64 = 0.22;
 
 /// How a level is interpolated.
-pub struct Interpolation {
+pub(super) struct Interpolation {
     /// Texels from node to node.
     stride: u32,
     /// Tolerance of the nodes' lobes.
@@ -89,7 +88,7 @@ impl CubicError {
 
 impl Interpolation {
     /// How `level` is interpolated; `None` if it is not.
-    pub fn of(level: &LevelJob) -> Option<Self> {
+    pub(super) fn of(level: &LevelJob) -> Option<Self> {
         let Filter::Adaptive(error) = level.filter else { return None };
         let Layout::Cube { size } = level.spec.layout else { return None };
         if !level.sparse || level.spec.roughness == 0.0 {
@@ -109,25 +108,19 @@ impl Interpolation {
         Some(Self { stride, tolerance: (FINER * error).max(FINEST), cubic })
     }
 
-    /// Tolerance of the nodes' lobes.
-    pub const fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
-    /// Bakes `level`, of lobes over `environment`, by `evaluate`: the answers to packets of directions in
-    /// their order, to the [`Self::tolerance`].
-    pub async fn bake(
+    /// Bakes `level`, of lobes over `environment`, by the answers of `engine`.
+    pub(super) async fn bake<E: Engine>(
         &self,
-        level: &LevelJob,
+        engine: &E,
         environment: &Environment,
-        processor: Processor,
-        evaluate: impl AsyncFn(&[Vec<DVec3>], Part<'_>) -> Result<(Vec<Answer>, LeafCounts)>,
+        level: &LevelJob,
         advance: Advance<'_>,
     ) -> Result<BakedLevel> {
         let (size, texels) = (level.spec.layout.sides().1, level.spec.layout.texel_count() as u64);
         let nodes = Nodes::new(self.stride, size / self.stride);
         let (places, packets) = nodes.gathered(|_, _, _| true);
-        let (answers, work) = evaluate(&packets, &|part, parts| advance(share(texels, part, parts))).await?;
+        let done: Part<'_> = &|part, parts| advance(share(texels, part, parts));
+        let (answers, work) = engine.answers(level, self.tolerance, &packets, done).await?;
         let mut grid = answers.clone();
         for (place, answer) in places.iter().zip(answers) {
             grid[*place] = answer;
@@ -156,7 +149,7 @@ impl Interpolation {
                 .collect::<Vec<Answer>>()
         };
         let rows = parallel::map(0..6 * size, row);
-        Ok(BakedLevel::new(processor, rows.into_iter().flatten(), work))
+        Ok(BakedLevel::new(E::PROCESSOR, rows.into_iter().flatten(), work))
     }
 }
 
@@ -237,12 +230,13 @@ impl CubicError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::{Engine as _, ready};
+    use crate::bake::{bake_level, ready};
     use crate::cpu::reflector::{Reflector, ReflectorSettings, Workspace};
     use crate::light::chain::LevelSpec;
     use crate::light::environment::lamps;
     use crate::lobe::Lobe;
     use crate::sphere::cube::{Face, direction_from_cube};
+    use glam::DVec3;
 
     /// Number `k` of Halton's sequence, in [0, 1).
     fn halton(k: u32, base: u32) -> f64 {
@@ -332,7 +326,8 @@ mod tests {
     /// Checks a few hundred texels of `level`, a cube of 256.
     fn within_bounds(reflector: &Reflector<'_>, level: &LevelJob) {
         let LevelSpec { layout, roughness } = level.spec;
-        let baked = ready(reflector.bake_level(level, &|_| Ok(()))).expect("a level");
+        let baked =
+            ready(bake_level(reflector, reflector.environment(), level, &|_| Ok(()))).expect("a level");
         let (bounds, greatest) = (baked.bounds.expect("bounds"), baked.channel_bounds.expect("bounds"));
         let lobes = reflector.lobes(Lobe::Ggx, roughness, Filter::Adaptive(1e-4)).expect("lobes");
         let (mut squares, mut sum, mut bound, mut worst) = ([0.0; 3], [0.0; 3], 0.0, 0.0_f64);

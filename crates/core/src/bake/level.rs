@@ -47,6 +47,9 @@ impl LevelJob {
 /// Called with the number of texels done since the last call, from any thread; an error stops the bake.
 pub type Advance<'a> = &'a (dyn Fn(u64) -> Result<()> + Sync);
 
+/// Called when part `part` of `parts` is done, from any thread; an error stops the bake.
+pub type Part<'a> = &'a (dyn Fn(u64, u64) -> Result<()> + Sync);
+
 /// A baked level.
 pub struct BakedLevel {
     /// The engine that computed it.
@@ -88,7 +91,7 @@ impl LeafCounts {
 }
 
 /// Bakes `level`; calls `advance` with the number of texels done, from any thread.
-pub(crate) fn bake_level(
+pub(super) fn bake_texels(
     reflector: &Reflector<'_>,
     level: &LevelJob,
     advance: Advance<'_>,

@@ -1,7 +1,7 @@
 //! Bakes prefiltered cube chains.
 
 pub mod dfg;
-pub mod interpolated;
+mod interpolated;
 pub mod job;
 pub mod level;
 pub mod memory;
@@ -9,13 +9,12 @@ pub mod query;
 pub(crate) mod result;
 pub(crate) mod settings;
 pub(crate) mod solve;
-pub mod sparse;
+mod sparse;
 
 use self::interpolated::Interpolation;
 use crate::analysis::typical::{median, probes};
 use crate::common::error::{Error, Result};
-use crate::common::parallel;
-use crate::cpu::reflector::{Reflector, Workspace, check_answers};
+use crate::cpu::reflector::{Reflector, check_answers};
 use crate::light::chain::Chain;
 use crate::light::chain_lookup::ChainLookup;
 use crate::light::environment::{Environment, Layout};
@@ -26,7 +25,7 @@ use crate::pyramid::BakedPyramid;
 use glam::DVec3;
 use job::Job;
 pub use level::Processor;
-use level::{Advance, BakedLevel, LevelJob};
+use level::{Advance, BakedLevel, LeafCounts, LevelJob, Part};
 pub use result::{Bake, LevelStats, OnProgress, Progress};
 pub use settings::{BakeSettings, Skybox};
 use std::ops::ControlFlow;
@@ -70,8 +69,24 @@ pub fn unwatched(_: Progress) -> ControlFlow<()> {
 #[expect(async_fn_in_trait, reason = "no caller needs its futures to be Send")]
 /// Interface of both engines, over a prepared OEM. Futures of the CPU engine are always ready.
 pub trait Engine {
-    /// Bakes `level`; calls `advance` with the number of texels done and stops at its error.
-    async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel>;
+    /// What bakes, unless a level says otherwise.
+    const PROCESSOR: Processor;
+
+    /// Texels along an edge of the OEM, without its border.
+    fn inner(&self) -> u32;
+
+    /// Bakes `level` texel by texel; calls `advance` with the number of texels done and stops at its error.
+    async fn bake_texels(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel>;
+
+    /// Answers of the lobes of `level`, by [`Filter::Adaptive`] to `tolerance`, to all directions of `packets`;
+    /// calls `done` after each part.
+    async fn answers(
+        &self,
+        level: &LevelJob,
+        tolerance: f64,
+        packets: &[Vec<DVec3>],
+        done: Part<'_>,
+    ) -> Result<(Vec<Answer>, LeafCounts)>;
 
     /// The OEM's size, and the energy of the light that lobes read in the source's units.
     async fn oem(&self) -> Result<(OemSize, [f64; 3])>;
@@ -88,22 +103,25 @@ pub trait Engine {
 }
 
 impl Engine for Reflector<'_> {
-    async fn bake_level(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
-        let lobes = |tolerance| self.lobes(level.lobe, level.spec.roughness, Filter::Adaptive(tolerance));
-        if let Some(interpolation) = Interpolation::of(level) {
-            let lobes = &lobes(interpolation.tolerance())?;
-            let evaluate =
-                async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| sparse::evaluate(lobes, packets, done);
-            return interpolation.bake(level, self.environment(), Processor::Cpu, evaluate, advance).await;
-        }
-        if let Some(tolerance) = sparse::tolerance(level) {
-            let lobes = &lobes(tolerance)?;
-            let evaluate =
-                async |packets: &[Vec<DVec3>], done: sparse::Part<'_>| sparse::evaluate(lobes, packets, done);
-            let inner = self.size().inner;
-            return sparse::bake_sparsely(inner, level, tolerance, Processor::Cpu, evaluate, advance).await;
-        }
-        level::bake_level(self, level, advance)
+    const PROCESSOR: Processor = Processor::Cpu;
+
+    fn inner(&self) -> u32 {
+        self.size().inner
+    }
+
+    async fn bake_texels(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel> {
+        level::bake_texels(self, level, advance)
+    }
+
+    async fn answers(
+        &self,
+        level: &LevelJob,
+        tolerance: f64,
+        packets: &[Vec<DVec3>],
+        done: Part<'_>,
+    ) -> Result<(Vec<Answer>, LeafCounts)> {
+        let lobes = self.lobes(level.lobe, level.spec.roughness, Filter::Adaptive(tolerance))?;
+        sparse::evaluate(&lobes, packets, done)
     }
 
     async fn oem(&self) -> Result<(OemSize, [f64; 3])> {
@@ -118,13 +136,7 @@ impl Engine for Reflector<'_> {
         filter: Filter,
     ) -> Result<Vec<Answer>> {
         let lobes = self.lobes(lobe, roughness, filter)?;
-        let answer = |(workspace, answers): &mut (Workspace, Vec<Answer>), direction: &DVec3| {
-            answers.clear();
-            lobes.evaluate(&[*direction], workspace, answers)?;
-            Ok(answers[0])
-        };
-        let start = || (Workspace::default(), Vec::with_capacity(1));
-        let answers = parallel::try_map_with(directions, start, answer)?;
+        let answers = query::each(directions.iter().map(|direction| (&lobes, *direction)), &|| Ok(()))?;
         check_answers(directions, &answers)?;
         Ok(answers)
     }
@@ -132,15 +144,15 @@ impl Engine for Reflector<'_> {
 
 /// Bakes every level of `job` by `engine`.
 pub async fn bake_job(job: Job<'_>, engine: &impl Engine, progress: OnProgress<'_>) -> Result<Vec<Bake>> {
+    let (environment, settings) = job.inputs();
     let meter = job.meter(progress);
     let mut levels = Vec::new();
     for (index, level) in job.levels().iter().enumerate() {
         let start = Instant::now();
-        let baked = engine.bake_level(level, &|texels| meter.advance(index, texels)).await?;
+        let baked = bake_level(engine, environment, level, &|texels| meter.advance(index, texels)).await?;
         levels.push((baked, start.elapsed().as_secs_f64()));
     }
     let (oem, energy) = engine.oem().await?;
-    let (environment, settings) = job.inputs();
     let mut bakes = job.finish(levels, oem, energy)?;
     for (bake, settings) in bakes.iter_mut().zip(settings).filter(|(_, settings)| settings.pyramid) {
         bake.pyramid = Some(BakedPyramid::new(environment, settings.size)?);
@@ -149,6 +161,22 @@ pub async fn bake_job(job: Job<'_>, engine: &impl Engine, progress: OnProgress<'
         bake.typical_error = typical_error(engine, &bake.chain, settings, environment.layout()).await?;
     }
     Ok(bakes)
+}
+
+/// Bakes `level` of lobes over `environment`: by interpolation where that is as good, else texel by texel.
+async fn bake_level(
+    engine: &impl Engine,
+    environment: &Environment,
+    level: &LevelJob,
+    advance: Advance<'_>,
+) -> Result<BakedLevel> {
+    if let Some(interpolation) = Interpolation::of(level) {
+        return interpolation.bake(engine, environment, level, advance).await;
+    }
+    match sparse::tolerance(level) {
+        Some(tolerance) => sparse::bake_sparsely(engine, level, tolerance, advance).await,
+        None => engine.bake_texels(level, advance).await,
+    }
 }
 
 /// Typical error of the look-ups of `chain`, against finer lobes of `engine`: the median over roughness.

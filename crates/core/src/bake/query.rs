@@ -1,9 +1,10 @@
 //! Queries of many directions, each with its own roughness.
 
-use super::{Engine, ready};
+use super::Engine;
 use crate::common::direction::units;
 use crate::common::error::{Result, wrong};
-use crate::cpu::reflector::Reflector;
+use crate::common::parallel;
+use crate::cpu::reflector::{Lobes, Reflector, Workspace, check_answers};
 use crate::lobe::Lobe;
 use crate::lobe::filter::{Answer, Filter};
 use glam::DVec3;
@@ -73,6 +74,60 @@ impl Query<'_> {
     /// # Errors
     /// As [`Reflector::query`].
     pub fn answered(&self, reflector: &Reflector<'_>) -> Result<Vec<Answer>> {
-        ready(self.answers(reflector))
+        self.answered_unless(reflector, &|| Ok(()))
     }
+
+    /// [`Self::answered`], unless `check` fails, which is called often.
+    ///
+    /// # Errors
+    /// As [`Reflector::query`]; those of `check`.
+    pub fn answered_unless(
+        &self,
+        reflector: &Reflector<'_>,
+        check: &(dyn Fn() -> Result<()> + Sync),
+    ) -> Result<Vec<Answer>> {
+        let mut ordered = vec![Answer { radiance: [0.0; 3], bound: None }; self.directions.len()];
+        // The reference filter prepares every texel for each lobe.
+        let at_once = if self.filter == Filter::Reference { 1 } else { LOBES_AT_ONCE };
+        for batch in self.alike()?.chunks(at_once) {
+            let mut lobes = Vec::with_capacity(batch.len());
+            for Alike { roughness, .. } in batch {
+                check()?;
+                lobes.push(reflector.lobes(self.lobe, *roughness, self.filter)?);
+            }
+            let directions = lobes
+                .iter()
+                .zip(batch)
+                .flat_map(|(lobes, alike)| alike.directions.iter().map(move |direction| (lobes, *direction)));
+            let answers = each(directions, check)?;
+            let places = batch.iter().flat_map(|alike| &alike.indices);
+            places.zip(answers).for_each(|(place, answer)| ordered[*place] = answer);
+        }
+        check_answers(self.directions, &ordered)?;
+        Ok(ordered)
+    }
+}
+
+/// Lobes of different roughness that are prepared before their directions are answered side by side.
+const LOBES_AT_ONCE: usize = 256;
+
+/// Most tasks at once: few directions have one each.
+const TASKS: usize = 1024;
+
+/// The answers of lobes around unit vectors, each evaluated on its own.
+pub(super) fn each<'l, 'r: 'l>(
+    directions: impl IntoIterator<Item = (&'l Lobes<'r>, DVec3)>,
+    check: &(dyn Fn() -> Result<()> + Sync),
+) -> Result<Vec<Answer>> {
+    let directions: Vec<_> = directions.into_iter().collect();
+    let tasks = directions.chunks(directions.len().div_ceil(TASKS).max(1));
+    let answers = parallel::try_map_with(tasks, Workspace::default, |workspace, directions| {
+        let mut answers = Vec::with_capacity(directions.len());
+        for (lobes, direction) in directions {
+            check()?;
+            lobes.evaluate(&[*direction], workspace, &mut answers)?;
+        }
+        Ok(answers)
+    })?;
+    Ok(answers.concat())
 }

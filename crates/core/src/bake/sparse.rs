@@ -2,7 +2,8 @@
 //! interpolated in between. Where the nodes' differences are too large for that, nodes half as far apart are
 //! evaluated, and so on down to tiles of texels.
 
-use super::level::{Advance, BakedLevel, LeafCounts, LevelJob, Processor};
+use super::Engine;
+use super::level::{Advance, BakedLevel, LeafCounts, LevelJob, Part};
 use crate::common::error::Result;
 use crate::common::parallel;
 use crate::cpu::leaves::LANES;
@@ -36,9 +37,6 @@ const BLOCK: u32 = 8;
 /// Texels whose tiles are gathered at once.
 const GATHERED: u32 = 1 << 17;
 
-/// Called when part `part` of `parts` is done, from any thread; an error stops the bake.
-pub type Part<'a> = &'a (dyn Fn(u64, u64) -> Result<()> + Sync);
-
 /// Packets of up to [`LANES`] adjacent directions.
 type Packets = Vec<Vec<DVec3>>;
 
@@ -66,7 +64,7 @@ fn stride(spec: LevelSpec, lobe: Lobe) -> u32 {
 }
 
 /// Tolerance of a level that [`bake_sparsely`] bakes; `None` for others.
-pub fn tolerance(level: &LevelJob) -> Option<f64> {
+pub(super) fn tolerance(level: &LevelJob) -> Option<f64> {
     match level.filter {
         Filter::Adaptive(error)
             if level.sparse && level.lobe == Lobe::Charlie && stride(level.spec, level.lobe) > 1 =>
@@ -107,17 +105,14 @@ pub(super) fn evaluate(
     Ok((answers, work))
 }
 
-/// Bakes `level` over an OEM of `inner` texels without certified bounds, by `evaluate`: the answers to
-/// packets of directions in their order, to the level's [`tolerance`].
-pub async fn bake_sparsely(
-    inner: u32,
+/// Bakes `level` without certified bounds, by the answers of `engine` to `tolerance`.
+pub(super) async fn bake_sparsely<E: Engine>(
+    engine: &E,
     level: &LevelJob,
     tolerance: f64,
-    processor: Processor,
-    evaluate: impl AsyncFn(&[Vec<DVec3>], Part<'_>) -> Result<(Vec<Answer>, LeafCounts)>,
     advance: Advance<'_>,
 ) -> Result<BakedLevel> {
-    let tiling = Tiling::new(inner, level.spec, level.lobe);
+    let tiling = Tiling::new(engine.inner(), level.spec, level.lobe);
     let stride = stride(level.spec, level.lobe);
     // Nodes take about half the time.
     let total = level.spec.layout.texel_count() as u64;
@@ -126,13 +121,14 @@ pub async fn bake_sparsely(
 
     let mut nodes = Nodes::new(stride, tiling.sides.1 / stride);
     let (places, packets) = nodes.gathered(|_, _, _| true);
-    let (answers, mut work) = evaluate(&packets, &|part, parts| advance(share(half, part, parts))).await?;
+    let first_half: Part<'_> = &|part, parts| advance(share(half, part, parts));
+    let (answers, mut work) = engine.answers(level, tolerance, &packets, first_half).await?;
     nodes.take(&places, &answers);
     let mut refined = nodes.rough_cells(tolerance);
     while nodes.stride > 2 {
         let mut halved = nodes.halved();
         let (places, packets) = halved.gathered(|face, i, j| nodes.is_refined(&refined, face, [i, j]));
-        let (answers, counts) = evaluate(&packets, unmeasured).await?;
+        let (answers, counts) = engine.answers(level, tolerance, &packets, unmeasured).await?;
         work.add(&counts);
         halved.take(&places, &answers);
         nodes = halved;
@@ -162,7 +158,7 @@ pub async fn bake_sparsely(
             (line, packets)
         };
         let (lines, packets): (Vec<_>, Vec<_>) = parallel::map(rows.clone(), gather).into_iter().unzip();
-        let (answers, counts) = evaluate(&packets.concat(), unmeasured).await?;
+        let (answers, counts) = engine.answers(level, tolerance, &packets.concat(), unmeasured).await?;
         work.add(&counts);
         let mut rest = &answers[..];
         for (row, mut line) in rows.zip(lines) {
@@ -180,7 +176,7 @@ pub async fn bake_sparsely(
         }
         advance(share(total - half, batch, batches))?;
     }
-    Ok(BakedLevel::new(processor, texels.into_iter(), work))
+    Ok(BakedLevel::new(E::PROCESSOR, texels.into_iter(), work))
 }
 
 impl Nodes {

@@ -1,13 +1,15 @@
 //! Box queries over the exact SAT in textures: for lists of directions, and as WGSL for the caller's shaders.
 
 use super::oem::Table;
+use super::{fixed_point, sat_hensley, sat_scan};
 use crate::device::readback;
 use crate::device::resources::{UNIFORM, group, group_layout, texture_binding};
 use crate::device::stage::{Dispatch, in_rows};
-use crate::{Context, SatPlanes, Stage};
+use crate::{Context, OemPlanes, SatPlanes, Stage};
 use glam::DVec3;
 use octagloss_core::common::error::{Error, Result};
 use octagloss_core::cpu::box_filter::StackedBox;
+use octagloss_core::light::sat::Scan;
 
 /// Edge of a workgroup of the packing pass, in invocations.
 pub const EDGE: u32 = 16;
@@ -66,6 +68,24 @@ impl SatTextures {
         let [low, high] = [&self.low, &self.high].map(wgpu::BindingResource::TextureView);
         group(context, "octagloss table", layout, [self.header.as_entire_binding(), low, high])
     }
+}
+
+/// The exact table of `planes` in textures, and the stages that fill them; all scans give the same words.
+///
+/// # Errors
+/// [`Error::Limit`] if the table exceeds the device, [`Error::Unsupported`] for the serial scan,
+/// [`Error::Parameter`] for an invalid radix.
+pub fn tables(context: &Context, scan: Scan, planes: &OemPlanes) -> Result<(SatTextures, [Stage; 3])> {
+    scan.check()?;
+    let sat = SatPlanes::new(context, planes.size())?;
+    let textures = SatTextures::new(context, &sat)?;
+    let scanned = match scan {
+        Scan::Blocks => sat_scan::stage(context, planes, &sat),
+        Scan::Hensley { radix } => sat_hensley::stage(context, radix, planes, &sat),
+        Scan::Serial => return Err(Error::Unsupported { what: "the serial scan".to_owned() }),
+    };
+    let stages = [fixed_point::stage(context, planes, &sat), scanned, pack(context, &sat, &textures)];
+    Ok((textures, stages))
 }
 
 /// The stage that copies the words of `sat` into `textures`.

@@ -15,4 +15,3 @@ pub mod reparameterise;
 pub mod sat_f32;
 pub mod sat_hensley;
 pub mod sat_scan;
-pub mod table_scan;

@@ -14,12 +14,12 @@ use octagloss_core::light::oem::OemSize;
 use octagloss_core::lobe::Lobe;
 use octagloss_core::lobe::filter::Filter;
 use octagloss_gpu::stages::box_filter::{self, SatTextures};
+use octagloss_gpu::stages::build_pyramid;
 use octagloss_gpu::stages::lamp::{self, Lamp};
 use octagloss_gpu::stages::pyramid::PyramidMaps;
 use octagloss_gpu::stages::reflection::{self, Surfaces};
 use octagloss_gpu::stages::reparameterise::{self, upload};
-use octagloss_gpu::stages::{build_pyramid, fixed_point, table_scan};
-use octagloss_gpu::{Context, OemPlanes, SatPlanes, Stage};
+use octagloss_gpu::{Context, OemPlanes, Stage};
 use std::cell::OnceCell;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -95,16 +95,13 @@ impl Light {
         let texture = upload(context, &environment)?;
         let lamp_buffer = Lamp::default().buffer(context);
         let planes = OemPlanes::new(context, size)?;
-        let sat = SatPlanes::new(context, size)?;
-        let boxes = SatTextures::new(context, &sat)?;
+        let (boxes, tables) = box_filter::tables(context, settings.scan, &planes)?;
         let pyramid = PyramidMaps::new(context, size.inner)?;
         let mut stages = vec![
             reparameterise::stage(context, environment.layout(), &texture, &planes)?,
             lamp::stage(context, &lamp_buffer, &planes),
-            fixed_point::stage(context, &planes, &sat),
-            table_scan::stage(context, settings.scan, &planes, &sat)?,
-            box_filter::pack(context, &sat, &boxes),
         ];
+        stages.extend(tables);
         stages.extend(build_pyramid::stages(context, &planes, &pyramid));
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         context.check()?;
