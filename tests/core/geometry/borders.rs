@@ -9,7 +9,7 @@ use octagloss_core::light::environment::Rgb;
 use octagloss_core::sphere::grid::Grid;
 use octagloss_core::sphere::map::Texel;
 use octagloss_core::sphere::registry::MAPS;
-use octagloss_fixtures::common::Random;
+use octagloss_fixtures::common::{Random, texel_from_direction};
 
 /// A map converted from a fine panorama, with its border.
 struct Bordered {
@@ -67,7 +67,7 @@ fn sampled(light: &Light<'_>, grid: &Grid, component: u32, x: i64, y: i64, sampl
             let (a, b) = (direction(k, l), direction(k + 1.0, l));
             let (c, d) = (direction(k + 1.0, l + 1.0), direction(k, l + 1.0));
             let weight = (c - a).cross(d - b).length();
-            let texel = light.grid.texel_from_direction(direction(k + 0.5, l + 0.5));
+            let texel = texel_from_direction(&light.grid, direction(k + 0.5, l + 0.5));
             sum += weight * f64::from(light.texels[light.grid.index(texel)][0]);
             total += weight;
         }

@@ -2,7 +2,7 @@
 
 use crate::analysis::channels::{ErrorSums, Greatest, Relative, differences, relative_to};
 use crate::analysis::oracle::Oracle;
-use crate::analysis::sun::{neighbour, texel_width};
+use crate::analysis::sun::texel_width;
 use crate::common::error::{Result, wrong};
 use crate::common::finite::finite;
 use crate::common::parallel;
@@ -12,7 +12,7 @@ use crate::geometry::tiling::edge;
 use crate::light::chain::{Chain, Level};
 use crate::light::environment::{Environment, Layout, exact_luminance};
 use crate::lobe::{Lobe, full_width_at_half_maximum};
-use crate::sphere::cube::Face;
+use crate::sphere::cube::{Face, texel_around};
 use glam::DVec3;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -383,7 +383,7 @@ fn step_across(size: u32, k: usize) -> (usize, usize) {
         2 => ((along, last), (along, last + 1)),
         _ => ((along, 0), (along, -1)),
     };
-    (neighbour(size, face, inside.0, inside.1), neighbour(size, face, outside.0, outside.1))
+    (texel_around(size, face, inside.0, inside.1), texel_around(size, face, outside.0, outside.1))
 }
 
 /// `amount` of the numbers below `count`, or all, in order; deterministic.

@@ -2,7 +2,8 @@
 
 use crate::common::names::named;
 use crate::light::environment::{Environment, Layout, Rgb, exact_luminance};
-use crate::sphere::{cube, octahedral};
+use crate::sphere::cube::{Face, texel_around};
+use crate::sphere::octahedral;
 use glam::DVec3;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -134,7 +135,6 @@ impl Peak {
 
 impl Sun {
     /// Finds the brightest region of `environment`; `None` if none stands out.
-    #[must_use]
     pub fn find(environment: &Environment) -> Option<Self> {
         let peak = Peak::brightest(environment).filter(Peak::stands_out)?;
         Some(Self::at(environment, &peak))
@@ -179,19 +179,16 @@ impl Sun {
     }
 
     /// Diameter in degrees of the disc of its solid angle.
-    #[must_use]
     pub fn diameter_degrees(&self) -> f64 {
         2.0 * disc_radius(self.solid_angle).to_degrees()
     }
 
     /// Degrees from +X towards +Z, in (-180, 180]: 0 at the panorama's centre, positive in its right half.
-    #[must_use]
     pub fn azimuth_degrees(&self) -> f64 {
         self.direction.z.atan2(self.direction.x).to_degrees()
     }
 
     /// Degrees above the horizon, in [-90, 90].
-    #[must_use]
     pub fn elevation_degrees(&self) -> f64 {
         self.direction.y.atan2(self.direction.x.hypot(self.direction.z)).to_degrees()
     }
@@ -243,7 +240,7 @@ impl Layout {
                 let column = (x + if over { width / 2 } else { 0 }).rem_euclid(width);
                 (y.clamp(0, height - 1) * width + column) as usize
             }
-            Self::Cube { size } => neighbour(size, cube::Face::ALL[face as usize], x, y),
+            Self::Cube { size } => texel_around(size, Face::ALL[face as usize], x, y),
             Self::Octahedral { size } => {
                 let (x, y) = octahedral::wrap_texel(size, x, y);
                 y as usize * size as usize + x as usize
@@ -284,18 +281,6 @@ impl Layout {
         region
     }
 }
-
-/// Index of the cube texel at (`x`, `y`) of `face`, which may be one texel outside the face.
-pub(crate) fn neighbour(size: u32, face: cube::Face, x: i64, y: i64) -> usize {
-    let n = f64::from(size);
-    let coordinate = |k: i64| (k as f64 + 0.5) / n * 2.0 - 1.0;
-    let (face, s, t) = cube::cube_from_direction(cube::cube_point(face, coordinate(x), coordinate(y)));
-    // A point one texel outside projects to the adjacent row of the neighbour, at the same position: s/(1 +
-    // 1/n) stays in its texel.
-    let texel = |c: f64| (((c + 1.0) / 2.0 * n) as usize).min(size as usize - 1);
-    (face.index() * size as usize + texel(t)) * size as usize + texel(s)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

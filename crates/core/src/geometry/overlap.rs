@@ -71,13 +71,6 @@ pub(crate) fn mean_radiances(environment: &Environment, turn: DMat3, target: Tar
     }
     let overlaps = Overlaps::new(environment.layout(), turn, target)?;
     let texels = environment.texels();
-    if let (Target::Cube(n), true) = (target, overlaps.symmetric) {
-        let half = n as usize / 2;
-        let mut means = vec![[0.0; 3]; target.texel_count()];
-        let rows = means.chunks_mut(half).enumerate();
-        parallel::for_each(rows, |(k, means)| overlaps.half_row(k * half, texels, means));
-        return Ok(means);
-    }
     let mean = |texel| overlaps.mean_radiance(texel, texels);
     Ok(parallel::values(target.texel_count(), mean))
 }
@@ -263,7 +256,6 @@ impl Overlaps {
 
     /// Calls `visit` with every source texel that overlaps target texel `target` and the overlap in
     /// steradians, in a fixed order.
-    #[inline]
     fn for_each_source(&self, target: usize, mut visit: impl FnMut(usize, f32)) {
         let row = |row: usize| &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize];
         if self.symmetric {
@@ -280,55 +272,16 @@ impl Overlaps {
         }
     }
 
-    /// Overlap-weighted mean of the sources of one target texel.
+    /// Overlap-weighted mean of the sources of one target texel, in double precision: radiance spans more
+    /// decades than sums in single precision preserve.
     fn mean_radiance(&self, target: usize, texels: &[Rgb]) -> Rgb {
-        let mut mean = Mean::default();
-        self.for_each_source(target, |source, solid_angle| mean.add(texels[source], solid_angle));
-        mean.radiance()
-    }
-
-    /// [`Self::mean_radiance`] for half a row of a cube's face, from texel `first` on: all in one octant of a
-    /// symmetric matrix.
-    fn half_row(&self, first: usize, texels: &[Rgb], means: &mut [Rgb]) {
-        let ends =
-            [first, first + means.len() - 1].map(|texel| index::octants_of_texel(self.target, texel)[0]);
-        let [Some((octant, start)), Some((_, end))] = ends else { unreachable!("texels of a cube") };
-        let source = &self.source_maps[octant];
-        for (k, mean) in means.iter_mut().enumerate() {
-            let row = if start <= end { start + k } else { start - k };
-            let mut sum = Mean::default();
-            for &(packed, solid_angle) in
-                &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize]
-            {
-                sum.add(texels[source.texel(packed)], solid_angle);
-            }
-            *mean = sum.radiance();
-        }
-    }
-}
-
-/// A weighted mean of radiance, in double precision: radiance spans more decades than sums in single
-/// precision preserve.
-#[derive(Default)]
-struct Mean {
-    sum: [f64; 3],
-    total: f64,
-}
-
-impl Mean {
-    #[inline]
-    fn add(&mut self, radiance: Rgb, solid_angle: f32) {
-        let weight = f64::from(solid_angle);
-        self.total += weight;
-        for (sum, value) in self.sum.iter_mut().zip(radiance) {
-            *sum += weight * f64::from(value);
-        }
-    }
-
-    #[inline]
-    fn radiance(&self) -> Rgb {
-        let per_total = 1.0 / self.total;
-        self.sum.map(|sum| (sum * per_total) as f32)
+        let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+        self.for_each_source(target, |source, solid_angle| {
+            let weight = f64::from(solid_angle);
+            sum += weight * DVec3::from(texels[source].map(f64::from));
+            total += weight;
+        });
+        (sum * (1.0 / total)).as_vec3().to_array()
     }
 }
 

@@ -6,7 +6,7 @@
 
 use crate::light::chain::Level;
 use crate::light::environment::{Layout, Rgb};
-use crate::sphere::cube::{Face, cube_from_direction, cube_point};
+use crate::sphere::cube::{Face, cube_from_direction, texel_around};
 use crate::sphere::equirect::equirect_from_direction;
 use crate::sphere::octahedral::{oct_from_direction, wrap_texel};
 use glam::DVec3;
@@ -37,15 +37,11 @@ impl LevelLookup {
     /// Prepares look-ups of levels with `size` texels per edge.
     pub fn new(size: u32) -> Self {
         let n = size as usize;
-        // The neighbour's outermost texel is just across the edge.
-        let across = 1.0 + 1e-9;
         let index = |place: usize| {
-            let (face, edge, k) = (place / (4 * n), place / n % 4, place % n);
-            let along = (2 * k + 1) as f64 / n as f64 - 1.0;
-            let (s, t) = [(along, -across), (along, across), (-across, along), (across, along)][edge];
-            let (face, s, t) = cube_from_direction(cube_point(Face::ALL[face], s, t));
-            let line = |x: f64| (((x + 1.0) / 2.0 * n as f64) as usize).min(n - 1);
-            ((face.index() * n + line(t)) * n + line(s)) as u32
+            let (face, edge, k) = (place / (4 * n), place / n % 4, (place % n) as i64);
+            let end = i64::from(size);
+            let (x, y) = [(k, -1), (k, end), (-1, k), (end, k)][edge];
+            texel_around(size, Face::ALL[face], x, y) as u32
         };
         Self { size: n, beyond: (0..24 * n).map(index).collect() }
     }

@@ -68,13 +68,11 @@ impl Face {
     pub const ALL: [Self; 6] = [Self::PosX, Self::NegX, Self::PosY, Self::NegY, Self::PosZ, Self::NegZ];
 
     /// Position in [`Face::ALL`].
-    #[must_use]
     pub const fn index(self) -> usize {
         self as usize
     }
 
     /// The two letters of file names: `px`, `nx`, `py`, `ny`, `pz`, `nz`.
-    #[must_use]
     pub const fn short_name(self) -> &'static str {
         ["px", "nx", "py", "ny", "pz", "nz"][self as usize]
     }
@@ -124,6 +122,18 @@ pub fn cube_from_direction(direction: DVec3) -> (Face, f64, f64) {
     } else {
         (Face::NegZ, -d.x / a.z, -d.y / a.z)
     }
+}
+
+/// Index of the texel in column `x` and row `y` of `face`, which may be one outside: faces of `size` texels
+/// along an edge, in storage order.
+pub(crate) fn texel_around(size: u32, face: Face, x: i64, y: i64) -> usize {
+    let n = f64::from(size);
+    let coordinate = |k: i64| (k as f64 + 0.5) / n * 2.0 - 1.0;
+    let (face, s, t) = cube_from_direction(cube_point(face, coordinate(x), coordinate(y)));
+    // A point one texel outside projects to the adjacent row of the neighbour, at the same position: s/(1 +
+    // 1/n) stays in its texel.
+    let texel = |c: f64| (((c + 1.0) / 2.0 * n) as usize).min(size as usize - 1);
+    (face.index() * size as usize + texel(t)) * size as usize + texel(s)
 }
 
 /// Solid angle of the rectangle from the face's centre to (`s`, `t`), signed by s*t.

@@ -96,20 +96,6 @@ impl Grid {
         self.map.direction(texel.component, uv)
     }
 
-    /// The texel that `direction` (any length but zero) falls into.
-    pub fn texel_from_direction(&self, direction: glam::DVec3) -> Texel {
-        let place = self.map.locate(direction);
-        let component = self.map.component(place.component);
-        let at = (place.uv - component.low) / self.step(&component);
-        let [width, height] = self.sides(place.component);
-        // Casts of negative or too large values saturate.
-        Texel {
-            component: place.component,
-            x: (at.x as u32).min(width - 1),
-            y: (at.y as u32).min(height - 1),
-        }
-    }
-
     /// The place of the centre of `texel`.
     pub(crate) fn centre(&self, texel: Texel) -> Place {
         let uv = self.uv(texel.component, f64::from(texel.x) + 0.5, f64::from(texel.y) + 0.5);
