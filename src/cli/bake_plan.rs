@@ -2,7 +2,7 @@
 
 use super::args::BakeArgs;
 use super::console::with_options;
-use super::outcome::{Outcome, or_usage, usage};
+use super::outcome::{Outcome, or_usage, refuse_given, usage};
 use super::output::{FOREIGN, check_folder_name, extension, names_folder};
 use crate::files::Container;
 use crate::recipes::{BakePlan, Recipe};
@@ -55,12 +55,9 @@ pub(super) fn check_stdout(args: &BakeArgs, plan: &TargetPlan, several: bool) ->
         (args.recipe.input.extract_sun.is_some(), "--extract-sun"),
         (args.verify.is_some(), "--verify"),
     ];
-    match others.into_iter().find(|(asked, _)| *asked) {
-        Some((_, option)) => usage(format!(
-            "-o - writes only one file, to standard output; omit {option} or name a file with -o"
-        )),
-        None => Ok(()),
-    }
+    refuse_given(&others, |option| {
+        format!("-o - writes only one file, to standard output; omit {option} or name a file with -o")
+    })
 }
 
 /// The given format, else that of the output's extension.

@@ -9,7 +9,7 @@ use super::gate::Verdict;
 use super::input::{InputFiles, named_sources};
 use super::look_ups::channel;
 use super::measures::Measures;
-use super::outcome::{Failure, Outcome, failed, print, usage};
+use super::outcome::{Failure, Outcome, failed, print, refuse_given};
 use crate::targets::Target;
 use octagloss_core::files::io;
 use serde_json::json;
@@ -31,9 +31,9 @@ pub(super) fn run(args: &CompareArgs, console: &Console) -> Outcome {
         (args.chart.is_some(), "--chart"),
         (!args.overlay.is_empty(), "--overlay"),
     ];
-    if let Some((_, option)) = options.into_iter().find(|(asked, _)| *asked) {
-        return usage(format!("{} is a folder of bakes; {option} is for one bake", args.bake.display()));
-    }
+    refuse_given(&options, |option| {
+        format!("{} is a folder of bakes; {option} is for one bake", args.bake.display())
+    })?;
     let Expansion { found, failures, .. } = expand(args.against.clone(), args.recursive, Some(&args.bake));
     // By the names of their bakes in the folder, without extension.
     let alike = ("have one name,", "compare them separately");

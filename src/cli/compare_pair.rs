@@ -7,7 +7,7 @@ use super::console::Console;
 use super::input::{file_name, single_source};
 use super::look_ups::{self, Delivered, Overlay};
 use super::measures::Measures;
-use super::outcome::{Outcome, print, print_json, usage};
+use super::outcome::{Outcome, print, print_json, refuse_given, usage};
 use crate::files::Existing;
 use crate::recipes::InputOptions;
 use crate::{Chain, Ladder};
@@ -51,9 +51,9 @@ pub(super) fn run(args: &CompareArgs, existing: Existing, console: &Console) -> 
         (!args.overlay.is_empty(), "--overlay"),
         (args.texels.is_some(), "--texels"),
     ];
-    if let Some((_, option)) = options.into_iter().find(|(asked, _)| *asked) {
-        return usage(format!("compare A B SOURCE shows look-ups of two bakes; {option} is for one bake"));
-    }
+    refuse_given(&options, |option| {
+        format!("compare A B SOURCE shows look-ups of two bakes; {option} is for one bake")
+    })?;
     let files = single_source(vec![source.clone()], &args.input)?;
     let sources = Sources::new(files, &args.input, args.lobe, console);
     let loaded = [bake_in(&args.bake, console)?, bake_in(other, console)?];

@@ -148,6 +148,14 @@ pub fn check_output(path: &Path, force: bool) -> Outcome<Existing> {
     Ok(existing)
 }
 
+/// Refuses the first of `options` that was given, by a message about its name.
+pub fn refuse_given(options: &[(bool, &str)], message: impl FnOnce(&str) -> String) -> Outcome {
+    match options.iter().find(|(is_given, _)| *is_given) {
+        Some((_, option)) => usage(message(option)),
+        None => Ok(()),
+    }
+}
+
 /// `result`, whose error is one of usage.
 pub fn or_usage<T>(result: crate::Result<T>) -> Outcome<T> {
     result.or_else(|error| usage(error.to_string()))
