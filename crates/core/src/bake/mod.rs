@@ -78,7 +78,7 @@ pub trait Engine {
     /// Bakes `level` texel by texel; calls `advance` with the number of texels done and stops at its error.
     async fn bake_texels(&self, level: &LevelJob, advance: Advance<'_>) -> Result<BakedLevel>;
 
-    /// Answers of the lobes of `level`, by [`Filter::Adaptive`] to `tolerance`, to all directions of `packets`;
+    /// Answers of lobes of `level`, by [`Filter::Adaptive`] to `tolerance`, to the directions of `packets`;
     /// calls `done` after each part.
     async fn answers(
         &self,
