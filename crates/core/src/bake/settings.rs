@@ -51,6 +51,7 @@ impl Skybox {
     }
 
     /// The edge of the cube for a source of `layout`.
+    #[must_use]
     pub fn edge(self, layout: Layout) -> u32 {
         match self {
             Self::Edge(edge) => edge,
@@ -177,12 +178,14 @@ impl BakeSettings {
     }
 
     /// Content of the levels' texels.
+    #[must_use]
     pub fn chain(&self) -> ChainKind {
         self.chain.unwrap_or_else(|| self.default_chain())
     }
 
     /// Mixed for cubes of GGX on the linear ladder by certified quadrature, whose bounds are not kept; else
     /// sampled.
+    #[must_use]
     pub fn default_chain(&self) -> ChainKind {
         let Self { map, ladder, lobe, filter, bounds, .. } = self;
         match (map, ladder, lobe, filter, bounds) {

@@ -45,17 +45,20 @@ impl Source {
     ///
     /// # Panics
     /// If there are not as many.
+    #[must_use]
     pub fn from_texels(grid: Grid, texels: Vec<Rgb>, world_from_source: DMat3) -> Self {
         assert_eq!(texels.len(), grid.texel_count(), "the texels of a grid");
         Self { grid, texels: Texels::Map(texels), world_from_source }
     }
 
     /// The source's map and size.
+    #[must_use]
     pub const fn grid(&self) -> &Grid {
         &self.grid
     }
 
     /// The source's light.
+    #[must_use]
     pub fn light(&self) -> Light<'_> {
         let texels = match &self.texels {
             Texels::Environment(environment) => environment.texels(),
@@ -97,6 +100,7 @@ impl Source {
     }
 
     /// The most bytes that [`Source::converted`] takes, its result included.
+    #[must_use]
     pub(crate) fn most_bytes(&self, map: &NamedMap, target: &Grid) -> u64 {
         match self.exact(map, target.size()) {
             Some((environment, layout)) => {

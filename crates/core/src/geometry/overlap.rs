@@ -263,6 +263,7 @@ impl Overlaps {
                 let source = &self.source_maps[octant];
                 for &(packed, solid_angle) in row(octant_row) {
                     visit(source.texel(packed), solid_angle);
+    #[inline]
                 }
             }
         } else {

@@ -58,6 +58,7 @@ impl<T: Mirrored> Quadrant<T> {
     }
 
     /// The value of the texel in column `x` and row `y`.
+    #[inline]
     pub fn at(&self, x: u32, y: u32) -> T {
         let half = self.side.div_ceil(2);
         let first = self.side - half;

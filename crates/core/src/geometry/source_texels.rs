@@ -253,6 +253,7 @@ impl SourceTexels {
     }
 
     /// The texel in column `x` of row `y`.
+    #[inline]
     pub(crate) fn at(&self, x: u32, y: u32) -> Texel {
         match &self.table {
             Table::Panorama { texels, .. } => texels.at(x as usize, y as usize).0,

@@ -68,11 +68,13 @@ impl Face {
     pub const ALL: [Self; 6] = [Self::PosX, Self::NegX, Self::PosY, Self::NegY, Self::PosZ, Self::NegZ];
 
     /// Position in [`Face::ALL`].
+    #[must_use]
     pub const fn index(self) -> usize {
         self as usize
     }
 
     /// The two letters of file names: `px`, `nx`, `py`, `ny`, `pz`, `nz`.
+    #[must_use]
     pub const fn short_name(self) -> &'static str {
         ["px", "nx", "py", "ny", "pz", "nz"][self as usize]
     }

@@ -19,11 +19,13 @@ pub struct Component {
 
 impl Component {
     /// Width and height of the rectangle.
+    #[must_use]
     pub fn extent(&self) -> DVec2 {
         self.high - self.low
     }
 
     /// Area of the rectangle.
+    #[must_use]
     pub fn area(&self) -> f64 {
         let extent = self.extent();
         extent.x * extent.y

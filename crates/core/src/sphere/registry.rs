@@ -30,11 +30,13 @@ pub struct NamedMap {
 impl NamedMap {
     /// The map.
     #[doc(hidden)]
+    #[must_use]
     pub const fn map(&self) -> &'static dyn SphereMap {
         self.map
     }
 
     /// Number of components, at least 1.
+    #[must_use]
     pub fn components(&self) -> u32 {
         self.map.components()
     }
@@ -143,6 +145,7 @@ pub static MAPS: [NamedMap; 14] = [
 ];
 
 /// The map called `name`, one of [`MAPS`].
+#[must_use]
 pub fn named(name: &str) -> Option<&'static NamedMap> {
     MAPS.iter().find(|row| row.name == name)
 }

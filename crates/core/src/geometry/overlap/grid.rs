@@ -178,6 +178,7 @@ pub(in crate::geometry) struct CellOverlap {
 
 impl CellOverlap {
     /// The centroid, in cell (`x`, `y`).
+    #[inline]
     pub(in crate::geometry) fn centroid(self, x: u32, y: u32) -> DVec2 {
         let inside = if self.area == 0.0 { DVec2::splat(0.5) } else { self.moment / self.area };
         DVec2::new(f64::from(x), f64::from(y)) + inside.clamp(DVec2::ZERO, DVec2::ONE)
@@ -305,6 +306,7 @@ fn walk_row(from: DVec2, to: DVec2, row: usize, width: usize, window: &mut [Accu
 
 /// One piece of an edge inside one cell, from `p` to `q` in the cell's own coordinates; `cells` are it and
 /// the next.
+#[inline]
 fn add_piece(p: DVec2, q: DVec2, cells: &mut [Accumulator]) {
     let dy = q.y - p.y;
     let y_mean = (p.y + q.y) / 2.0;

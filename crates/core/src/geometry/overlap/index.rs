@@ -19,6 +19,7 @@ pub enum Target {
 
 impl Target {
     /// Total number of texels.
+    #[must_use]
     pub const fn texel_count(self) -> usize {
         match self {
             Self::Octahedral(n) => n as usize * n as usize,
@@ -27,6 +28,7 @@ impl Target {
     }
 
     /// Texels along an edge.
+    #[must_use]
     pub const fn edge(self) -> u32 {
         match self {
             Self::Octahedral(n) | Self::Cube(n) => n,
@@ -110,6 +112,7 @@ impl SourceMap {
     }
 
     /// The texel of a packed cell.
+    #[inline]
     pub(super) fn texel(&self, packed: u32) -> usize {
         let [origin, step_i, step_j] = self.families[(packed >> 30) as usize];
         let (i, j) = (i64::from(packed & 0x7fff), i64::from((packed >> 15) & 0x7fff));
@@ -194,6 +197,7 @@ pub(super) const fn diagonal_row(target: Target, row: usize) -> usize {
 }
 
 /// The octants that a target texel lies in (two on a fold diagonal), each with its row of a symmetric matrix.
+#[inline]
 pub(super) fn octants_of_texel(target: Target, texel: usize) -> [Option<(usize, usize)>; 2] {
     let n = target.edge() as usize;
     let half = n / 2;

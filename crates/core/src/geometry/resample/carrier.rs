@@ -235,6 +235,7 @@ impl<'a, C: Chart> Carrier<'a, C> {
 }
 
 /// The parabola through `nodes` at 0, 1/2 and 1.
+#[inline]
 fn quadratic([a, b, c]: [DVec2; 3], t: f64) -> DVec2 {
     a + (b - a) * (2.0 * t) + (a - 2.0 * b + c) * (t * (2.0 * t - 1.0))
 }
