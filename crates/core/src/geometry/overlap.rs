@@ -256,6 +256,7 @@ impl Overlaps {
 
     /// Calls `visit` with every source texel that overlaps target texel `target` and the overlap in
     /// steradians, in a fixed order.
+    #[inline]
     fn for_each_source(&self, target: usize, mut visit: impl FnMut(usize, f32)) {
         let row = |row: usize| &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize];
         if self.symmetric {
@@ -263,7 +264,6 @@ impl Overlaps {
                 let source = &self.source_maps[octant];
                 for &(packed, solid_angle) in row(octant_row) {
                     visit(source.texel(packed), solid_angle);
-    #[inline]
                 }
             }
         } else {

@@ -50,11 +50,16 @@ pub const COARSEST: u32 = 32;
 /// Standard deviation of the coarsest level's Gaussian.
 pub const WIDEST: f64 = 0.35;
 
-/// Layers of an environment's squares: the two finest levels; the mirror, the middle levels and the cosine
-/// level; the sharp level and the others.
+/// Layers of an environment's squares.
 pub const SQUARES: u32 = 3;
+
+/// The layer of the two finest levels.
 pub const FINE_LAYER: u32 = 0;
+
+/// That of the mirror, the middle levels and the cosine level.
 pub const MIRROR_LAYER: u32 = 1;
+
+/// That of the sharp level and the others.
 pub const SHARP_LAYER: u32 = 2;
 
 /// Where a map of a pyramid stands among the squares of its textures.
