@@ -6,6 +6,7 @@
 use super::levels::{self, Map};
 use super::suns;
 use crate::common::parallel;
+use crate::common::vector::{Arch, Extremes as _, Fused as _};
 use crate::light::oem::Oem;
 use crate::light::sh::basis;
 use crate::sphere::octahedral::{direction_from_oct, texel_centre};
@@ -56,13 +57,12 @@ impl Cells {
 
     /// Irradiance over pi, in a map of `size` texels along an edge.
     pub(crate) fn cosine(&self, size: u32) -> Map {
+        let (groups, _) = self.cells.as_chunks::<LANES>();
+        let lanes: Vec<Lanes> = groups.iter().map(Lanes::new).collect();
+        let arch = Arch::new();
         Map::new(size, |x, y| {
-            let [nx, ny, nz] = direction_from_oct(texel_centre(size, x, y)).as_vec3().to_array();
-            let mut sum = Vec3A::ZERO;
-            for Cell { moments: [x, y, z], .. } in &self.cells {
-                sum += (nx * *x + ny * *y + nz * *z).max(Vec3A::ZERO);
-            }
-            sum * FRAC_1_PI
+            let normal = direction_from_oct(texel_centre(size, x, y)).as_vec3().to_array();
+            arch.dispatch(Facing { cells: &lanes, normal }) * FRAC_1_PI
         })
     }
 
@@ -78,5 +78,44 @@ impl Cells {
             }
         }
         sums
+    }
+}
+
+/// Cells that are summed side by side; grids have a multiple of them.
+const LANES: usize = 16;
+
+/// The moments of cells, by channel and axis.
+struct Lanes([[[f32; LANES]; 3]; 3]);
+
+impl Lanes {
+    fn new(cells: &[Cell; LANES]) -> Self {
+        Self(std::array::from_fn(|channel| {
+            std::array::from_fn(|axis| std::array::from_fn(|k| cells[k].moments[axis][channel]))
+        }))
+    }
+}
+
+/// The light that a surface with `normal` gets from `cells`.
+struct Facing<'a> {
+    cells: &'a [Lanes],
+    normal: [f32; 3],
+}
+
+impl pulp::NullaryFnOnce for Facing<'_> {
+    type Output = Vec3A;
+
+    #[inline(always)]
+    fn call(self) -> Vec3A {
+        let [nx, ny, nz] = self.normal;
+        let mut sums = [[0.0; LANES]; 3];
+        for Lanes(channels) in self.cells {
+            for (sums, [x, y, z]) in sums.iter_mut().zip(channels) {
+                for k in 0..LANES {
+                    let light = nx.times_plus(x[k], ny.times_plus(y[k], nz * z[k]));
+                    sums[k] += light.at_least(0.0);
+                }
+            }
+        }
+        sums.map(|lanes| lanes.iter().sum()).into()
     }
 }
