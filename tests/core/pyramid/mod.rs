@@ -190,8 +190,8 @@ fn reads_of_levels_are_gaussians() {
     }
 }
 
-/// Light that grows along x has hardly a slope across z = 0, where the octahedron's faces meet. Reads that bend
-/// with the faces have one of .4.
+/// Light that grows along x has hardly a slope across z = 0, where the octahedron's faces meet. Reads that
+/// bend with the faces have one of .2 and more.
 #[test]
 fn reads_across_the_octahedrons_edges_do_not_bend() {
     let size = 128;
