@@ -492,22 +492,28 @@ fn finish(path: &Path, mut picture: Picture, mut repaired: Repairs, options: &Re
     if let Some(header) = &picture.map {
         map_header::grid_of(path, header.map, [picture.width, picture.height], map_header::RESHAPED)?;
     }
-    finite(path, &mut picture, options, &mut repaired)?;
+    // Most pictures need no repair; one pass detects them.
+    let sound = repair::is_sound(&picture.texels);
+    if !sound {
+        finite(path, &mut picture, options, &mut repaired)?;
+    }
     let Picture { width, height, texels, is_cube, map: _, format, warnings, provenance } = picture;
     let arrangement = layout::arrangement(path, width, height, is_cube, layout)?;
     let texels = arrangement.arrange(texels, width);
     let mut texels =
         provenance.world_texels(arrangement.layout, texels).map_err(|message| Error::input(path, message))?;
-    // All texels of a panorama's row have the same.
-    let (layout, mut last) = (arrangement.layout, (usize::MAX, 0.0));
-    let density = |index| {
-        let row = index / layout.sides().0 as usize;
-        if row != last.0 || !matches!(layout, Layout::Panorama { .. }) {
-            last = (row, repair::density(layout, index));
-        }
-        last.1
-    };
-    repair::negative(&mut texels, density, &mut repaired);
+    if !sound {
+        // All texels of a panorama's row have the same.
+        let (layout, mut last) = (arrangement.layout, (usize::MAX, 0.0));
+        let density = |index| {
+            let row = index / layout.sides().0 as usize;
+            if row != last.0 || !matches!(layout, Layout::Panorama { .. }) {
+                last = (row, repair::density(layout, index));
+            }
+            last.1
+        };
+        repair::negative(&mut texels, density, &mut repaired);
+    }
     let warnings = finish_texels(path, &mut texels, &repaired, warnings, options)?;
     let environment = of_sound(arrangement.layout, texels)?;
     let height = if is_cube { width } else { height };

@@ -53,6 +53,13 @@ impl std::fmt::Display for Repairs {
     }
 }
 
+/// Whether all texels are valid, the common case, in one pass that vectorises.
+pub(super) fn is_sound(texels: &[Rgb]) -> bool {
+    // The bits of finite non-negative values are less than those of infinity; -0 is a harmless false alarm.
+    let worst = texels.as_flattened().iter().fold(0, |worst, value| worst.max(value.to_bits()));
+    worst < f32::INFINITY.to_bits()
+}
+
 /// Rejects or repairs NaN and Inf in rows of `width` texels.
 pub(super) fn non_finite(
     path: &Path,
@@ -61,10 +68,16 @@ pub(super) fn non_finite(
     sanitize: bool,
     repairs: &mut Repairs,
 ) -> Result<()> {
-    let is_broken = |texel: &Rgb| texel.iter().any(|value| !value.is_finite());
-    let Some(at) = texels.iter().position(is_broken) else { return Ok(()) };
+    // The common case in one pass that vectorises: no exponent is all ones.
+    const EXPONENT: u32 = 0x7f80_0000;
+    let worst = texels.as_flattened().iter().fold(0, |worst, value| worst.max(value.to_bits() & EXPONENT));
+    if worst != EXPONENT {
+        return Ok(());
+    }
     let width = width as usize;
     if !sanitize {
+        let at = texels.iter().position(|texel| texel.iter().any(|value| !value.is_finite()));
+        let at = at.expect("one was just seen");
         let channel = texels[at].iter().position(|value| !value.is_finite()).expect("one was just seen");
         let coordinate = |k: usize| u32::try_from(k).expect("sides are u32");
         return Err(Error::NonFinite {
@@ -142,7 +155,8 @@ fn sanitize_channel(texels: &mut [Rgb], width: usize, channel: usize, repairs: &
 /// Sets negative values to 0, counts them and weighs their energy, with the relative solid angle of each
 /// texel, against that of the rest.
 pub(super) fn negative(texels: &mut [Rgb], mut density: impl FnMut(usize) -> f64, repairs: &mut Repairs) {
-    if texels.as_flattened().iter().all(|value| *value >= 0.0) {
+    // No early exit, so that the loop vectorises.
+    if !texels.as_flattened().iter().fold(false, |any, value| any | (*value < 0.0)) {
         return;
     }
     let (mut below, mut above) = (0.0, 0.0);
