@@ -3,6 +3,8 @@
 // mirror and ends with two middle levels and the cosine; the third begins with the sharp level, after which
 // come the other levels.
 
+// Layers of an environment.
+const SQUARES = 3u;
 const FINE_LAYER = 0u;
 const MIRROR_LAYER = 1u;
 const SHARP_LAYER = 2u;
@@ -42,7 +44,7 @@ fn read_square(probe: u32, at: MapPlace, layer: u32, mip: u32) -> vec3<f32> {
     let turned = vec2<f32>(select(-folded.x, folded.x, p.x >= 0.0), select(-folded.y, folded.y, p.y >= 0.0));
     let uv = select(turned, p, at.y >= 0.0);
     let place = 0.5 + uv * (0.5 * inner / map_side());
-    return textureSampleLevel(octagloss_maps, octagloss_linear, place, 3u * probe + layer, f32(mip)).xyz;
+    return textureSampleLevel(octagloss_maps, octagloss_linear, place, SQUARES * probe + layer, f32(mip)).xyz;
 }
 
 // A map: 0 is the mirror, 1 the sharp level, then come the levels from fine to coarse.

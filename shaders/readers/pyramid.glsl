@@ -8,7 +8,7 @@
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
 // Translated from pyramid_cube.wgsl, FNV-1a 16f1027705dc3434.
 #else
-// Translated from pyramid.wgsl, FNV-1a 2139395833c5737c.
+// Translated from pyramid.wgsl, FNV-1a ca2c4f43c8acf7bc.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -54,6 +54,7 @@ const uint octagloss_WEIGHTS_FROM = 27u;
 const uint octagloss_SHARP_LAYER = 2u;
 const uint octagloss_FINE_LAYER = 0u;
 const uint octagloss_MIRROR_LAYER = 1u;
+const uint octagloss_SQUARES = 3u;
 #endif
 const uint octagloss_READS = 9u;
 const uint octagloss_LAYERS = 18u;
@@ -198,7 +199,7 @@ vec3 octagloss_read_square(uint probe_4, vec3 at_1, uint layer, uint mip) {
     vec2 uv = ((at_1.y >= 0.0) ? p : turned);
     float _e50 = octagloss_map_side();
     vec2 place_3 = (vec2(0.5) + (uv * ((0.5 * inner) / _e50)));
-    vec4 _e62 = textureLod(octagloss_maps, vec3(place_3, ((3u * probe_4) + layer)), float(mip));
+    vec4 _e62 = textureLod(octagloss_maps, vec3(place_3, ((octagloss_SQUARES * probe_4) + layer)), float(mip));
     return _e62.xyz;
 }
 

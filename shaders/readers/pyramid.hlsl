@@ -8,7 +8,7 @@
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
 // Translated from pyramid_cube.wgsl, FNV-1a 16f1027705dc3434.
 #else
-// Translated from pyramid.wgsl, FNV-1a 2139395833c5737c.
+// Translated from pyramid.wgsl, FNV-1a ca2c4f43c8acf7bc.
 #endif
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
@@ -78,6 +78,7 @@ static const uint octagloss_WEIGHTS_FROM = 27u;
 static const uint octagloss_SHARP_LAYER = 2u;
 static const uint octagloss_FINE_LAYER = 0u;
 static const uint octagloss_MIRROR_LAYER = 1u;
+static const uint octagloss_SQUARES = 3u;
 #endif
 static const uint octagloss_READS = 9u;
 static const uint octagloss_LAYERS = 18u;
@@ -268,7 +269,7 @@ float3 octagloss_read_square(uint probe_4, float3 at, uint layer, uint mip)
     float2 uv = ((at.y >= 0.0) ? p : turned);
     const float _e50 = octagloss_map_side();
     float2 place_3 = ((0.5).xx + (uv * ((0.5 * inner) / _e50)));
-    float4 _e62 = octagloss_maps.SampleLevel(octagloss_linear, float3(place_3, ((3u * probe_4) + layer)), float(mip));
+    float4 _e62 = octagloss_maps.SampleLevel(octagloss_linear, float3(place_3, ((octagloss_SQUARES * probe_4) + layer)), float(mip));
     return _e62.xyz;
 #endif
 }

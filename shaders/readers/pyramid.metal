@@ -8,7 +8,7 @@
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
 // Translated from pyramid_cube.wgsl, FNV-1a 16f1027705dc3434.
 #else
-// Translated from pyramid.wgsl, FNV-1a 2139395833c5737c.
+// Translated from pyramid.wgsl, FNV-1a ca2c4f43c8acf7bc.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
@@ -106,6 +106,7 @@ constant uint octagloss_WEIGHTS_FROM = 27u;
 constant uint octagloss_SHARP_LAYER = 2u;
 constant uint octagloss_FINE_LAYER = 0u;
 constant uint octagloss_MIRROR_LAYER = 1u;
+constant uint octagloss_SQUARES = 3u;
 #endif
 constant uint octagloss_READS = 9u;
 constant uint octagloss_LAYERS = 18u;
@@ -287,7 +288,7 @@ metal::float3 octagloss_read_square(
     metal::float2 uv = (at.y >= 0.0) ? p : turned;
     float _e50 = octagloss_map_side(octagloss_maps);
     metal::float2 place_3 = metal::float2(0.5) + (uv * ((0.5 * inner) / _e50));
-    metal::float4 _e62 = octagloss_maps.sample(octagloss_linear, place_3, (3u * probe_4) + layer, metal::level(static_cast<float>(mip)));
+    metal::float4 _e62 = octagloss_maps.sample(octagloss_linear, place_3, (octagloss_SQUARES * probe_4) + layer, metal::level(static_cast<float>(mip)));
     return _e62.xyz;
 #endif
 }

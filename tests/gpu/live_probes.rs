@@ -101,8 +101,9 @@ fn one_look_up_reads_any_probe_as_if_it_were_alone() {
         // Wrong places of entries, layers, lights and rotations show.
         update(context, &mut probes[1], &textures[1], turns[1]);
         for (right, wrong, seen) in [
-            ("3u * probe + layer", "layer", "0.0"),
-            ("3u * probe + layer", "layer", "0.4"),
+            ("octagloss_SQUARES * probe + layer", "layer", "0.0"),
+            ("octagloss_SQUARES * probe + layer", "layer", "0.1"),
+            ("octagloss_SQUARES * probe + layer", "layer", "0.4"),
             ("octagloss_lights[probe].suns", "octagloss_lights[0].suns", "0.4"),
             ("octagloss_lights[probe].harmonics", "octagloss_lights[0].harmonics", "0.4"),
             ("octagloss_lights[probe].world_from_source", "octagloss_lights[0].world_from_source", "0.0"),

@@ -134,8 +134,8 @@ impl Peak {
 }
 
 impl Sun {
-    #[must_use]
     /// Finds the brightest region of `environment`; `None` if none stands out.
+    #[must_use]
     pub fn find(environment: &Environment) -> Option<Self> {
         let peak = Peak::brightest(environment).filter(Peak::stands_out)?;
         Some(Self::at(environment, &peak))
@@ -179,20 +179,20 @@ impl Sun {
         }
     }
 
-    #[must_use]
     /// Diameter in degrees of the disc of its solid angle.
+    #[must_use]
     pub fn diameter_degrees(&self) -> f64 {
         2.0 * disc_radius(self.solid_angle).to_degrees()
     }
 
-    #[must_use]
     /// Degrees from +X towards +Z, in (-180, 180]: 0 at the panorama's centre, positive in its right half.
+    #[must_use]
     pub fn azimuth_degrees(&self) -> f64 {
         self.direction.z.atan2(self.direction.x).to_degrees()
     }
 
-    #[must_use]
     /// Degrees above the horizon, in [-90, 90].
+    #[must_use]
     pub fn elevation_degrees(&self) -> f64 {
         self.direction.y.atan2(self.direction.x.hypot(self.direction.z)).to_degrees()
     }
@@ -285,6 +285,7 @@ impl Layout {
         region
     }
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -221,22 +221,21 @@ impl Pyramid {
         let mirror = levels::mirror(oem, exponent);
         let clamp = suns.clamp * levels::scale(exponent);
         let mut maps = vec![sharp::sharp(&mirror, clamp, octaves.sharp_width())];
+        let texels = |square: Square| octaves.size(square.mip).inner;
         for level in 0..octaves.count() {
             let finer = maps.last().expect("the sharp level at least");
             let variance = levels::BETWEEN * octaves.width(level).powi(2);
-            let size = octaves.size(octaves.square_of(level + 2).mip);
-            maps.push(levels::cascade(finer, size.inner, variance));
+            maps.push(levels::cascade(finer, texels(octaves.square_of(level + 2)), variance));
         }
         let middle = |middle: u32| {
             let variance = levels::FROM_MIDDLE * octaves.middle_width(middle).powi(2);
             let below = &maps[octaves.below_middle(middle) as usize + 1];
-            levels::cascade(below, octaves.size(octaves.square_of_middle(middle).mip).inner, variance)
+            levels::cascade(below, texels(octaves.square_of_middle(middle)), variance)
         };
         let middles = (0..octaves.middles()).map(middle).collect();
         maps.insert(0, mirror);
         let cells = Cells::new(oem, suns.clamp, exponent);
-        let cosine = cells.cosine(octaves.size(octaves.square_of_cosine().mip).inner);
-        let harmonics = cells.harmonics();
+        let (cosine, harmonics) = (cells.cosine(texels(octaves.square_of_cosine())), cells.harmonics());
         Ok(Self { octaves, maps, middles, cosine: Some(cosine), harmonics, suns, exponent })
     }
 
