@@ -60,6 +60,7 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("pyramid/cells.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
     ("pyramid/levels.wgsl", "EDGE", "build_pyramid::EDGE"),
     ("common/pyramid_maps.wgsl", "NODES_A_ROW", "pyramid::NODES_A_ROW"),
+    ("common/pyramid_squares.wgsl", "SQUARES", "pyramid::SQUARES"),
     ("pyramid/query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
     ("pyramid/suns.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
 ];
