@@ -131,27 +131,46 @@ impl Map {
     }
 
     /// Bilinear between the texels around a place of [`Self::place_of`].
+    #[inline(always)]
+    pub(super) fn read(&self, place: (usize, Vec3)) -> Vec3A {
+        self.bilinear(self.corner(place))
+    }
+
+    /// The four texels around a place of [`Self::place_of`], the same for all maps of a size.
     ///
     /// Where the octahedron's faces meet, at x = 0 and z = 0, a read between the texels on either side does
     /// not bend as the faces do: there |x| and |z| count as those of the texels, as if the octahedron were
     /// flat between them. That makes reads linear on the sphere.
-    pub(super) fn read(&self, (face, point): (usize, Vec3)) -> Vec3A {
+    #[inline(always)]
+    pub(super) fn corner(&self, (face, point): (usize, Vec3)) -> Corner {
         let edge = 1.0 / self.inner as f32;
         let [x, y, z] = point.to_array();
         let uv = match self.is_cube {
             true => [x, y],
             false => folded([x, y, z], 1.0 / (x.abs().max(edge) + y.abs() + z.abs().max(edge))),
         };
-        // The first of the four texels, border included, and the shares of the next.
+        // With the border.
         let half = 0.5 * self.inner as f32;
         let [(x, right), (y, up)] = uv.map(|at| whole_and_share(half * (at + 1.0) + 0.5));
-        let [x, y] = [x as usize, y as usize];
         let side = self.inner as usize + 2;
-        let first = (face * side + y) * side + x;
+        Corner { first: (face * side + y as usize) * side + x as usize, right, up }
+    }
+
+    /// Bilinear between four texels.
+    #[inline(always)]
+    pub(super) fn bilinear(&self, Corner { first, right, up }: Corner) -> Vec3A {
         let texel = |at: usize| Vec4::from_array(self.texels[at]);
         let row = |first: usize| texel(first).lerp(texel(first + 1), right);
-        Vec3A::from_vec4(row(first).lerp(row(first + side), up))
+        Vec3A::from_vec4(row(first).lerp(row(first + self.inner as usize + 2), up))
     }
+}
+
+/// Four texels: the first of all, and the shares of the next ones in its row and of the next row.
+#[derive(Clone, Copy)]
+pub(super) struct Corner {
+    first: usize,
+    right: f32,
+    up: f32,
 }
 
 /// What a bilinear read adds to a Gaussian's covariance, over a texel's square; and what sums of points add
@@ -311,7 +330,11 @@ impl pulp::NullaryFnOnce for Reads<'_> {
                 }
             }
         }
-        sums.map(|sum| Vec3A::new(sum[0] + sum[4], sum[1] + sum[5], sum[2] + sum[6]))
+        // The fourth numbers, too: without them the sums above are not made by whole lanes.
+        sums.map(|sum| {
+            let [near, next] = [0, 4].map(|first| Vec4::from_slice(&sum[first..first + 4]));
+            Vec3A::from_vec4(near + next)
+        })
     }
 }
 

@@ -31,6 +31,7 @@ pub(crate) mod sharp;
 pub mod suns;
 
 use crate::common::error::{Result, wrong};
+use crate::common::vector::Arch;
 use crate::cpu::reparameterise::oem_from_environment;
 use crate::light::environment::Environment;
 use crate::light::environment::Rgb;
@@ -245,7 +246,7 @@ impl Pyramid {
         let harmonics = self.weighted_harmonics(|order| weights[ORDERS + order]);
         let suns =
             GlossySuns::new(&self.suns.suns, roughness * roughness, (1.0 - weights[0]) * weights[LOBE]);
-        PyramidLobes { pyramid: self, weights, harmonics, suns }
+        PyramidLobes { pyramid: self, weights, harmonics, suns, arch: Arch::new() }
     }
 
     /// Irradiance on a surface with `normal` (any length but zero) over pi.
@@ -335,19 +336,38 @@ pub struct PyramidLobes<'a> {
     /// Times their weights.
     harmonics: [Vec3A; 25],
     suns: GlossySuns,
+    arch: Arch,
 }
 
 impl PyramidLobes<'_> {
     /// Radiance of a reflection around `direction` (any length but zero, in the map's space).
     pub fn radiance(&self, direction: DVec3) -> Rgb {
-        let Self { pyramid, weights, harmonics, suns } = self;
-        let direction = direction.normalize();
+        self.arch.dispatch(LookUp { lobes: self, direction: direction.normalize() })
+    }
+}
+
+/// One look-up, around a unit vector.
+struct LookUp<'a> {
+    lobes: &'a PyramidLobes<'a>,
+    direction: DVec3,
+}
+
+impl pulp::NullaryFnOnce for LookUp<'_> {
+    type Output = Rgb;
+
+    #[inline(always)]
+    fn call(self) -> Rgb {
+        let Self { lobes: PyramidLobes { pyramid, weights, harmonics, suns, .. }, direction } = self;
         let place = pyramid.maps[0].place_of(direction);
         let mut sum = harmonics_around(direction, harmonics);
         let maps = pyramid.maps.iter().zip(&weights[..]);
         let middles = pyramid.middles.iter().zip(&weights[MIDDLE..]);
+        let (mut inner, mut corner) = (pyramid.maps[0].inner, pyramid.maps[0].corner(place));
         for (map, weight) in maps.chain(middles).filter(|(_, weight)| **weight != 0.0) {
-            sum += *weight * map.read(place);
+            if map.inner != inner {
+                (inner, corner) = (map.inner, map.corner(place));
+            }
+            sum += *weight * map.bilinear(corner);
         }
         if weights[COSINE] != 0.0 {
             sum += weights[COSINE] * pyramid.cosine_around(direction);

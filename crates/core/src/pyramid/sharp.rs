@@ -4,7 +4,7 @@ use super::levels::{Map, POINTS, Place, READ, oct_from};
 use super::suns;
 use crate::common::parallel;
 use crate::common::vector::{Arch, Fused as _};
-use crate::sphere::octahedral::{direction_from_oct, solid_angle_density, texel_centre, wrap_texel};
+use crate::sphere::octahedral::{octahedron_from_oct, texel_centre, wrap_texel};
 use glam::Vec3A;
 use std::ops::Range;
 
@@ -20,9 +20,8 @@ const TOGETHER: usize = 16;
 /// Texels of the unfolded plane around the square, for windows across its edges.
 const BORDER: u32 = 48;
 
-/// Planes of a row: x, y and z of directions, solid angle densities; red, green and blue; and these with the
-/// square mirrored along u.
-const ROW_PLANES: usize = 10;
+/// Planes of a row: x, y and z of directions, solid angle densities; red, green and blue.
+const ROW_PLANES: usize = 7;
 
 /// Bytes that building the sharp level of `inner` texels along an edge takes.
 pub(crate) const fn bytes(inner: u32) -> u64 {
@@ -50,10 +49,11 @@ impl Texels {
         parallel::for_each(rows.chunks_exact_mut(stride * ROW_PLANES).zip(0_i64..), |(row, y)| {
             for x in 0..stride {
                 let (u, v) = wrap_texel(inner, x as i64 - i64::from(BORDER), y - i64::from(BORDER));
-                let uv = texel_centre(inner, u, v);
-                let direction = direction_from_oct(uv).as_vec3().extend(solid_angle_density(uv) as f32);
-                let values =
-                    direction.to_array().into_iter().chain(light(u, v)).chain(light(inner - 1 - u, v));
+                let point = octahedron_from_oct(texel_centre(inner, u, v));
+                let nearness = 1.0 / point.length();
+                let [dx, dy, dz] = (point * nearness).as_vec3().to_array();
+                let [red, green, blue] = light(u, v);
+                let values = [dx, dy, dz, (nearness * nearness * nearness) as f32, red, green, blue];
                 row[x..].iter_mut().step_by(stride).zip(values).for_each(|(place, value)| *place = value);
             }
         });
@@ -218,9 +218,11 @@ impl Sums {
             return;
         }
         self.weight[..COUNT].copy_from_slice(&own);
-        let below = texels.inner as i32 - 1 - y;
-        for (sums, (plane, y)) in self.light.iter_mut().zip([(4, y), (7, y), (4, below), (7, below)]) {
-            for (sum, plane) in sums.iter_mut().zip(plane..) {
+        let reversed = std::array::from_fn(|k| weights[COUNT - 1 - k]);
+        let [below, aside] = [texels.inner as i32 - 1 - y, texels.inner as i32 - x - COUNT as i32];
+        let places = [(weights, y, x), (reversed, y, aside), (weights, below, x), (reversed, below, aside)];
+        for (sums, (weights, y, x)) in self.light.iter_mut().zip(places) {
+            for (sum, plane) in sums.iter_mut().zip(4..) {
                 let (light, mut own) = (texels.lanes::<COUNT>(plane, y, x), lanes::<COUNT>(sum, 0));
                 for k in 0..COUNT {
                     own[k] = weights[k].times_plus(light[k], own[k]);
@@ -230,10 +232,25 @@ impl Sums {
         }
     }
 
+    #[inline(always)]
     fn means(&self) -> [Vec3A; 4] {
-        let total: f32 = self.weight.iter().sum();
-        self.light.map(|channels| Vec3A::from_array(channels.map(|sum| sum.iter().sum::<f32>() / total)))
+        let share = 1.0 / total(&self.weight);
+        self.light.map(|channels| Vec3A::from_array(channels.map(|sum| total(&sum) * share)))
     }
+}
+
+/// The sum of `lanes`, by halves.
+#[inline(always)]
+fn total(lanes: &[f32; TOGETHER]) -> f32 {
+    let mut sums = *lanes;
+    let mut count = TOGETHER;
+    while count > 1 {
+        count /= 2;
+        for k in 0..count {
+            sums[k] += sums[k + count];
+        }
+    }
+    sums[0]
 }
 
 /// `COUNT` of `all` from the one at `first` on: values, as loops over references that might overlap are not

@@ -11,7 +11,7 @@
 
 use super::Octaves;
 use crate::common::parallel;
-use crate::common::vector::{Arch, Extremes as _, Fused as _};
+use crate::common::vector::{Extremes as _, Fused as _};
 use crate::light::oem::Oem;
 use crate::lobe;
 use crate::sphere::octahedral::{direction_from_oct, steps_from_oct, texel_centre};
@@ -211,7 +211,6 @@ const DISCS: usize = 2 * COUNT;
 pub(super) struct GlossySuns {
     channels: [Discs; 3],
     alpha2: f32,
-    arch: Arch,
 }
 
 /// One channel's discs.
@@ -241,31 +240,18 @@ impl GlossySuns {
         };
         // Sharper lobes read the mirror; a sun of one texel is a point there.
         let alpha2 = (alpha * alpha).at_least(1e-12);
-        Self { channels: [0, 1, 2].map(channel), alpha2, arch: Arch::new() }
+        Self { channels: [0, 1, 2].map(channel), alpha2 }
     }
 
     /// Those around the unit vector `direction`.
-    pub(super) fn around(&self, direction: Vec3A) -> Vec3A {
-        self.arch.dispatch(GlossyLobe { suns: self, direction })
-    }
-}
-
-/// The suns in one lobe.
-struct GlossyLobe<'a> {
-    suns: &'a GlossySuns,
-    direction: Vec3A,
-}
-
-impl pulp::NullaryFnOnce for GlossyLobe<'_> {
-    type Output = Vec3A;
-
+    ///
     /// GGX under uniform discs, in closed form: a2 / (a2 + s)^2 is the kernel of a parallel disc's form
     /// factor.
     #[inline(always)]
-    fn call(self) -> Vec3A {
-        let (a2, [dx, dy, dz]) = (self.suns.alpha2, self.direction.to_array());
+    pub(super) fn around(&self, direction: Vec3A) -> Vec3A {
+        let (a2, [dx, dy, dz]) = (self.alpha2, direction.to_array());
         let mut sums = [0.0; 3];
-        for (sum, discs) in sums.iter_mut().zip(&self.suns.channels) {
+        for (sum, discs) in sums.iter_mut().zip(&self.channels) {
             let mut shares = [0.0; DISCS];
             for k in 0..DISCS {
                 let (x, y, z, radius2) =

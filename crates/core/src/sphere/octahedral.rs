@@ -76,6 +76,9 @@ pub(super) fn mirrored_oct(uv: DVec2, axis: usize) -> DVec2 {
 /// Agrees with [`wrap_oct`] of the texel's centre at every distance; `n` must be at least 1.
 pub fn wrap_texel(n: u32, x: i64, y: i64) -> (u32, u32) {
     let n = i64::from(n);
+    if (0..n).contains(&x) && (0..n).contains(&y) {
+        return (x as u32, y as u32);
+    }
     let (tile_x, tile_y) = (x.div_euclid(n), y.div_euclid(n));
     let (inside_x, inside_y) = (x.rem_euclid(n), y.rem_euclid(n));
     let (x, y) = if (tile_x + tile_y).rem_euclid(2) == 1 {
