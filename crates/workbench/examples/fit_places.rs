@@ -21,8 +21,9 @@ use std::fmt::Write as _;
 /// Views: evenly over the splines, between roughness .06 and 1 and n.v .05 and 1.
 const VIEWS: [u32; 2] = [32, 16];
 
-/// Bends of the splines count so much.
-const STIFFNESS: f64 = 3e-4;
+/// Bends of the splines count so much. With less, wide lobes are fitted as well by places far apart, and
+/// jump between them: what is read between two nodes was off by up to three times what nodes are.
+const STIFFNESS: f64 = 0.1;
 
 /// Where descent begins: a row of reads, its shift, and logarithms of its step over its least width, of its
 /// bend, of the least width, of how widths grow with the slope, and of how they alternate; as sums of these

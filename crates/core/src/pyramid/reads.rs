@@ -90,10 +90,14 @@ fn roughness_of(node: usize) -> f64 {
     ((11_f64.ln() * node as f64 / (NODES[0] - 1) as f64).exp() - 1.0) / 10.0
 }
 
+/// n.v at which the last node is fitted: along the normal itself all reads have one direction, and weights
+/// that part for a little gain there are not near those of the views beside it.
+const ALONG_NORMAL: f64 = 0.999;
+
 /// n.v of a node.
 fn cosine_of(node: usize) -> f64 {
     let sine = 1.0 - (node as f64 / (NODES[1] - 1) as f64).powi(4);
-    (1.0 - sine * sine).sqrt().max(LEAST_COSINE)
+    (1.0 - sine * sine).sqrt().clamp(LEAST_COSINE, ALONG_NORMAL)
 }
 
 /// The place of n.v between the first node and the last.
