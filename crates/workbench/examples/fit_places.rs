@@ -21,9 +21,10 @@ use std::fmt::Write as _;
 /// Views: evenly over the splines, between roughness .06 and 1 and n.v .05 and 1.
 const VIEWS: [u32; 2] = [32, 16];
 
-/// Bends of the splines count so much. With less, wide lobes are fitted as well by places far apart, and
-/// jump between them: what is read between two nodes was off by up to three times what nodes are.
-const STIFFNESS: f64 = 0.1;
+/// Bends of the splines count so much, times the square of alpha. Wide lobes are fitted as well by places far
+/// apart, and with less these jump: what is read between two nodes was off by up to three times what nodes
+/// are. Sharp lobes have no such choice.
+const STIFFNESS: f64 = 0.4;
 
 /// Where descent begins: a row of reads, its shift, and logarithms of its step over its least width, of its
 /// bend, of the least width, of how widths grow with the slope, and of how they alternate; as sums of these
@@ -37,13 +38,20 @@ const ROW: [[f64; 6]; 6] = [
     [0.298, 0.229, 0.029, 0.000, -0.034, 0.075],
 ];
 
+/// Where control point `at` of `count` stands.
+fn place(at: usize, count: usize) -> f64 {
+    ((at as f64 - 1.0) / (count - 3) as f64).clamp(0.0, 1.0)
+}
+
+/// Alpha of the control points `across`.
+fn alpha(across: usize) -> f64 {
+    ((11_f64.powf(place(across, CONTROLS[0])) - 1.0) / 10.0).powi(2)
+}
+
 /// The row at a control point.
 fn row(control: usize) -> [f64; NUMBERS] {
-    let place = |at: usize, count: usize| ((at as f64 - 1.0) / (count - 3) as f64).clamp(0.0, 1.0);
-    let across = place(control % CONTROLS[0], CONTROLS[0]);
     let up = place(control / CONTROLS[0], CONTROLS[1]);
-    let roughness = (11_f64.powf(across) - 1.0) / 10.0;
-    let (x, y) = (0.05_f64.ln() * (1.0 - up), (6.0 * roughness * roughness).ln_1p());
+    let (x, y) = (0.05_f64.ln() * (1.0 - up), (6.0 * alpha(control % CONTROLS[0])).ln_1p());
     let sum = |[a, b, c, d, e, f]: [f64; 6]| a + (b + c * x + e * y) * x + (d + f * y) * y;
     let [shift, step, bend, width, growth, alternation] = ROW.map(sum);
     std::array::from_fn(|k| {
@@ -105,12 +113,13 @@ fn bends(controls: &Controls) -> Controls {
     let [across, up] = CONTROLS;
     for k in 0..controls.len() {
         let inner = [(k % across, across, 1), (k / across, up, across)];
+        let stiffness = STIFFNESS * alpha(k % across).powi(2).max(8e-4);
         for (_, _, step) in inner.into_iter().filter(|(at, count, _)| (1..count - 1).contains(at)) {
             for c in 0..NUMBERS {
                 let bend = controls[k - step][c] - 2.0 * controls[k][c] + controls[k + step][c];
-                down[k - step][c] += 2.0 * STIFFNESS * bend;
-                down[k][c] -= 4.0 * STIFFNESS * bend;
-                down[k + step][c] += 2.0 * STIFFNESS * bend;
+                down[k - step][c] += 2.0 * stiffness * bend;
+                down[k][c] -= 4.0 * stiffness * bend;
+                down[k + step][c] += 2.0 * stiffness * bend;
             }
         }
     }
