@@ -21,10 +21,11 @@ use std::fmt::Write as _;
 /// Views: evenly over the splines, between roughness .06 and 1 and n.v .05 and 1.
 const VIEWS: [u32; 2] = [32, 16];
 
-/// Bends of the splines count so much, times the square of alpha. Wide lobes are fitted as well by places far
-/// apart, and with less these jump: what is read between two nodes was off by up to three times what nodes
-/// are. Sharp lobes have no such choice.
+/// Bends of the splines count so much, times the square of alpha, of which the other is the least. Wide lobes
+/// are fitted as well by places far apart, and with less these jump: what is read between two nodes was off
+/// by up to three times what nodes are. Sharp lobes have no such choice.
 const STIFFNESS: f64 = 0.4;
+const LEAST_SQUARE: f64 = 8e-4;
 
 /// Where descent begins: a row of reads, its shift, and logarithms of its step over its least width, of its
 /// bend, of the least width, of how widths grow with the slope, and of how they alternate; as sums of these
@@ -113,7 +114,7 @@ fn bends(controls: &Controls) -> Controls {
     let [across, up] = CONTROLS;
     for k in 0..controls.len() {
         let inner = [(k % across, across, 1), (k / across, up, across)];
-        let stiffness = STIFFNESS * alpha(k % across).powi(2).max(8e-4);
+        let stiffness = STIFFNESS * alpha(k % across).powi(2).max(LEAST_SQUARE);
         for (_, _, step) in inner.into_iter().filter(|(at, count, _)| (1..count - 1).contains(at)) {
             for c in 0..NUMBERS {
                 let bend = controls[k - step][c] - 2.0 * controls[k][c] + controls[k + step][c];
