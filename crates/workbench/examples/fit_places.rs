@@ -44,9 +44,14 @@ fn place(at: usize, count: usize) -> f64 {
     ((at as f64 - 1.0) / (count - 3) as f64).clamp(0.0, 1.0)
 }
 
+/// Roughness at a place of the splines.
+fn roughness_of(place: f64) -> f64 {
+    (11_f64.powf(place) - 1.0) / 10.0
+}
+
 /// Alpha of the control points `across`.
 fn alpha(across: usize) -> f64 {
-    ((11_f64.powf(place(across, CONTROLS[0])) - 1.0) / 10.0).powi(2)
+    roughness_of(place(across, CONTROLS[0])).powi(2)
 }
 
 /// The row at a control point.
@@ -75,7 +80,7 @@ fn main() {
             let [x, y] = [k % VIEWS[0], k / VIEWS[0]];
             let [x, y] = [(x, VIEWS[0]), (y, VIEWS[1])].map(|(x, n)| f64::from(x) / f64::from(n - 1));
             let least = 1.6_f64.ln() / 11_f64.ln();
-            let roughness = (11_f64.powf(least + (1.0 - least) * x) - 1.0) / 10.0;
+            let roughness = roughness_of(least + (1.0 - least) * x);
             let cosine = 0.05_f64.powf(0.98 * (1.0 - y)).min(0.995);
             (Fit::new(octaves, roughness, cosine), roughness, cosine)
         })

@@ -116,7 +116,7 @@ impl Map {
     /// Bilinear between the texels around `direction`, a unit vector.
     #[must_use]
     pub fn around(&self, direction: DVec3) -> Vec3A {
-        self.read(self.place_of(direction))
+        self.bilinear(self.corner(self.place_of(direction)))
     }
 
     /// The face and the point in [-1, 1]^2 of `direction`, a unit vector; on a square 0 and its point on the
@@ -128,12 +128,6 @@ impl Map {
         } else {
             (0, (direction / direction.abs().element_sum()).as_vec3())
         }
-    }
-
-    /// Bilinear between the texels around a place of [`Self::place_of`].
-    #[inline(always)]
-    pub(super) fn read(&self, place: (usize, Vec3)) -> Vec3A {
-        self.bilinear(self.corner(place))
     }
 
     /// The four texels around a place of [`Self::place_of`], the same for all maps of a size.

@@ -4,7 +4,7 @@ use super::levels::{Map, POINTS, Place, READ, oct_from};
 use super::suns;
 use crate::common::parallel;
 use crate::common::vector::{Arch, Fused as _};
-use crate::sphere::octahedral::{octahedron_from_oct, texel_centre, wrap_texel};
+use crate::sphere::octahedral::{direction_from_oct, solid_angle_density, texel_centre, wrap_texel};
 use glam::Vec3A;
 use std::ops::Range;
 
@@ -49,11 +49,9 @@ impl Texels {
         parallel::for_each(rows.chunks_exact_mut(stride * ROW_PLANES).zip(0_i64..), |(row, y)| {
             for x in 0..stride {
                 let (u, v) = wrap_texel(inner, x as i64 - i64::from(BORDER), y - i64::from(BORDER));
-                let point = octahedron_from_oct(texel_centre(inner, u, v));
-                let nearness = 1.0 / point.length();
-                let [dx, dy, dz] = (point * nearness).as_vec3().to_array();
-                let [red, green, blue] = light(u, v);
-                let values = [dx, dy, dz, (nearness * nearness * nearness) as f32, red, green, blue];
+                let uv = texel_centre(inner, u, v);
+                let direction = direction_from_oct(uv).as_vec3().extend(solid_angle_density(uv) as f32);
+                let values = direction.to_array().into_iter().chain(light(u, v));
                 row[x..].iter_mut().step_by(stride).zip(values).for_each(|(place, value)| *place = value);
             }
         });
