@@ -94,9 +94,7 @@ pub(super) fn run(args: &BenchArgs) -> Outcome {
         add("cells_block_2", stage);
     }
     if let Ok(maps) = PyramidMaps::new(context, size) {
-        for stage in build_pyramid::stages(context, &planes, &maps) {
-            add(&format!("pyramid_{}", stage.label()), stage);
-        }
+        add("pyramid", build_pyramid::stage(context, &planes, &maps));
         add("pyramid_1920x1080", pyramid::stage(context, &maps, &frame()).0);
     }
     stages.push(copy::stage(context, &sat));

@@ -24,8 +24,8 @@ pub(super) fn allowed(levels: f64, peak: f64) -> f64 {
 pub(super) fn built(context: &Context, oem: &Oem) -> PyramidMaps {
     let planes = OemPlanes::upload(context, oem).expect("small planes");
     let maps = PyramidMaps::new(context, oem.size().inner).expect("small maps");
-    let stages = build_pyramid::stages(context, &planes, &maps);
-    context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+    let stage = build_pyramid::stage(context, &planes, &maps);
+    context.submit(|encoder| stage.record(encoder));
     maps
 }
 

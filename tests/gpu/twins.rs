@@ -62,7 +62,10 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("common/pyramid_maps.wgsl", "NODES_A_ROW", "pyramid::NODES_A_ROW"),
     ("common/pyramid_squares.wgsl", "SQUARES", "pyramid::SQUARES"),
     ("pyramid/query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
-    ("pyramid/suns.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
+    ("common/areas.wgsl", "FINEST", "suns::FINEST"),
+    ("common/areas.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
+    ("pyramid/levels.wgsl", "MARGIN", "sharp::MARGIN"),
+    ("pyramid/light.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
 ];
 
 /// Constants that only their shader uses, or that are derived from others.
@@ -89,7 +92,12 @@ const OWN: &[(&str, &[&str])] = &[
     ("direct/unwrap.wgsl", &["PI"]),
     ("lamp.wgsl", &["PLACES"]),
     ("reparameterise.wgsl", &["CHUNK"]),
-    ("pyramid/suns.wgsl", &["AREAS", "NONE"]),
+    ("common/seeds.wgsl", &["HALF"]),
+    ("common/excess.wgsl", &["MOMENTS", "MOMENTS_OF_SUN"]),
+    ("pyramid/cells.wgsl", &["LANES_A_SQUARE", "SQUARES_A_GROUP"]),
+    ("pyramid/levels.wgsl", &["LARGE", "PART"]),
+    ("pyramid/seeds.wgsl", &["NONE"]),
+    ("pyramid/suns.wgsl", &["NONE"]),
     ("sat_f32.wgsl", &["GROUP_SIZE"]),
     ("sat_scan.wgsl", &["EDGE", "PART", "SKEW"]),
     ("view/scene.wgsl", &["MAX_RADIANCE"]),
@@ -97,10 +105,14 @@ const OWN: &[(&str, &[&str])] = &[
 
 /// Structs in buffers that no struct in Rust has.
 const OWN_STRUCTS: &[&str] = &[
+    // What passes of a build hand on, of the GPU alone.
+    "Excess",
     // Exponents and sizes, which a stage copies.
     "OctaglossTable",
     // Four greatest patterns and four 64-bit sums, of the GPU alone.
     "Partial",
+    // Of the GPU alone.
+    "Seeds",
 ];
 
 /// A struct in Rust: the stem of its file, its name, names and types of its fields.

@@ -237,8 +237,8 @@ impl<'a> GpuReflector<'a> {
         made_once(&self.pyramid, || {
             let context = &self.engine.context;
             let maps = PyramidMaps::new(context, self.planes.size().inner)?;
-            let stages = build_pyramid::stages(context, &self.planes, &maps);
-            context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
+            let stage = build_pyramid::stage(context, &self.planes, &maps);
+            context.submit(|encoder| stage.record(encoder));
             Ok(maps)
         })
     }

@@ -35,7 +35,7 @@ pub struct LiveEnvironment {
     planes: OemPlanes,
     maps: PyramidMaps,
     /// From the planes to the maps.
-    build: Vec<Stage>,
+    build: Stage,
     /// The texture of the last update, and the stage that reads it.
     source: Option<(wgpu::Texture, Stage)>,
     /// The map of the first draw, its draws, and the stage that reads it.
@@ -67,7 +67,7 @@ impl LiveEnvironment {
     /// of the other need a submission each.
     #[must_use]
     pub fn sibling(&self) -> Self {
-        let maps = PyramidMaps::new(&self.context, self.size()).expect("as large as the first");
+        let maps = self.maps.sibling(&self.context);
         let live = Self::over(&self.context, &self.planes, maps);
         // Draws of its own, for another centre.
         let drawn = self.drawn.as_ref().map(|(target, _, stage)| {
@@ -87,7 +87,7 @@ impl LiveEnvironment {
 
     /// An environment of these maps over these planes.
     fn over(context: &Context, planes: &OemPlanes, maps: PyramidMaps) -> Self {
-        let build = build_pyramid::stages(context, planes, &maps);
+        let build = build_pyramid::stage(context, planes, &maps);
         let layout = layout(context);
         let bind_group = maps.bind_group(context, &layout);
         let draw_layout = view_layout(context);
@@ -136,7 +136,7 @@ impl LiveEnvironment {
             let stage = reparameterise::stage(&self.context, layout, texture, &self.planes)?;
             self.source = Some((texture.clone(), stage));
         }
-        Ok(self.source.iter().map(|(_, stage)| stage).chain(&self.build))
+        Ok(self.source.iter().map(|(_, stage)| stage).chain([&self.build]))
     }
 
     /// Edge of the octahedral map in texels.
@@ -192,7 +192,7 @@ impl LiveEnvironment {
         octants.place(&self.context, "centre", centre, near)?;
         let [colour, depth] = &target.views[0];
         octants.record(&mut cleared(encoder, colour, Some(depth), None), record);
-        std::iter::once(&*stage).chain(&self.build).for_each(|stage| stage.record(encoder));
+        [stage, &mut self.build].iter().for_each(|stage| stage.record(encoder));
         Ok(())
     }
 

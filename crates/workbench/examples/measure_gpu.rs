@@ -161,6 +161,14 @@ fn update(context: &Context, stages: &[&Stage]) {
     for (stage, seconds) in stages.iter().zip(each) {
         println!("    {}: {:.1} us", stage.label(), 1e6 * median(seconds));
     }
+    for part in stages.iter().flat_map(|stage| stage.parts()) {
+        let mut seconds = Vec::new();
+        for _ in 0..RUNS {
+            let times = block_on(Some(context), clock.time(context, &[&part]));
+            seconds.push(times.expect("a device").expect("times").whole);
+        }
+        println!("      {} by itself: {:.1} us", part.label(), 1e6 * median(seconds));
+    }
     println!("    update: {:.1} us, {:.1} us until it is known", 1e6 * median(whole), 1e6 * median(wall));
 }
 
@@ -189,7 +197,7 @@ fn main() {
             let filled = reparameterise::stage(context, layout, &texture, &planes).expect("a stage");
             context.submit(|encoder| {
                 filled.record(encoder);
-                build_pyramid::stages(context, &planes, &maps).iter().for_each(|stage| stage.record(encoder));
+                build_pyramid::stage(context, &planes, &maps).record(encoder);
             });
             println!("    {:.2} MB", maps.bytes() as f64 / 1e6);
             let mut random = Random(9);

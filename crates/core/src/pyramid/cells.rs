@@ -13,6 +13,9 @@ use crate::sphere::octahedral::{direction_from_oct, texel_centre};
 use glam::{DVec3, Vec3A};
 use std::f32::consts::FRAC_1_PI;
 
+/// Functions of the basis of harmonics to order 4.
+pub const BASIS: usize = 25;
+
 /// Cells along an edge of the finest grid.
 pub const FINEST: u32 = 64;
 
@@ -67,8 +70,8 @@ impl Cells {
     }
 
     /// Harmonics to order 4, the light of a cell in its mean direction.
-    pub(crate) fn harmonics(&self) -> [Vec3A; 25] {
-        let mut sums = [Vec3A::ZERO; 25];
+    pub(crate) fn harmonics(&self) -> [Vec3A; BASIS] {
+        let mut sums = [Vec3A::ZERO; BASIS];
         for cell in &self.cells {
             let mean = DVec3::from_array(cell.moments.map(|moment| f64::from(moment.element_sum())));
             if mean != DVec3::ZERO {

@@ -1,5 +1,6 @@
 //! An environment's light without its maps, as shaders hold it.
 
+use super::cells::BASIS;
 use super::{Pyramid, suns};
 use bytemuck::{Pod, Zeroable};
 use glam::DMat3;
@@ -34,7 +35,7 @@ pub struct OctaglossLight {
     pad: f32,
     /// Harmonics of the rest, scaled. The fourth components of the first 24 are the suns' half axes, three
     /// for each: so 64 lights fit in a uniform buffer.
-    pub harmonics: [[f32; 4]; 25],
+    pub harmonics: [[f32; 4]; BASIS],
     /// Suns.
     pub suns: [OctaglossSun; suns::COUNT],
     pad_to_256: [f32; 12],

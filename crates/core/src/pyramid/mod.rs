@@ -39,7 +39,7 @@ use crate::light::oem::{Oem, OemSize};
 use crate::light::sh::basis;
 use crate::light::sh::scale::COSINE as COSINE_BANDS;
 pub use baked::BakedPyramid;
-use cells::Cells;
+use cells::{BASIS, Cells};
 use fit::{COSINE, LOBE, MIDDLE, ORDERS, WEIGHTS, weights_at};
 use glam::{DVec3, Vec3A};
 use levels::Map;
@@ -205,7 +205,7 @@ pub struct Pyramid {
     middles: Vec<Map>,
     /// `None` on cubes, which have harmonics instead.
     cosine: Option<Map>,
-    harmonics: [Vec3A; 25],
+    harmonics: [Vec3A; BASIS],
     suns: Suns,
     exponent: i32,
 }
@@ -280,7 +280,7 @@ impl Pyramid {
     }
 
     /// The harmonics, those of each order times its weight.
-    fn weighted_harmonics(&self, weight: impl Fn(usize) -> f32) -> [Vec3A; 25] {
+    fn weighted_harmonics(&self, weight: impl Fn(usize) -> f32) -> [Vec3A; BASIS] {
         std::array::from_fn(|k| weight(k.isqrt()) * self.harmonics[k])
     }
 
@@ -308,7 +308,7 @@ impl Pyramid {
     }
 
     /// Harmonics of radiance to order 4, scaled so, too.
-    pub const fn harmonics(&self) -> &[Vec3A; 25] {
+    pub const fn harmonics(&self) -> &[Vec3A; BASIS] {
         &self.harmonics
     }
 
@@ -324,7 +324,7 @@ impl Pyramid {
 }
 
 /// The sum of `harmonics` around the unit vector `direction`.
-fn harmonics_around(direction: DVec3, harmonics: &[Vec3A; 25]) -> Vec3A {
+fn harmonics_around(direction: DVec3, harmonics: &[Vec3A; BASIS]) -> Vec3A {
     basis(direction).into_iter().zip(harmonics).map(|(basis, harmonic)| basis as f32 * *harmonic).sum()
 }
 
@@ -334,7 +334,7 @@ pub struct PyramidLobes<'a> {
     pyramid: &'a Pyramid,
     weights: [f32; WEIGHTS],
     /// Times their weights.
-    harmonics: [Vec3A; 25],
+    harmonics: [Vec3A; BASIS],
     suns: GlossySuns,
     arch: Arch,
 }

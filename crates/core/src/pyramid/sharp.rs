@@ -14,6 +14,9 @@ pub(crate) const CUT: f32 = 3.0;
 /// The share of a Gaussian's covariance that is left of it where it ends at [`CUT`].
 pub(crate) const CUT_COVARIANCE: f32 = 0.949_448;
 
+/// More than it reaches by flat texels.
+pub(crate) const MARGIN: f32 = 1.1;
+
 /// Texels of a row that are summed together.
 const TOGETHER: usize = 16;
 
@@ -87,7 +90,7 @@ impl Texels {
 
 /// Texels along u and v that a Gaussian of `width` at `place` of their map reaches.
 fn reach_of(place: &Place, width: f64) -> [u32; 2] {
-    (place.reach * (1.1 * CUT * width as f32)).to_array().map(|texels| texels.ceil() as u32)
+    (place.reach * (MARGIN * CUT * width as f32)).to_array().map(|texels| texels.ceil() as u32)
 }
 
 /// The sharp level: sums of the texels of `mirror`, clamped to `clamp`, under a Gaussian of `width`.

@@ -31,9 +31,13 @@ pub const NEAR: f32 = 0.02;
 /// The same in texels of the map, over its edge.
 pub const NEAR_TEXELS: f32 = 7.0;
 
-/// Bits of a brightness that do not count. Engines round otherwise, and would choose other seeds among texels
-/// of one brightness.
+/// Bits of a brightness that do not count: it is rounded to the nearest without them. Engines round otherwise,
+/// and would choose other seeds among texels of one brightness. Those of lamps often are short numbers, which
+/// rounding keeps together where cutting off would part them.
 pub const BELOW: u32 = 255;
+
+/// Half of these.
+const HALF: u32 = BELOW.div_ceil(2);
 
 /// A sun: the light above the clamp that is nearest to one seed. Lamps of several colours may share a sun, so
 /// each channel has a place of its own. Half of its light is a disc [`Self::half_axis`] away from there, half
@@ -75,12 +79,13 @@ fn brightness([r, g, b, w]: [f32; 4]) -> f32 {
 
 /// The bits of it that count.
 fn counted(brightness: f32) -> f32 {
-    f32::from_bits(brightness.to_bits() & !BELOW)
+    let bits = brightness.to_bits().min(f32::MAX.to_bits() - HALF);
+    f32::from_bits((bits + HALF) & !BELOW)
 }
 
-/// The greatest brightness of those that [`counted`] takes for this one.
+/// A brightness above all those that [`counted`] takes for this one, but the greatest floats.
 fn most(counted: f32) -> f32 {
-    if counted > 0.0 { f32::from_bits(counted.to_bits() | BELOW) } else { 0.0 }
+    if counted > 0.0 { f32::from_bits(counted.to_bits() + HALF) } else { 0.0 }
 }
 
 impl Suns {
@@ -284,4 +289,24 @@ fn products(v: DVec3, t: DVec3, b: DVec3) -> DVec3 {
 pub(crate) fn lobe_share(octaves: Octaves, roughness: f64) -> f64 {
     let alpha = (roughness * roughness).max(0.5 * octaves.mirror_width());
     1.0 / lobe::ggx_integral(alpha)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Short numbers, which lamps in files have, count as one brightness when engines are a few units off.
+    #[test]
+    fn a_brightness_counts_as_its_neighbours_do() {
+        for short in [0.5_f32, 1.0, 3.0, 100.0, 60_000.0] {
+            for off in 0..=3 {
+                let [above, below] = [short.to_bits() + off, short.to_bits() - off].map(f32::from_bits);
+                assert_eq!(counted(above), counted(below), "{short}");
+                assert!(most(counted(above)) > above, "{short}");
+            }
+        }
+        assert_ne!(counted(100.0), counted(f32::from_bits(100.0_f32.to_bits() + BELOW)));
+        assert!(counted(f32::MAX).is_finite() && most(counted(f32::MAX)).is_finite());
+        assert_eq!([counted(0.0), most(0.0)], [0.0; 2]);
+    }
 }

@@ -14,6 +14,7 @@ pub fn in_rows(count: u32) -> [u32; 3] {
 /// One dispatch: a pipeline, what it is bound to, and how many workgroups.
 #[derive(Clone, Debug)]
 pub(crate) struct Dispatch {
+    name: &'static str,
     pipeline: wgpu::ComputePipeline,
     bindings: Vec<wgpu::BindGroup>,
     workgroups: [u32; 3],
@@ -28,7 +29,8 @@ impl Dispatch {
         resources: &[(u32, wgpu::BindingResource<'_>)],
         workgroups: [u32; 3],
     ) -> Self {
-        Self::of(context, &context.pipeline(file, entry_point, None), resources, workgroups)
+        let pipeline = context.pipeline(file, entry_point, None);
+        Self { name: entry_point, ..Self::of(context, &pipeline, resources, workgroups) }
     }
 
     /// The same of a `pipeline`.
@@ -49,7 +51,7 @@ impl Dispatch {
         bindings: Vec<wgpu::BindGroup>,
         workgroups: [u32; 3],
     ) -> Self {
-        Self { pipeline: pipeline.clone(), bindings, workgroups }
+        Self { name: "dispatch", pipeline: pipeline.clone(), bindings, workgroups }
     }
 }
 
@@ -63,6 +65,11 @@ pub struct Stage {
 impl Stage {
     pub(crate) const fn new(label: &'static str, dispatches: Vec<Dispatch>) -> Self {
         Self { label, dispatches }
+    }
+
+    /// Its dispatches, each as a stage of its own, to time them.
+    pub fn parts(&self) -> impl Iterator<Item = Self> {
+        self.dispatches.iter().map(|dispatch| Self::new(dispatch.name, vec![dispatch.clone()]))
     }
 
     /// Its name, as in `shaders/`.
@@ -83,7 +90,7 @@ impl Stage {
     ) {
         let descriptor = wgpu::ComputePassDescriptor { label: Some(self.label), timestamp_writes };
         let mut pass = encoder.begin_compute_pass(&descriptor);
-        for Dispatch { pipeline, bindings, workgroups: [x, y, z] } in &self.dispatches {
+        for Dispatch { pipeline, bindings, workgroups: [x, y, z], .. } in &self.dispatches {
             pass.set_pipeline(pipeline);
             for (group, bindings) in (0..).zip(bindings) {
                 pass.set_bind_group(group, bindings, &[]);

@@ -1,11 +1,12 @@
 //! Builds the maps of a pyramid from an OEM.
 //!
 //! ```text
-//! OEM planes --suns--> light (suns, scale)
-//!  +--mirror--> mirror --sharp--> sharp level --cascade--> level 0 --cascade--> level 1 ...
-//!  |                                                             middle levels <--+
-//!  +--cells--> cells --cosine--> cosine level
-//!                +--harmonics--> light
+//! OEM planes --brightest, seek--> seeds, scale
+//!  +--mirror--> mirror; rest --sharp--> sharp level --cascade--> level 0 --cascade--> level 1 ...
+//!  |                                                                 middle levels <--+
+//!  +--moments--> light above the clamp --suns--> light
+//!  +--cells_of_texels--> cells --cosine--> cosine level
+//!                          +--harmonics--> light
 //! ```
 
 use super::pyramid::PyramidMaps;
@@ -13,7 +14,7 @@ use crate::device::stage::Dispatch;
 use crate::{Context, OemPlanes, Stage};
 use octagloss_core::light::oem::OemSize;
 use octagloss_core::pyramid::levels::{BETWEEN, FROM_MIDDLE, TAPS, taps};
-use octagloss_core::pyramid::{Square, cells, suns};
+use octagloss_core::pyramid::{Square, cells};
 use wgpu::BindingResource::{Sampler, TextureView};
 
 /// Invocations of a workgroup in one dimension.
@@ -21,6 +22,15 @@ pub const GROUP_SIZE: u32 = 256;
 
 /// Invocations along an edge of a workgroup over texels.
 pub const EDGE: u32 = 8;
+
+/// The shader of levels.
+const LEVELS: &str = "pyramid/levels.wgsl";
+
+/// Areas of an OEM along an edge, in which seeds of suns are sought.
+pub const AREAS: u32 = 16;
+
+/// Texels of the cosine level along an edge of those that a workgroup takes.
+const COSINE_EDGE: u32 = 4;
 
 /// `Level` of the shaders.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -54,46 +64,91 @@ const fn squares(texels: u32) -> [u32; 3] {
     [texels / EDGE, texels / EDGE, 1]
 }
 
-/// The stages that fill `maps` from `oem`, in order. Record them whenever `oem` has changed.
+/// The stage that fills `maps` from `oem`. Record it whenever `oem` has changed.
 ///
 /// # Panics
 /// If `maps` were made for another size.
-pub fn stages(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Vec<Stage> {
+pub fn stage(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
     assert_eq!(oem.size().inner, maps.octaves().inner(), "maps for this size");
-    vec![suns_of(context, oem, maps), levels(context, oem, maps), moments(context, oem, maps)]
+    let [brightest, seek] = seeds(context, oem, maps);
+    let [moments, light] = light(context, oem, maps);
+    let [cells, cosine, harmonics] = diffuse(context, oem, maps);
+    let [mirror, sharp] = sharp(context, oem, maps);
+    let mut cascades = cascades(context, maps).into_iter();
+    let first = cascades.next().expect("a level");
+    // Side by side stand those that only read what others wrote; the first of each line waits for all that the
+    // others read.
+    let mut dispatches = vec![brightest, seek];
+    dispatches.extend([mirror, moments, cells]);
+    dispatches.extend([sharp, cosine, harmonics]);
+    dispatches.extend([first, light]);
+    dispatches.extend(cascades);
+    Stage::new("pyramid", dispatches)
 }
 
-fn suns_of(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
-    let texels = oem.size().inner.pow(2);
-    let file = "pyramid/suns.wgsl";
+fn seeds(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> [Dispatch; 2] {
+    let passed = maps.passed();
+    let (file, mut resources) = ("pyramid/seeds.wgsl", oem.bindings());
+    let brightness = (5, passed.texels.as_entire_binding());
+    resources.extend([brightness.clone(), (6, passed.areas.as_entire_binding())]);
+    let brightest = Dispatch::new(context, (file, "brightest"), &resources, [AREAS.pow(2), 1, 1]);
+    let resources = [
+        resources[0].clone(),
+        brightness,
+        (7, passed.seeds.as_entire_binding()),
+        (8, passed.areas.as_entire_binding()),
+    ];
+    [brightest, Dispatch::new(context, (file, "seek"), &resources, [1, 1, 1])]
+}
+
+fn light(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> [Dispatch; 2] {
+    let passed = maps.passed();
     let mut resources = oem.bindings();
-    resources.push((5, maps.blocks.as_entire_binding()));
-    let brightest = Dispatch::new(context, (file, "brightest"), &resources, [texels / GROUP_SIZE, 1, 1]);
-    resources.push((6, maps.light()));
-    let seek = Dispatch::new(context, (file, "seek"), &resources, [1, 1, 1]);
-    let suns = Dispatch::new(context, (file, "suns"), &resources, [suns::COUNT as u32, 1, 1]);
-    Stage::new("suns", vec![brightest, seek, suns])
+    resources.extend([
+        (5, passed.areas.as_entire_binding()),
+        (6, passed.seeds.as_entire_binding()),
+        (7, passed.excess.as_entire_binding()),
+    ]);
+    let moments = Dispatch::new(context, ("pyramid/suns.wgsl", "moments"), &resources, [AREAS.pow(2), 1, 1]);
+    let resources = [
+        (0, passed.seeds.as_entire_binding()),
+        (1, passed.excess.as_entire_binding()),
+        (2, passed.harmonics.as_entire_binding()),
+        (3, maps.light()),
+    ];
+    [moments, Dispatch::new(context, ("pyramid/light.wgsl", "write_light"), &resources, [1, 1, 1])]
 }
 
-fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
-    let file = "pyramid/levels.wgsl";
+fn sharp(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> [Dispatch; 2] {
+    let passed = maps.passed();
     let (octaves, size) = (maps.octaves(), maps.octaves().size(0));
     let [mirror, sharp] = [0, 1].map(|map| maps.square(octaves.square_of(map)));
     let [to_mirror, to_sharp] =
         [0.0, octaves.sharp_width()].map(|width| level(context, size, size, width * width));
+    let rest = (10, passed.texels.as_entire_binding());
     let mut of_oem = oem.bindings();
-    of_oem.extend([(5, maps.light()), (7, to_mirror.as_entire_binding()), (8, TextureView(&mirror))]);
-    let of_mirror = [
-        (5, maps.light()),
-        (6, TextureView(&mirror)),
+    of_oem.extend([
+        (5, passed.seeds.as_entire_binding()),
+        (7, to_mirror.as_entire_binding()),
+        (8, TextureView(&mirror)),
+        rest.clone(),
+    ]);
+    let of_rest = [
         (7, to_sharp.as_entire_binding()),
         (8, TextureView(&sharp)),
+        rest,
+        (11, passed.cells.as_entire_binding()),
     ];
-    let mut dispatches = vec![
-        Dispatch::new(context, (file, "mirror"), &of_oem, squares(size.inner)),
-        Dispatch::new(context, (file, "sharp"), &of_mirror, squares(size.inner / 2)),
-    ];
-    let mut cascade = |finer: Square, own: Square, variance| {
+    [
+        Dispatch::new(context, (LEVELS, "mirror"), &of_oem, squares(size.inner)),
+        Dispatch::new(context, (LEVELS, "sharp"), &of_rest, squares(size.inner / 2)),
+    ]
+}
+
+/// Each level from the next finer one, and middle levels beside those that read the same.
+fn cascades(context: &Context, maps: &PyramidMaps) -> Vec<Dispatch> {
+    let (octaves, passed) = (maps.octaves(), maps.passed());
+    let cascade = |finer: Square, own: Square, variance| {
         let (finer_size, size) = (octaves.size(finer.mip), octaves.size(own.mip));
         let to_own = level(context, size, finer_size, variance);
         let [finer, own] = [finer, own].map(|square| maps.square(square));
@@ -102,39 +157,40 @@ fn levels(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
             (7, to_own.as_entire_binding()),
             (8, TextureView(&own)),
             (9, Sampler(maps.linear())),
+            (12, passed.excess.as_entire_binding()),
+            (13, passed.harmonics.as_entire_binding()),
         ];
-        dispatches.push(Dispatch::new(context, (file, "cascade"), &resources, squares(size.inner)));
+        Dispatch::new(context, (LEVELS, "cascade"), &resources, squares(size.inner))
     };
+    let mut dispatches = Vec::new();
     for k in 0..octaves.count() {
         let [finer, own] = [k + 1, k + 2].map(|map| octaves.square_of(map));
-        cascade(finer, own, BETWEEN * octaves.width(k).powi(2));
+        dispatches.push(cascade(finer, own, BETWEEN * octaves.width(k).powi(2)));
+        for middle in (0..octaves.middles()).filter(|middle| octaves.below_middle(*middle) + 1 == k) {
+            let variance = FROM_MIDDLE * octaves.middle_width(middle).powi(2);
+            dispatches.push(cascade(finer, octaves.square_of_middle(middle), variance));
+        }
     }
-    for middle in 0..octaves.middles() {
-        let below = octaves.square_of(octaves.below_middle(middle) + 2);
-        let variance = FROM_MIDDLE * octaves.middle_width(middle).powi(2);
-        cascade(below, octaves.square_of_middle(middle), variance);
-    }
-    Stage::new("levels", dispatches)
+    dispatches
 }
 
-fn moments(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
+fn diffuse(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> [Dispatch; 3] {
     let file = "pyramid/cells.wgsl";
     let planes = oem.bindings();
     let rows = oem.size().inner * oem.size().inner.min(cells::FINEST);
     let place = maps.octaves().square_of_cosine();
     let (cosine, size) = (maps.square(place), maps.octaves().size(place.mip));
     let to_cosine = level(context, size, size, 0.0);
-    let stored = (6, maps.cells.as_entire_binding());
-    let of_texels = [&planes[..], &[(5, maps.light()), stored.clone()]].concat();
+    let seeds = (5, maps.passed().seeds.as_entire_binding());
+    let stored = (6, maps.passed().cells.as_entire_binding());
+    let of_texels = [&planes[..], &[seeds, stored.clone()]].concat();
     let of_cells =
         [planes[0].clone(), stored.clone(), (7, to_cosine.as_entire_binding()), (8, TextureView(&cosine))];
-    let summed = [planes[0].clone(), (5, maps.light()), stored];
-    Stage::new(
-        "cells",
-        vec![
-            Dispatch::new(context, (file, "cells_of_texels"), &of_texels, [rows / GROUP_SIZE, 1, 1]),
-            Dispatch::new(context, (file, "cosine"), &of_cells, [size.inner / 2, size.inner / 2, 1]),
-            Dispatch::new(context, (file, "harmonics"), &summed, [25_u32.div_ceil(4), 1, 1]),
-        ],
-    )
+    let summed = [stored, (9, maps.passed().harmonics.as_entire_binding())];
+    let groups = size.inner / COSINE_EDGE;
+    [
+        Dispatch::new(context, (file, "cells_of_texels"), &of_texels, [rows / GROUP_SIZE, 1, 1]),
+        Dispatch::new(context, (file, "cosine"), &of_cells, [groups, groups, 1]),
+        Dispatch::new(context, (file, "harmonics"), &summed, [maps.passed().sums_of_harmonics(), 1, 1]),
+    ]
 }

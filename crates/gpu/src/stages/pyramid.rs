@@ -1,5 +1,6 @@
 //! Pyramids on the GPU: their maps, their look-up for lists of directions, and as WGSL for callers' shaders.
 
+use super::build_pyramid;
 use crate::device::readback;
 use crate::device::resources::{
     SAMPLER, UNIFORM, group, group_layout, single, texture_binding, texture_of, trilinear,
@@ -22,6 +23,15 @@ pub const NODES_A_ROW: u32 = 32;
 pub(super) const WEIGHTS_TEXTURE: wgpu::BindingType =
     texture_binding(wgpu::TextureSampleType::Float { filterable: false }, wgpu::TextureViewDimension::D2);
 
+/// Cells of a workgroup that sums harmonics.
+pub const HARMONIC_CELLS: u64 = 128;
+
+/// Sums of three channels of harmonics, in floats.
+const BYTES_OF_HARMONICS: u64 = 4 * 3 * cells::BASIS as u64;
+
+/// Moments of the light above the clamp in an area.
+pub const MOMENTS_OF_AREA: u64 = 32 * suns::COUNT as u64;
+
 /// Format of the maps.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
@@ -42,9 +52,45 @@ pub struct PyramidMaps {
     /// [`SQUARES`] layers an environment.
     maps: wgpu::Texture,
     linear: wgpu::Sampler,
-    /// What the passes hand on, overwritten by each build: brightness of blocks, light of cells.
-    pub(super) blocks: wgpu::Buffer,
+    passed: Passed,
+}
+
+/// What passes of a build hand on, overwritten by each.
+#[derive(Clone, Debug)]
+pub(super) struct Passed {
+    /// Brightness of texels; then radiance of the rest, in halves.
+    pub(super) texels: wgpu::Buffer,
+    /// The brightest texel of each area.
+    pub(super) areas: wgpu::Buffer,
+    /// `Seeds` of the shaders.
+    pub(super) seeds: wgpu::Buffer,
+    /// `Excess` of the shaders: moments of the light above the clamp.
+    pub(super) excess: wgpu::Buffer,
+    /// Light of cells.
     pub(super) cells: wgpu::Buffer,
+    /// Sums of harmonics over [`HARMONIC_CELLS`] cells each.
+    pub(super) harmonics: wgpu::Buffer,
+}
+
+impl Passed {
+    fn new(context: &Context, inner: u32) -> Self {
+        let storage = |label, bytes| context.storage(label, bytes);
+        let areas = u64::from(build_pyramid::AREAS.pow(2));
+        let cells = u64::from(inner.min(cells::FINEST)).pow(2);
+        Self {
+            texels: storage("brightness, then the rest", 8 * u64::from(inner).pow(2)),
+            areas: storage("brightest texels", 8 * areas),
+            seeds: storage("seeds of suns", 16 + 16 * suns::COUNT as u64),
+            excess: storage("light above the clamp", 4 * areas * (1 + MOMENTS_OF_AREA)),
+            cells: storage("light of cells", 48 * cells),
+            harmonics: storage("sums of harmonics", BYTES_OF_HARMONICS * cells / HARMONIC_CELLS),
+        }
+    }
+
+    /// How many sums of harmonics there are.
+    pub(super) fn sums_of_harmonics(&self) -> u32 {
+        (self.harmonics.size() / BYTES_OF_HARMONICS) as u32
+    }
 }
 
 impl PyramidMaps {
@@ -70,7 +116,6 @@ impl PyramidMaps {
         let usage = sampled | wgpu::TextureUsages::STORAGE_BINDING;
         let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let used = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | copied;
-        let squares = |finest: u32| u64::from(inner.min(finest)).pow(2);
         let first = Self {
             octaves,
             probe: 0,
@@ -79,15 +124,20 @@ impl PyramidMaps {
             lights: context.buffer("light of pyramids", LIGHT * u64::from(MAX_PROBES), used),
             maps: context.texture("maps of pyramids", FORMAT, shape, octaves.mips(), usage),
             linear: trilinear(context),
-            blocks: context
-                .storage("brightness of blocks", 16 * (squares(suns::FINEST) + suns::COUNT as u64)),
-            cells: context.storage("light of cells", 48 * squares(cells::FINEST)),
+            passed: Passed::new(context, inner),
         };
         let all: Vec<_> = (0..probes).map(|probe| Self { probe, ..first.clone() }).collect();
         for maps in &all {
             maps.set_rotation(context, [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
         }
         Ok(all)
+    }
+
+    /// Maps of another environment, black, in textures of their own. Builds of both pass through the same
+    /// buffers.
+    pub fn sibling(&self, context: &Context) -> Self {
+        let maps = Self::new(context, self.octaves.inner()).expect("as large as these");
+        Self { weights: self.weights.clone(), passed: self.passed.clone(), ..maps }
     }
 
     /// Checks that the maps of `probes` environments fit the device's textures.
@@ -145,6 +195,10 @@ impl PyramidMaps {
     /// One of the maps.
     pub(super) fn square(&self, square: Square) -> wgpu::TextureView {
         single(&self.maps, SQUARES * self.probe + square.layer, square.mip)
+    }
+
+    pub(super) const fn passed(&self) -> &Passed {
+        &self.passed
     }
 
     pub(super) const fn linear(&self) -> &wgpu::Sampler {

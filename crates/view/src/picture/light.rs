@@ -102,7 +102,7 @@ impl Light {
             lamp::stage(context, &lamp_buffer, &planes),
         ];
         stages.extend(tables);
-        stages.extend(build_pyramid::stages(context, &planes, &pyramid));
+        stages.push(build_pyramid::stage(context, &planes, &pyramid));
         context.submit(|encoder| stages.iter().for_each(|stage| stage.record(encoder)));
         context.check()?;
         let mut sum = 0.0;
