@@ -128,8 +128,8 @@ fn point_of(at: vec2<i32>) -> vec3<f32> {
     return octahedron_from_oct((vec2<f32>(at) + 0.5) * (2.0 / f32(level.inner)) - 1.0);
 }
 
-// Adds texels of row `j` from `centre`, within one face of the octahedron: squares of points and exponents are
-// polynomials of the place in the row there.
+// Adds texels of row `j` from `centre`, within one face of the octahedron: squares of points and exponents
+// are polynomials of the place in the row there.
 fn add_row(sums: ptr<function, Sums>, bell: Bell, centre: vec2<i32>, j: i32, from_i: i32, to_i: i32) {
     let middle = centre + vec2<i32>(0, j);
     let point = point_of(middle);

@@ -31,9 +31,9 @@ pub const NEAR: f32 = 0.02;
 /// The same in texels of the map, over its edge.
 pub const NEAR_TEXELS: f32 = 7.0;
 
-/// Bits of a brightness that do not count: it is rounded to the nearest without them. Engines round otherwise,
-/// and would choose other seeds among texels of one brightness. Those of lamps often are short numbers, which
-/// rounding keeps together where cutting off would part them.
+/// Bits of a brightness that do not count: it is rounded to the nearest without them. Engines round
+/// otherwise, and would choose other seeds among texels of one brightness. Those of lamps often are short
+/// numbers, which rounding keeps together where cutting off would part them.
 pub const BELOW: u32 = 255;
 
 /// Half of these.

@@ -76,8 +76,8 @@ pub fn stage(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
     let [mirror, sharp] = sharp(context, oem, maps);
     let mut cascades = cascades(context, maps).into_iter();
     let first = cascades.next().expect("a level");
-    // Side by side stand those that only read what others wrote; the first of each line waits for all that the
-    // others read.
+    // Side by side stand those that only read what others wrote; the first of each line waits for all that
+    // the others read.
     let mut dispatches = vec![brightest, seek];
     dispatches.extend([mirror, moments, cells]);
     dispatches.extend([sharp, cosine, harmonics]);
