@@ -64,6 +64,7 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("pyramid/query.wgsl", "GROUP_SIZE", "pyramid::GROUP_SIZE"),
     ("common/areas.wgsl", "FINEST", "suns::FINEST"),
     ("common/areas.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
+    ("pyramid/levels.wgsl", "LARGE", "sharp::LARGE"),
     ("pyramid/levels.wgsl", "MARGIN", "sharp::MARGIN"),
     ("pyramid/light.wgsl", "GROUP_SIZE", "build_pyramid::GROUP_SIZE"),
 ];
@@ -95,7 +96,7 @@ const OWN: &[(&str, &[&str])] = &[
     ("common/seeds.wgsl", &["HALF"]),
     ("common/excess.wgsl", &["MOMENTS", "MOMENTS_OF_SUN"]),
     ("pyramid/cells.wgsl", &["LANES_A_SQUARE", "SQUARES_A_GROUP"]),
-    ("pyramid/levels.wgsl", &["LARGE", "PART"]),
+    ("pyramid/levels.wgsl", &["PART"]),
     ("pyramid/seeds.wgsl", &["NONE"]),
     ("pyramid/suns.wgsl", &["NONE"]),
     ("sat_f32.wgsl", &["GROUP_SIZE"]),

@@ -179,8 +179,8 @@ pub(super) struct Place {
     pub(super) axes: [Vec3; 2],
     /// The covariance: of the first axis, of both, of the second.
     pub(super) covariance: [f32; 3],
-    /// Texels that a Gaussian of standard deviation 1 reaches along u and v.
-    pub(super) reach: Vec2,
+    /// A texel's step along u, which the first axis has; along v, on both.
+    pub(super) steps: [f32; 3],
 }
 
 impl Place {
@@ -218,13 +218,18 @@ impl Place {
             -read * shear * wide,
             variance - read * wide * wide,
         ];
-        let reach = DVec2::new(by_v.length(), by_u.length()) / (long * wide).abs() / texel;
         Self {
             direction: direction.as_vec3(),
             axes: [along.as_vec3(), across.as_vec3()],
             covariance: covariance.map(|value| value as f32),
-            reach: reach.as_vec2(),
+            steps: [long, shear, wide].map(|step| (step * texel) as f32),
         }
+    }
+
+    /// Texels that a Gaussian of standard deviation 1 reaches along u and v.
+    pub(super) fn reach(&self) -> Vec2 {
+        let [long, shear, wide] = self.steps;
+        Vec2::new(shear.hypot(wide), long) / (long * wide).abs()
     }
 
     /// Narrowed by what sums of points of another map, of `inner` texels, add.

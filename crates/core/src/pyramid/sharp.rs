@@ -17,6 +17,9 @@ pub(crate) const CUT_COVARIANCE: f32 = 0.949_448;
 /// More than it reaches by flat texels.
 pub(crate) const MARGIN: f32 = 1.1;
 
+/// Texels along an edge from which on the sphere is as flat under the Gaussian.
+pub(crate) const LARGE: u32 = 256;
+
 /// Texels of a row that are summed together.
 const TOGETHER: usize = 16;
 
@@ -76,21 +79,27 @@ impl Texels {
         // Directions lie up to half a texel beside its centre.
         let reach = reach_of(&Place::new(self.inner, centre[0], centre[1], 1.0, READ), width)
             .map(|texels| texels + 1);
-        let [sum, ..] = self.mirrored(&place.of_points(self.inner), centre, reach);
+        let [sum, ..] = self.mirrored(&place.of_points(self.inner), centre, reach, None);
         sum
     }
 
     /// Their light under the Gaussian at `place`, and at its places mirrored along u, along v, and along
     /// both, from those within `reach` of texel `centre`.
-    fn mirrored(&self, place: &Place, centre: [u32; 2], reach: [u32; 2]) -> [Vec3A; 4] {
+    fn mirrored(
+        &self,
+        place: &Place,
+        centre: [u32; 2],
+        reach: [u32; 2],
+        ellipse: Option<Ellipse>,
+    ) -> [Vec3A; 4] {
         let bell = Bell::new(place);
-        self.arch.dispatch(Window { texels: self, bell, centre, reach })
+        self.arch.dispatch(Window { texels: self, bell, centre, reach, ellipse })
     }
 }
 
 /// Texels along u and v that a Gaussian of `width` at `place` of their map reaches.
 fn reach_of(place: &Place, width: f64) -> [u32; 2] {
-    (place.reach * (MARGIN * CUT * width as f32)).to_array().map(|texels| texels.ceil() as u32)
+    (place.reach() * (MARGIN * CUT * width as f32)).to_array().map(|texels| texels.ceil() as u32)
 }
 
 /// The sharp level: sums of the texels of `mirror`, clamped to `clamp`, under a Gaussian of `width`.
@@ -99,8 +108,44 @@ pub(crate) fn sharp(mirror: &Map, clamp: f32, width: f64) -> Map {
     let inner = mirror.inner();
     Map::of_quarters(inner, |x, y| {
         let place = Place::new(inner, x, y, width * width, READ + POINTS);
-        texels.mirrored(&place, [x, y], reach_of(&place, width))
+        let ellipse = Ellipse::new(&place, inner, [x, y], MARGIN * CUT * width as f32);
+        texels.mirrored(&place, [x, y], reach_of(&place, width), ellipse)
     })
+}
+
+/// Texels of a face that are less than a width from one of them.
+struct Ellipse {
+    /// Columns that the middle of a row lies beside that of the row before.
+    slope: f32,
+    /// Half of the columns of the middle row, and of all rows.
+    half: [f32; 2],
+}
+
+impl Ellipse {
+    /// Around texel (`x`, `y`) of the first quarter of a map of `inner` texels; none where it is not flat
+    /// there, or not in one face.
+    fn new(place: &Place, inner: u32, [x, y]: [u32; 2], width: f32) -> Option<Self> {
+        let [long, shear, wide] = place.steps;
+        let reach = width * place.reach();
+        // Along the sum of x and y, across the quarter's diagonal.
+        let reach_of_sum = width * (long - shear).hypot(wide) / (long * wide).abs();
+        let (half, [x, y]) = (inner as f32 / 2.0, [x, y].map(|at| at as f32));
+        let is_inside = |at: f32, reach: f32| at >= reach.ceil() && at + reach.ceil() < half;
+        let is_flat = inner >= LARGE
+            && is_inside(x, reach.x)
+            && is_inside(y, reach.y)
+            && (x + y + 1.0 - half).abs() >= reach_of_sum;
+        is_flat.then(|| Self { slope: -shear / long, half: [width / long, width / wide.abs()] })
+    }
+
+    /// Columns of `row`, both counted from the middle, and the column after them.
+    #[inline(always)]
+    fn columns(&self, row: i32) -> Range<i32> {
+        let (row, [across, down]) = (row as f32, self.half);
+        let middle = self.slope * row;
+        let beside = across * (1.0 - (row / down).powi(2)).max(0.0).sqrt();
+        (middle - beside).ceil() as i32..(middle + beside).floor() as i32 + 1
+    }
 }
 
 /// A Gaussian around a direction.
@@ -151,6 +196,8 @@ struct Window<'a> {
     bell: Bell,
     centre: [u32; 2],
     reach: [u32; 2],
+    /// What of them the Gaussian reaches, if it lies in one face.
+    ellipse: Option<Ellipse>,
 }
 
 impl pulp::NullaryFnOnce for Window<'_> {
@@ -158,10 +205,18 @@ impl pulp::NullaryFnOnce for Window<'_> {
 
     #[inline(always)]
     fn call(self) -> [Vec3A; 4] {
-        let Self { texels, bell, centre, reach } = self;
+        let Self { texels, bell, centre, reach, ellipse } = self;
         let inner = texels.inner as i32;
         let ([x, y], [across, down]) = (centre.map(|at| at as i32), reach.map(|texels| texels as i32));
         let mut sums = Sums::default();
+        if let Some(ellipse) = ellipse {
+            for row in -down..=down {
+                for column in ellipse.columns(row).step_by(TOGETHER) {
+                    sums.add::<TOGETHER>(texels, &bell, y + row, x + column);
+                }
+            }
+            return sums.means();
+        }
         let count = (2 * reach[0] + 1).next_multiple_of(TOGETHER as u32) as i32;
         let columns = x - across..x - across + count;
         let rows = y - down..y + down + 1;
@@ -265,7 +320,44 @@ fn lanes<const COUNT: usize>(all: &[f32], first: usize) -> [f32; COUNT] {
 mod tests {
     use super::*;
     use crate::pyramid::Octaves;
+    use crate::sphere::octahedral::direction_from_oct;
     use glam::Vec3;
+
+    /// Ellipses have every texel under the Gaussian, as narrower ones have not.
+    #[test]
+    fn rows_reach_as_far_as_the_gaussian() {
+        for inner in [LARGE, 2 * LARGE, 8 * LARGE] {
+            let width = Octaves::over(inner).expect("a size").sharp_width();
+            let missing = |margin: f32| {
+                let half = inner / 2;
+                let texels =
+                    (0..half).step_by(inner as usize / 73).flat_map(|y| (0..half).map(move |x| (x, y)));
+                let missing_of = |(x, y): (u32, u32)| {
+                    let place = Place::new(inner, x, y, width * width, READ + POINTS);
+                    let ellipse = Ellipse::new(&place, inner, [x, y], margin * CUT * width as f32)?;
+                    let (bell, reach) =
+                        (Bell::new(&place), reach_of(&place, width).map(|texels| texels as i32));
+                    let rows =
+                        (-reach[1]..=reach[1]).flat_map(|j| (-reach[0]..=reach[0]).map(move |i| (i, j)));
+                    let is_missing = |(i, j): &(i32, i32)| {
+                        let at = texel_centre(inner, x.wrapping_add_signed(*i), y.wrapping_add_signed(*j));
+                        let [x, y, z] = direction_from_oct(at).as_vec3().to_array();
+                        bell.height(x, y, z) > 0.0 && !ellipse.columns(*j).contains(i)
+                    };
+                    Some(rows.filter(is_missing).count())
+                };
+                let counts: Vec<usize> = texels.filter_map(missing_of).collect();
+                assert!(
+                    counts.len() > (half * half / (inner / 73)) as usize / 2,
+                    "{} in a face",
+                    counts.len()
+                );
+                counts.iter().sum::<usize>()
+            };
+            assert_eq!(missing(MARGIN), 0, "{inner}");
+            assert!(missing(1.0) > 0, "{inner}: a narrower ellipse is not detected");
+        }
+    }
 
     /// Windows see every texel under the Gaussian, each once: also across edges, around their middles and at
     /// corners.
