@@ -68,7 +68,7 @@ pub struct Suns {
     pub suns: [Sun; COUNT],
     /// What the greatest channel of the rest is clamped to.
     pub clamp: f32,
-    /// The greatest radiance of any channel, without [`BELOW`].
+    /// The greatest radiance of any channel, rounded without [`BELOW`].
     pub greatest: f32,
 }
 
