@@ -1,5 +1,6 @@
 // Areas of an OEM's square, a workgroup or an invocation for each. Texels are counted by blocks, as the CPU
 // counts them: `Suns` of crates/core/src/pyramid/suns.rs.
+#include "common/direction.wgsl"
 #include "common/octahedral.wgsl"
 #include "common/planes.wgsl"
 #include "common/seeds.wgsl"
@@ -9,19 +10,15 @@ const_assert AREAS * AREAS == GROUP_SIZE;
 // Blocks along an edge of the finest grid.
 const FINEST = 128u;
 
-// Sizes are powers of two: places come by shifts.
-fn bits(power: u32) -> u32 {
-    return firstTrailingBit(power);
-}
-
 fn texels_of_area() -> u32 {
     return table.inner * table.inner / GROUP_SIZE;
 }
 
-// Bits of places of blocks in the square, and of texels in a block, along an edge.
+// Bits of places of blocks in the square, and of texels in a block, along an edge. Sizes are powers of two:
+// places come by shifts.
 fn bits_of_blocks() -> vec2<u32> {
-    let side = min(table.inner, FINEST);
-    return vec2<u32>(bits(side), bits(table.inner) - bits(side));
+    let blocks = firstTrailingBit(min(table.inner, FINEST));
+    return vec2<u32>(blocks, firstTrailingBit(table.inner) - blocks);
 }
 
 // x and y of place `k` in rows of a power of two.
@@ -32,8 +29,9 @@ fn in_rows(k: u32, bits: u32) -> vec2<u32> {
 // Texel `k` of an area, counted by blocks of the square.
 fn counted_in(area: u32, k: u32) -> u32 {
     let blocks = bits_of_blocks();
-    let edge = blocks.x - bits(AREAS);
-    let at = (in_rows(area, bits(AREAS)) << vec2<u32>(edge)) + in_rows(k >> (2u * blocks.y), edge);
+    let bits = firstTrailingBit(AREAS);
+    let edge = blocks.x - bits;
+    let at = (in_rows(area, bits) << vec2<u32>(edge)) + in_rows(k >> (2u * blocks.y), edge);
     let within = k & ((1u << (2u * blocks.y)) - 1u);
     return (((at.y << blocks.x) + at.x) << (2u * blocks.y)) + within;
 }
@@ -47,10 +45,6 @@ fn texel_of(k: u32) -> vec2<u32> {
 
 fn brightness_at(at: u32) -> f32 {
     return max(max(red[at], green[at]), blue[at]) / solid_angle[at];
-}
-
-fn squared(v: vec3<f32>) -> f32 {
-    return dot(v, v);
 }
 
 fn uv_of(texel: vec2<u32>) -> vec2<f32> {

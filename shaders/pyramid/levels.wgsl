@@ -165,9 +165,9 @@ fn add_folded(
         let point = point_of(own);
         let nearness = inverseSqrt(dot(point, point));
         let at = nearness * on_axes(bell, point);
-        let exponent = exponent(bell, at, at);
-        if exponent < 0.5 * CUT * CUT {
-            add(sums, nearness * nearness * nearness * exp(-exponent), own);
+        let apart = exponent(bell, at, at);
+        if apart < 0.5 * CUT * CUT {
+            add(sums, nearness * nearness * nearness * exp(-apart), own);
         }
     }
 }

@@ -1,5 +1,6 @@
 // The light of a pyramid: its suns by the moments of the light above the clamp, `Sun` of
 // crates/core/src/pyramid/suns.rs; harmonics by sums over cells.
+#include "common/direction.wgsl"
 #include "common/excess.wgsl"
 
 const GROUP_SIZE = 256u;
@@ -125,8 +126,4 @@ fn seen_along(own: Channel, t: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
         dot(own.squares, t * t) + 2.0 * dot(own.beside, t * t.yzx),
         dot(own.squares, t * b) + dot(own.beside, t * b.yzx + t.yzx * b),
         dot(own.squares, b * b) + 2.0 * dot(own.beside, b * b.yzx));
-}
-
-fn squared(v: vec3<f32>) -> f32 {
-    return dot(v, v);
 }

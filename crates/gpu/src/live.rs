@@ -192,7 +192,8 @@ impl LiveEnvironment {
         octants.place(&self.context, "centre", centre, near)?;
         let [colour, depth] = &target.views[0];
         octants.record(&mut cleared(encoder, colour, Some(depth), None), record);
-        [stage, &mut self.build].iter().for_each(|stage| stage.record(encoder));
+        stage.record(encoder);
+        self.build.record(encoder);
         Ok(())
     }
 

@@ -110,6 +110,25 @@ impl PyramidMaps {
     pub fn sharing(context: &Context, inner: u32, probes: u32) -> Result<Vec<Self>> {
         let octaves = Octaves::over(inner)?;
         Self::check_fits(context, octaves, probes)?;
+        let (weights, passed) = (weights(context, octaves), Passed::new(context, inner));
+        Ok(Self::in_textures(context, octaves, probes, weights, passed))
+    }
+
+    /// Maps of another environment, black, in textures of their own. Builds of both pass through the same
+    /// buffers.
+    pub fn sibling(&self, context: &Context) -> Self {
+        let (weights, passed) = (self.weights.clone(), self.passed.clone());
+        Self::in_textures(context, self.octaves, 1, weights, passed).remove(0)
+    }
+
+    /// Maps in new textures.
+    fn in_textures(
+        context: &Context,
+        octaves: Octaves,
+        probes: u32,
+        weights: wgpu::TextureView,
+        passed: Passed,
+    ) -> Vec<Self> {
         let side = octaves.size(0).bordered();
         let shape = [side, side, SQUARES * probes];
         let sampled = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
@@ -119,25 +138,18 @@ impl PyramidMaps {
         let first = Self {
             octaves,
             probe: 0,
-            weights: weights(context, octaves),
+            weights,
             // Shaders of several declare the most.
             lights: context.buffer("light of pyramids", LIGHT * u64::from(MAX_PROBES), used),
             maps: context.texture("maps of pyramids", FORMAT, shape, octaves.mips(), usage),
             linear: trilinear(context),
-            passed: Passed::new(context, inner),
+            passed,
         };
         let all: Vec<_> = (0..probes).map(|probe| Self { probe, ..first.clone() }).collect();
         for maps in &all {
             maps.set_rotation(context, [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
         }
-        Ok(all)
-    }
-
-    /// Maps of another environment, black, in textures of their own. Builds of both pass through the same
-    /// buffers.
-    pub fn sibling(&self, context: &Context) -> Self {
-        let maps = Self::new(context, self.octaves.inner()).expect("as large as these");
-        Self { weights: self.weights.clone(), passed: self.passed.clone(), ..maps }
+        all
     }
 
     /// Checks that the maps of `probes` environments fit the device's textures.
