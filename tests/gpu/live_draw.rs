@@ -229,10 +229,14 @@ fn draws_and_textures_take_turns() {
         assert_eq!(judge(&live, &environment), None);
         update(&mut live, &texture);
         assert_eq!(judge(&live, &environment), None);
-        // A sibling draws into the same map, around a centre of its own.
+        // A sibling draws into the same map, a scene far below.
         let mut sibling = live.sibling();
-        let beside = DVec3::new(0.0, 1e6, 0.0);
-        draw(context, &mut sibling, &triangles, beside, wgpu::FrontFace::Cw).expect("a valid draw");
+        let below = triangles.corners().iter().map(|corner| {
+            let [x, y, z] = corner.position;
+            Corner::new([x, y - 1e3, z], corner.value)
+        });
+        let below = Triangles::new(below.collect(), triangles.indices().to_vec()).expect("a valid mesh");
+        draw(context, &mut sibling, &below, DVec3::ZERO, wgpu::FrontFace::Cw).expect("a valid draw");
         assert_eq!(judge(&live, &environment), None);
         assert!(judge(&sibling, &environment).is_some(), "the scene is far below");
         draw(context, &mut live, &triangles, DVec3::ZERO, wgpu::FrontFace::Cw).expect("a valid draw");
