@@ -29,13 +29,13 @@ export function loadEnvironment(
 export interface PyramidOptions extends Omit<BakeOptions, 'target' | 'format'> {
     /** Objects whose MeshStandardMaterial and MeshPhysicalMaterial use the pyramid at once. */
     scene?: Object3D;
-    /** Address of pyramid_tables.ktx2. Default: beside the file. */
+    /** Address of pyramid_tables.ktx2, for a cube pyramid_cube_tables.ktx2. Default: beside the file. */
     tables?: string;
     /** Address of pyramid.glsl, for a cube pyramid_cube.glsl. Default: beside the file. */
     reader?: string;
     /**
-     * Address of the table of anisotropic reflections, by `octagloss reader --rows`, for the anisotropy of
-     * MeshPhysicalMaterial. Default: none; materials reflect as without anisotropy.
+     * Address of the table of anisotropic reflections, by `octagloss reader --rows` (and `--map cube`), for the
+     * anisotropy of MeshPhysicalMaterial. Default: none; materials reflect as without anisotropy.
      */
     rows?: string;
 }

@@ -90,10 +90,9 @@ export async function loadPyramid(source, { scene, tables, reader, rows, signal,
     let files;
     if (targetOf(bytes) === 'pyramid') {
         const beside = (name) => url?.replace(/[^/]*$/, name);
-        const [tablesAt, readerAt] = [
-            tables ?? beside('pyramid_tables.ktx2'),
-            reader ?? beside(read(bytes).faceCount === 6 ? 'pyramid_cube.glsl' : 'pyramid.glsl'),
-        ];
+        const stem = read(bytes).faceCount === 6 ? 'pyramid_cube' : 'pyramid';
+        const tablesAt = tables ?? beside(`${stem}_tables.ktx2`);
+        const readerAt = reader ?? beside(`${stem}.glsl`);
         if (!tablesAt || !readerAt) {
             throw new TypeError('a pyramid in memory needs the addresses of its files: { tables, reader }');
         }
@@ -105,7 +104,7 @@ export async function loadPyramid(source, { scene, tables, reader, rows, signal,
         const result = await bake(bytes, { input, ...options, target: 'pyramid', signal });
         const made = (suffix) => result.files.find(({ name }) => name.endsWith(suffix)).bytes;
         const code = new TextDecoder().decode(made('.glsl'));
-        files = [made('_pyramid.ktx2'), made('pyramid_tables.ktx2'), code];
+        files = [made('_pyramid.ktx2'), made('_tables.ktx2'), code];
     }
     const pyramid = await pyramidOf(...files, rows && (await bytesAt(rows)));
     if (scene) pyramid.use(scene);

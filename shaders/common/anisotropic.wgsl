@@ -141,34 +141,34 @@ fn row_of(alpha: vec2<f32>, tangent: vec2<f32>, cosine: f32) -> Row {
         vec4<f32>(x * x * x, y * y * y, x * x * y, x * y * y));
     let shift = row_number(
         terms,
-        vec4<f32>(-0.252, -0.165, 0.077, -0.167),
-        vec4<f32>(-0.046, -0.028, -0.390, -0.463),
-        vec4<f32>(0.007, 0.174, 0.056, -0.059));
+        vec4<f32>(-0.550, -0.357, -0.024, -0.112),
+        vec4<f32>(-0.155, -0.099, 0.179, -0.206),
+        vec4<f32>(-0.040, 0.145, -0.024, -0.063));
     let step = row_number(
         terms,
-        vec4<f32>(-0.565, -0.078, 0.414, 0.009),
-        vec4<f32>(0.349, -0.022, -0.094, 0.147),
-        vec4<f32>(0.096, 0.148, 0.236, 0.258));
+        vec4<f32>(-0.554, -0.031, 0.533, -0.071),
+        vec4<f32>(0.392, 0.140, -0.295, 0.008),
+        vec4<f32>(0.133, 0.121, 0.231, 0.259));
     let bend = row_number(
         terms,
-        vec4<f32>(-0.393, -0.205, 0.001, -0.283),
-        vec4<f32>(0.234, -0.027, -0.572, -0.277),
-        vec4<f32>(0.051, 0.164, 0.170, 0.200));
+        vec4<f32>(-0.215, 0.021, 0.069, -0.271),
+        vec4<f32>(0.356, 0.057, -0.463, -0.223),
+        vec4<f32>(0.047, 0.086, 0.153, 0.094));
     let width = row_number(
         terms,
-        vec4<f32>(0.413, 1.070, -0.100, -0.226),
-        vec4<f32>(-0.344, -0.215, -0.033, -0.010),
-        vec4<f32>(-0.044, 0.004, -0.121, -0.125));
+        vec4<f32>(0.550, 1.256, -0.003, -0.371),
+        vec4<f32>(-0.377, -0.126, -0.001, 0.019),
+        vec4<f32>(-0.020, 0.034, -0.066, -0.010));
     let growth = row_number(
         terms,
-        vec4<f32>(-0.373, 0.485, 0.057, 0.062),
-        vec4<f32>(-0.546, 0.172, 0.007, -0.936),
-        vec4<f32>(0.024, -0.418, -0.221, -0.237));
+        vec4<f32>(-0.516, 0.484, 0.150, 0.012),
+        vec4<f32>(-0.583, 0.111, -0.020, -0.968),
+        vec4<f32>(0.055, -0.352, -0.216, -0.214));
     let uneven = row_number(
         terms,
-        vec4<f32>(0.477, 0.313, -0.017, -0.151),
-        vec4<f32>(-0.234, -0.072, -0.068, -0.167),
-        vec4<f32>(0.007, -0.011, -0.017, -0.022));
+        vec4<f32>(0.500, 0.259, -0.071, -0.267),
+        vec4<f32>(-0.373, -0.066, -0.039, -0.122),
+        vec4<f32>(-0.014, -0.027, -0.072, -0.048));
     return Row(
         vec2<f32>(axis.x, axis.y / cosine) * sqrt(2.0 * root),
         extent,
@@ -186,14 +186,13 @@ fn row_read(row: Row, read: u32) -> vec2<f32> {
     let wider = select(1.0 / row.alternation, row.alternation, read % 2u == ROW_MIDDLE % 2u);
     let growth = row.steps.w * slope;
     let width = wider * row.steps.z * sqrt(1.0 + growth * growth) * row.extent;
-    // The widest level's Gaussian is 0.35 wide, at 32 texels; the mirror's 1.8 over its texels, the sharp
-    // level's 5.6.
-    let inner = map_inner();
-    let last = log2(inner) - 3.0;
-    let sharp = last + log2(max(width, 1e-9) / 0.35);
-    // 1 / log2(5.6 / 1.8).
-    let below = max(log2(max(width, 1e-9) * inner / 1.8) * 0.610706, 0.0);
-    return vec2<f32>(slope, select(below, min(sharp, last), sharp >= 1.0));
+    // The widest level's Gaussian is 0.35 wide, the mirror's 1.8 over its texels.
+    let last = last_map();
+    let widest = log2(map_inner() * (0.35 / 1.8));
+    let octaves = widest + log2(max(width, 1e-9) / 0.35);
+    let gaussian = last + (octaves - widest) / LEVEL_OCTAVES;
+    let below = max(octaves / (widest - (last - 1.0) * LEVEL_OCTAVES), 0.0);
+    return vec2<f32>(slope, select(below, min(gaussian, last), gaussian >= 1.0));
 }
 
 // The harmonics around a direction less those around its mirror image behind the plane of incidence, by

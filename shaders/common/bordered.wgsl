@@ -8,11 +8,11 @@ struct Level {
     // The same of the map to read.
     finer_inner: u32,
     finer_border: u32,
-    // Variance of the Gaussian between the two.
+    // Variance of the Gaussian between the two, and its bend.
     variance: f32,
+    bend: f32,
     pad_a: u32,
     pad_b: u32,
-    pad_c: u32,
     // Reads around a Gaussian of covariance 1, and their weights.
     taps: array<vec4<f32>, 25>,
 }

@@ -62,23 +62,17 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
     let e = mix(low[3], high[3], share);
     let f = mix(low[4], high[4], share);
     var sum = vec3<f32>();
-    var maps = array<f32, 9>(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x);
+    var maps = array<f32, 10>(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y);
     // Levels that a smaller map does not have weigh nothing.
-    for (var map = 0u; map < 9u; map++) {
+    for (var map = 0u; map < 10u; map++) {
         if maps[map] != 0.0 {
             sum += maps[map] * read_map(probe, at, map);
         }
     }
-    if c.y != 0.0 {
-        sum += c.y * read_middle(probe, at, 0u);
-    }
     if c.z != 0.0 {
-        sum += c.z * read_middle(probe, at, 1u);
+        sum += c.z * read_cosine(probe, at);
     }
-    if c.w != 0.0 {
-        sum += c.w * read_cosine(probe, at);
-    }
-    sum += harmonics_around(probe, d, array<f32, 5>(e.x, e.y, e.z, e.w, f.x));
+    sum += harmonics_around(probe, d, array<f32, 5>(c.w, e.x, e.y, e.z, e.w));
     sum = max(sum, vec3<f32>()) * octagloss_lights[probe].unscale;
     // GGX around the suns: `glossy` of crates/core/src/pyramid/suns.rs.
     // Sharper lobes read the mirror; a sun of one texel is a point there.
@@ -106,7 +100,7 @@ fn octagloss_radiance_of(probe: u32, direction: vec3<f32>, roughness: f32) -> ve
             lobe = select(inside, outside, nearness > vec3<f32>());
         }
         // 1 / (2 pi): a disc has half of the light.
-        sum += sun.energy * (lobe * (1.0 - 2.0 * s) * (0.15915494 * f.y * (1.0 - a.x)));
+        sum += sun.energy * (lobe * (1.0 - 2.0 * s) * (0.15915494 * f.x * (1.0 - a.x)));
     }
     return sum;
 }

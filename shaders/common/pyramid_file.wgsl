@@ -2,9 +2,6 @@
 #include "common/pyramid_file_tables.wgsl"
 #include "common/pyramid_squares.wgsl"
 
-// The table's first row of weights.
-const WEIGHTS_FROM = 27u;
-
 fn map_inner() -> f32 {
     return f32(1u << map_octave());
 }

@@ -1,4 +1,4 @@
-// Reads of a pyramid on a cube in its files: a MIP level for each map. There are no middle levels.
+// Reads of a pyramid on a cube in its files: a MIP level for each map.
 #include "common/pyramid_file_tables.wgsl"
 
 // A unit vector.
@@ -8,20 +8,21 @@ fn place_of(direction: vec3<f32>) -> MapPlace {
     return direction;
 }
 
-// The table's first row of weights.
-const WEIGHTS_FROM = 32u;
+// Octaves between the widths of levels.
+const LEVEL_OCTAVES = 1.0f;
 
 fn map_inner() -> f32 {
     return f32(textureDimensions(octagloss_maps).x);
 }
 
-// A map: 0 is the mirror, 1 the sharp level, then come the levels from fine to coarse.
-fn read_map(probe: u32, at: MapPlace, map: u32) -> vec3<f32> {
-    return textureSampleLevel(octagloss_maps, octagloss_linear, at, f32(map)).xyz;
+// The widest level: the last one has eight texels along an edge of a face.
+fn last_map() -> f32 {
+    return log2(map_inner()) - 3.0;
 }
 
-fn read_middle(probe: u32, at: MapPlace, middle: u32) -> vec3<f32> {
-    return vec3<f32>();
+// A map: 0 is the mirror, then come the Gaussians from fine to coarse.
+fn read_map(probe: u32, at: MapPlace, map: u32) -> vec3<f32> {
+    return textureSampleLevel(octagloss_maps, octagloss_linear, at, f32(map)).xyz;
 }
 
 // The clamped cosine, to order 4.

@@ -10,8 +10,8 @@ fn map_inner() -> f32 {
     return weights_texel(INTERVALS + 1u, 0u).x;
 }
 
-// A node of the table of crates/core/src/pyramid/fit.rs: weights of the mirror, the sharp level, seven levels
-// from fine to coarse, two middle levels, the cosine, harmonics of order 0 to 4; 1 over the integral of GGX.
+// A node of the table of crates/core/src/pyramid/fit.rs: weights of the mirror, nine Gaussians from fine to
+// coarse, the cosine, harmonics of order 0 to 4; 1 over the integral of GGX.
 // In a texture: the pixels of a group read several nodes, which uniform buffers serve one after another.
 fn node_weights(node: u32) -> array<vec4<f32>, 5> {
     return array<vec4<f32>, 5>(

@@ -1,13 +1,12 @@
-// Reads of a pyramid's octahedral squares. `Octaves` of crates/core/src/pyramid/mod.rs says where each map
-// stands among three layers with MIP levels: the first has the two finest levels; the second begins with the
-// mirror and ends with two middle levels and the cosine; the third begins with the sharp level, after which
-// come the other levels.
+// Reads of a pyramid's octahedral squares. `Levels` of crates/core/src/pyramid/mod.rs says where each map
+// stands among three layers with MIP levels: the mirror, then the Gaussians from fine to coarse, three a MIP
+// level; the last one of the last layer has the cosine.
 
 // Layers of an environment.
 const SQUARES = 3u;
-const FINE_LAYER = 0u;
-const MIRROR_LAYER = 1u;
-const SHARP_LAYER = 2u;
+
+// Octaves between the widths of levels.
+const LEVEL_OCTAVES = 0.864f;
 
 // A point of the octahedron |x| + |y| + |z| = 1.
 alias MapPlace = vec3<f32>;
@@ -47,18 +46,16 @@ fn read_square(probe: u32, at: MapPlace, layer: u32, mip: u32) -> vec3<f32> {
     return textureSampleLevel(octagloss_maps, octagloss_linear, place, SQUARES * probe + layer, f32(mip)).xyz;
 }
 
-// A map: 0 is the mirror, 1 the sharp level, then come the levels from fine to coarse.
-fn read_map(probe: u32, at: MapPlace, map: u32) -> vec3<f32> {
-    let other = select(SHARP_LAYER, FINE_LAYER, map == 2u || map == 3u);
-    let layer = select(other, MIRROR_LAYER, map == 0u);
-    return read_square(probe, at, layer, select(max(map, 3u) - 3u, 1u, map == 3u));
+// The widest level: the finest Gaussian has at least 3.3 texels. log2(3.3 / 0.35).
+fn last_map() -> f32 {
+    return 1.0 + floor((f32(map_octave()) - 3.23703914) / LEVEL_OCTAVES);
 }
 
-// A middle level, 0 the finer.
-fn read_middle(probe: u32, at: MapPlace, middle: u32) -> vec3<f32> {
-    return read_square(probe, at, MIRROR_LAYER, max(last_mip(), 3u) - 2u + middle);
+// A map: 0 is the mirror, then come the Gaussians from fine to coarse.
+fn read_map(probe: u32, at: MapPlace, map: u32) -> vec3<f32> {
+    return read_square(probe, at, map % SQUARES, map / SQUARES);
 }
 
 fn read_cosine(probe: u32, at: MapPlace) -> vec3<f32> {
-    return read_square(probe, at, MIRROR_LAYER, last_mip());
+    return read_square(probe, at, SQUARES - 1u, last_mip());
 }

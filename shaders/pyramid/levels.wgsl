@@ -256,9 +256,12 @@ fn tap(k: u32, place: Place, root: vec3<f32>, scale: vec2<f32>) -> vec3<f32> {
     let tap = level.taps[k];
     let p = root.x * tap.x;
     let q = root.y * tap.x + root.z * tap.y;
-    // A distance on the sphere whose 1 - cos is half its square.
+    // 1 - cos is bent, as Gaussians on the sphere do not make Gaussians: `Between` of
+    // crates/core/src/pyramid/levels.rs.
     let half = 0.5 * (p * p + q * q);
-    let to = place.direction * (1.0 - half)
-        + (place.along * p + place.across * q) * sqrt(1.0 - 0.5 * half);
+    let bent = 1.0 + level.bend * half;
+    let versine = half * bent;
+    let to = place.direction * (1.0 - versine)
+        + (place.along * p + place.across * q) * sqrt(bent * (1.0 - 0.5 * versine));
     return tap.z * textureSampleLevel(finer, linear, 0.5 + oct_from_direction(to) * scale, 0.0).xyz;
 }

@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 16f1027705dc3434.
+// Translated from pyramid_cube.wgsl, FNV-1a 479c5c81a9d6dddd.
 #else
-// Translated from pyramid.wgsl, FNV-1a ca2c4f43c8acf7bc.
+// Translated from pyramid.wgsl, FNV-1a 85b3c13c2d941b24.
 #endif
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
@@ -71,13 +71,7 @@ struct octagloss_Row {
 
 static const uint octagloss_SUNS = 8u;
 static const uint octagloss_INTERVALS = 860u;
-#ifdef OCTAGLOSS_CUBE
-static const uint octagloss_WEIGHTS_FROM = 32u;
-#else
-static const uint octagloss_WEIGHTS_FROM = 27u;
-static const uint octagloss_SHARP_LAYER = 2u;
-static const uint octagloss_FINE_LAYER = 0u;
-static const uint octagloss_MIRROR_LAYER = 1u;
+#ifndef OCTAGLOSS_CUBE
 static const uint octagloss_SQUARES = 3u;
 #endif
 static const uint octagloss_READS = 9u;
@@ -87,7 +81,7 @@ static const float octagloss_LEAST_COSINE = 0.01;
 static const float2 octagloss_ALBEDO_NODES = float2(91.0, 75.0);
 static const float4 octagloss_DIP = float4(0.222, 0.634, 0.098, 0.3126);
 static const float octagloss_LEAST_ALPHA = 1e-6;
-static const float2 octagloss_TABLES = float2(864.0, 45.0);
+static const float2 octagloss_TABLES = float2(864.0, 40.0);
 static const float4 octagloss_ROW_NODES = float4(16.0, 10.0, 8.0, 7.0);
 static const uint octagloss_ROW_MIDDLE = 7u;
 static const uint octagloss_ROW_PAIRS = 8u;
@@ -100,6 +94,11 @@ static const float octagloss_NARROWEST = 0.05;
 static const float octagloss_BLEND = 0.1;
 static const float octagloss_TILTED = 0.5;
 static const float octagloss_SKEWED = 0.2;
+#ifdef OCTAGLOSS_CUBE
+static const float octagloss_LEVEL_OCTAVES = 1.0;
+#else
+static const float octagloss_LEVEL_OCTAVES = 0.864;
+#endif
 
 cbuffer octagloss_lights : register(b0) { OctaglossLight octagloss_lights[1]; }
 #ifdef OCTAGLOSS_CUBE
@@ -221,7 +220,7 @@ ret_octagloss_node_weights octagloss_node_weights(uint node)
         {
             uint _e8 = row;
             uint _e12 = row;
-            float4 _e16 = octagloss_tables.Load(int3(uint2(node, (octagloss_WEIGHTS_FROM + _e12)), int(0)));
+            float4 _e16 = octagloss_tables.Load(int3(uint2(node, (27u + _e12)), int(0)));
             weights_1[_e8] = _e16;
         }
     }
@@ -235,13 +234,29 @@ uint2 NagaDimensions2DArray(Texture2DArray<float4> tex)
     uint4 ret;
     tex.GetDimensions(0, ret.x, ret.y, ret.z, ret.w);
     return ret.xy;
+#endif
 }
 
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_read_map(uint probe_4, float3 at, uint map)
+#else
 float octagloss_map_side()
+#endif
 {
+#ifdef OCTAGLOSS_CUBE
+    float4 _e6 = octagloss_maps.SampleLevel(octagloss_linear, at, float(map));
+    return _e6.xyz;
+#else
     return float(NagaDimensions2DArray(octagloss_maps).x);
+#endif
 }
 
+#ifdef OCTAGLOSS_CUBE
+typedef float ret_Constructarray5_float_[5];
+ret_Constructarray5_float_ Constructarray5_float_(float arg0, float arg1, float arg2, float arg3, float arg4) {
+    float ret[5] = { arg0, arg1, arg2, arg3, arg4 };
+    return ret;
+#else
 uint octagloss_map_octave()
 {
     const float _e0 = octagloss_map_side();
@@ -250,14 +265,14 @@ uint octagloss_map_octave()
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_read_map(uint probe_4, float3 at, uint map)
+float3 octagloss_read_cosine(uint probe_5, float3 at_1)
 #else
 float3 octagloss_read_square(uint probe_4, float3 at, uint layer, uint mip)
 #endif
 {
 #ifdef OCTAGLOSS_CUBE
-    float4 _e6 = octagloss_maps.SampleLevel(octagloss_linear, at, float(map));
-    return _e6.xyz;
+    const float3 _e8 = octagloss_harmonics_around(probe_5, at_1, Constructarray5_float_(1.0, 0.6666667, 0.25, 0.0, -0.041666668));
+    return _e8;
 #else
     const uint _e5 = octagloss_map_octave();
     float inner = float((1u << _e5));
@@ -271,99 +286,58 @@ float3 octagloss_read_square(uint probe_4, float3 at, uint layer, uint mip)
     float2 place_3 = ((0.5).xx + (uv * ((0.5 * inner) / _e50)));
     float4 _e62 = octagloss_maps.SampleLevel(octagloss_linear, float3(place_3, ((octagloss_SQUARES * probe_4) + layer)), float(mip));
     return _e62.xyz;
+}
+
+uint naga_mod(uint lhs, uint rhs) {
+    return lhs % (rhs == 0u ? 1u : rhs);
 #endif
 }
+
+uint naga_div(uint lhs, uint rhs) {
+    return lhs / (rhs == 0u ? 1u : rhs);
 #ifndef OCTAGLOSS_CUBE
+}
 
 float3 octagloss_read_map(uint probe_5, float3 at_1, uint map)
 {
-    bool local = (bool)0;
-#endif
-
-#ifdef OCTAGLOSS_CUBE
-float3 ZeroValuefloat3() {
-    return (float3)0;
-#else
-    if (!((map == 2u))) {
-        local = (map == 3u);
-    } else {
-        local = true;
-    }
-    bool _e13 = local;
-    uint other = (_e13 ? octagloss_FINE_LAYER : octagloss_SHARP_LAYER);
-    uint layer_4 = ((map == 0u) ? octagloss_MIRROR_LAYER : other);
-    const float3 _e27 = octagloss_read_square(probe_5, at_1, layer_4, ((map == 3u) ? 1u : (max(map, 3u) - 3u)));
-    return _e27;
-#endif
+    const float3 _e7 = octagloss_read_square(probe_5, at_1, naga_mod(map, octagloss_SQUARES), naga_div(map, octagloss_SQUARES));
+    return _e7;
 }
 
-#ifdef OCTAGLOSS_CUBE
-float3 octagloss_read_middle(uint probe_5, float3 at_1, uint middle)
-#else
 uint octagloss_last_mip()
-#endif
 {
-#ifdef OCTAGLOSS_CUBE
-    return ZeroValuefloat3();
-#else
     const uint _e0 = octagloss_map_octave();
     return max((_e0 - ((_e0 > 8u) ? 6u : 5u)), 1u);
 #endif
 }
 
 #ifdef OCTAGLOSS_CUBE
-typedef float ret_Constructarray5_float_[5];
-ret_Constructarray5_float_ Constructarray5_float_(float arg0, float arg1, float arg2, float arg3, float arg4) {
-    float ret[5] = { arg0, arg1, arg2, arg3, arg4 };
-    return ret;
+uint naga_mod(uint lhs, uint rhs) {
+    return lhs % (rhs == 0u ? 1u : rhs);
 #else
-float3 octagloss_read_middle(uint probe_6, float3 at_2, uint middle)
-{
-    const uint _e4 = octagloss_last_mip();
-    const float3 _e10 = octagloss_read_square(probe_6, at_2, octagloss_MIRROR_LAYER, ((max(_e4, 3u) - 2u) + middle));
-    return _e10;
-#endif
-}
-
-#ifdef OCTAGLOSS_CUBE
 float3 octagloss_read_cosine(uint probe_6, float3 at_2)
-#else
-float3 octagloss_read_cosine(uint probe_7, float3 at_3)
-#endif
 {
-#ifdef OCTAGLOSS_CUBE
-    const float3 _e8 = octagloss_harmonics_around(probe_6, at_2, Constructarray5_float_(1.0, 0.6666667, 0.25, 0.0, -0.041666668));
-    return _e8;
-#else
     const uint _e3 = octagloss_last_mip();
-    const float3 _e4 = octagloss_read_square(probe_7, at_3, octagloss_MIRROR_LAYER, _e3);
+    const float3 _e4 = octagloss_read_square(probe_6, at_2, 2u, _e3);
     return _e4;
 #endif
 }
 
-uint naga_div(uint lhs, uint rhs) {
-    return lhs / (rhs == 0u ? 1u : rhs);
-}
-
-uint naga_mod(uint lhs, uint rhs) {
-    return lhs % (rhs == 0u ? 1u : rhs);
-}
-
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_half_axis_of(uint probe_7, uint disc)
+float3 octagloss_half_axis_of(uint probe_6, uint disc)
 #else
-float3 octagloss_half_axis_of(uint probe_8, uint disc)
+float3 octagloss_half_axis_of(uint probe_7, uint disc)
 #endif
 {
     uint k_3 = (3u * naga_div(disc, 2u));
 #ifdef OCTAGLOSS_CUBE
+    float _e11 = octagloss_lights[probe_6].harmonics[k_3].w;
+    float _e19 = octagloss_lights[probe_6].harmonics[(k_3 + 1u)].w;
+    float _e27 = octagloss_lights[probe_6].harmonics[(k_3 + 2u)].w;
+#else
     float _e11 = octagloss_lights[probe_7].harmonics[k_3].w;
     float _e19 = octagloss_lights[probe_7].harmonics[(k_3 + 1u)].w;
     float _e27 = octagloss_lights[probe_7].harmonics[(k_3 + 2u)].w;
-#else
-    float _e11 = octagloss_lights[probe_8].harmonics[k_3].w;
-    float _e19 = octagloss_lights[probe_8].harmonics[(k_3 + 1u)].w;
-    float _e27 = octagloss_lights[probe_8].harmonics[(k_3 + 2u)].w;
 #endif
     float3 half_axis = float3(_e11, _e19, _e27);
     return ((naga_mod(disc, 2u) == 0u) ? half_axis : -(half_axis));
@@ -374,9 +348,9 @@ float octagloss_squared(float3 v)
     return dot(v, v);
 }
 
-typedef float ret_Constructarray9_float_[9];
-ret_Constructarray9_float_ Constructarray9_float_(float arg0, float arg1, float arg2, float arg3, float arg4, float arg5, float arg6, float arg7, float arg8) {
-    float ret[9] = { arg0, arg1, arg2, arg3, arg4, arg5, arg6, arg7, arg8 };
+typedef float ret_Constructarray10_float_[10];
+ret_Constructarray10_float_ Constructarray10_float_(float arg0, float arg1, float arg2, float arg3, float arg4, float arg5, float arg6, float arg7, float arg8, float arg9) {
+    float ret[10] = { arg0, arg1, arg2, arg3, arg4, arg5, arg6, arg7, arg8, arg9 };
 #ifndef OCTAGLOSS_CUBE
     return ret;
 }
@@ -386,12 +360,10 @@ ret_Constructarray5_float_ Constructarray5_float_(float arg0, float arg1, float 
     float ret[5] = { arg0, arg1, arg2, arg3, arg4 };
 #endif
     return ret;
-#ifndef OCTAGLOSS_CUBE
 }
 
 float3 ZeroValuefloat3() {
     return (float3)0;
-#endif
 }
 
 uint naga_f2u32(float value) {
@@ -399,21 +371,21 @@ uint naga_f2u32(float value) {
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_radiance_of(uint probe_8, float3 direction_2, float roughness)
+float3 octagloss_radiance_of(uint probe_7, float3 direction_2, float roughness)
 #else
-float3 octagloss_radiance_of(uint probe_9, float3 direction_2, float roughness)
+float3 octagloss_radiance_of(uint probe_8, float3 direction_2, float roughness)
 #endif
 {
     float3 sum = ZeroValuefloat3();
-    float maps[9] = { (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0 };
+    float maps[10] = { (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0, (float)0 };
     uint map_1 = 0u;
     uint disc_1 = 0u;
     float3 lobe = (float3)0;
 
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e3 = octagloss_source_from_world(probe_8, direction_2);
+    const float3 _e3 = octagloss_source_from_world(probe_7, direction_2);
 #else
-    const float3 _e3 = octagloss_source_from_world(probe_9, direction_2);
+    const float3 _e3 = octagloss_source_from_world(probe_8, direction_2);
 #endif
     const float3 _e4 = octagloss_place_of(_e3);
     float node_1 = (log2((1.0 + (30.0 * roughness))) * 173.59021);
@@ -426,110 +398,92 @@ float3 octagloss_radiance_of(uint probe_9, float3 direction_2, float roughness)
     float4 c_2 = lerp(_e17[2], _e20[2], share);
     float4 e = lerp(_e17[3], _e20[3], share);
     float4 f = lerp(_e17[4], _e20[4], share);
-    maps = Constructarray9_float_(a_1.x, a_1.y, a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x);
+    maps = Constructarray10_float_(a_1.x, a_1.y, a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x, c_2.y);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e68 = map_1;
-            map_1 = (_e68 + 1u);
+            uint _e69 = map_1;
+            map_1 = (_e69 + 1u);
         }
         loop_init_1 = false;
-        uint _e51 = map_1;
-        if ((_e51 < 9u)) {
+        uint _e52 = map_1;
+        if ((_e52 < 10u)) {
         } else {
             break;
         }
         {
-            uint _e54 = map_1;
-            float _e56 = maps[_e54];
-            if ((_e56 != 0.0)) {
-                float3 _e59 = sum;
-                uint _e60 = map_1;
-                float _e62 = maps[_e60];
-                uint _e63 = map_1;
+            uint _e55 = map_1;
+            float _e57 = maps[_e55];
+            if ((_e57 != 0.0)) {
+                float3 _e60 = sum;
+                uint _e61 = map_1;
+                float _e63 = maps[_e61];
+                uint _e64 = map_1;
 #ifdef OCTAGLOSS_CUBE
-                const float3 _e64 = octagloss_read_map(probe_8, _e4, _e63);
+                const float3 _e65 = octagloss_read_map(probe_7, _e4, _e64);
 #else
-                const float3 _e64 = octagloss_read_map(probe_9, _e4, _e63);
+                const float3 _e65 = octagloss_read_map(probe_8, _e4, _e64);
 #endif
-                sum = (_e59 + (_e62 * _e64));
+                sum = (_e60 + (_e63 * _e65));
             }
         }
     }
-    if ((c_2.y != 0.0)) {
-        float3 _e73 = sum;
-#ifdef OCTAGLOSS_CUBE
-        const float3 _e76 = octagloss_read_middle(probe_8, _e4, 0u);
-#else
-        const float3 _e76 = octagloss_read_middle(probe_9, _e4, 0u);
-#endif
-        sum = (_e73 + (c_2.y * _e76));
-    }
     if ((c_2.z != 0.0)) {
-        float3 _e82 = sum;
+        float3 _e74 = sum;
 #ifdef OCTAGLOSS_CUBE
-        const float3 _e85 = octagloss_read_middle(probe_8, _e4, 1u);
+        const float3 _e76 = octagloss_read_cosine(probe_7, _e4);
 #else
-        const float3 _e85 = octagloss_read_middle(probe_9, _e4, 1u);
+        const float3 _e76 = octagloss_read_cosine(probe_8, _e4);
 #endif
-        sum = (_e82 + (c_2.z * _e85));
+        sum = (_e74 + (c_2.z * _e76));
     }
-    if ((c_2.w != 0.0)) {
-        float3 _e91 = sum;
+    float3 _e79 = sum;
 #ifdef OCTAGLOSS_CUBE
-        const float3 _e93 = octagloss_read_cosine(probe_8, _e4);
+    const float3 _e86 = octagloss_harmonics_around(probe_7, _e3, Constructarray5_float_(c_2.w, e.x, e.y, e.z, e.w));
 #else
-        const float3 _e93 = octagloss_read_cosine(probe_9, _e4);
+    const float3 _e86 = octagloss_harmonics_around(probe_8, _e3, Constructarray5_float_(c_2.w, e.x, e.y, e.z, e.w));
 #endif
-        sum = (_e91 + (c_2.w * _e93));
-    }
-    float3 _e96 = sum;
+    sum = (_e79 + _e86);
+    float3 _e88 = sum;
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e103 = octagloss_harmonics_around(probe_8, _e3, Constructarray5_float_(e.x, e.y, e.z, e.w, f.x));
+    float _e94 = octagloss_lights[probe_7].unscale;
 #else
-    const float3 _e103 = octagloss_harmonics_around(probe_9, _e3, Constructarray5_float_(e.x, e.y, e.z, e.w, f.x));
+    float _e94 = octagloss_lights[probe_8].unscale;
 #endif
-    sum = (_e96 + _e103);
-    float3 _e105 = sum;
-#ifdef OCTAGLOSS_CUBE
-    float _e111 = octagloss_lights[probe_8].unscale;
-#else
-    float _e111 = octagloss_lights[probe_9].unscale;
-#endif
-    sum = (max(_e105, ZeroValuefloat3()) * _e111);
+    sum = (max(_e88, ZeroValuefloat3()) * _e94);
     float a2_ = max((((roughness * roughness) * roughness) * roughness), 1e-12);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e237 = disc_1;
-            disc_1 = (_e237 + 1u);
+            uint _e220 = disc_1;
+            disc_1 = (_e220 + 1u);
         }
         loop_init_2 = false;
-        uint _e120 = disc_1;
-        if ((_e120 < 16u)) {
+        uint _e103 = disc_1;
+        if ((_e103 < 16u)) {
         } else {
             break;
         }
         {
-            uint _e126 = disc_1;
+            uint _e109 = disc_1;
 #ifdef OCTAGLOSS_CUBE
-            OctaglossSun sun = octagloss_lights[probe_8].suns[naga_div(_e126, 2u)];
+            OctaglossSun sun = octagloss_lights[probe_7].suns[naga_div(_e109, 2u)];
 #else
-            OctaglossSun sun = octagloss_lights[probe_9].suns[naga_div(_e126, 2u)];
+            OctaglossSun sun = octagloss_lights[probe_8].suns[naga_div(_e109, 2u)];
 #endif
-            uint _e131 = disc_1;
+            uint _e114 = disc_1;
 #ifdef OCTAGLOSS_CUBE
-            const float3 _e132 = octagloss_half_axis_of(probe_8, _e131);
+            const float3 _e115 = octagloss_half_axis_of(probe_7, _e114);
 #else
-            const float3 _e132 = octagloss_half_axis_of(probe_9, _e131);
+            const float3 _e115 = octagloss_half_axis_of(probe_8, _e114);
 #endif
-            const float _e133 = octagloss_squared(_e132);
-            float nearer = (1.0 - (0.5 * _e133));
-            float3 to = (_e3 - _e132);
-            const float _e143 = octagloss_squared((to - (nearer * sun.red.xyz)));
-            const float _e148 = octagloss_squared((to - (nearer * sun.green.xyz)));
-            const float _e153 = octagloss_squared((to - (nearer * sun.blue.xyz)));
-            float3 apart = float3(_e143, _e148, _e153);
+            const float _e116 = octagloss_squared(_e115);
+            float nearer = (1.0 - (0.5 * _e116));
+            float3 to = (_e3 - _e115);
+            const float _e126 = octagloss_squared((to - (nearer * sun.red.xyz)));
+            const float _e131 = octagloss_squared((to - (nearer * sun.green.xyz)));
+            const float _e136 = octagloss_squared((to - (nearer * sun.blue.xyz)));
+            float3 apart = float3(_e126, _e131, _e136);
             float3 s = min((0.25 * apart), (0.5).xxx);
             float3 radius2_ = (0.5 * float3(sun.red.w, sun.green.w, sun.blue.w));
             float3 nearness = ((s + (a2_ * ((1.0).xxx - s))) - radius2_);
@@ -542,13 +496,13 @@ float3 octagloss_radiance_of(uint probe_9, float3 direction_2, float roughness)
                 float3 inside = ((root - nearness) / ((2.0 * max(radius2_, (1e-30).xxx)) * root));
                 lobe = ((nearness > ZeroValuefloat3()) ? outside : inside);
             }
-            float3 _e217 = sum;
-            float3 _e219 = lobe;
-            sum = (_e217 + (sun.energy * ((_e219 * ((1.0).xxx - (2.0 * s))) * ((0.15915494 * f.y) * (1.0 - a_1.x)))));
+            float3 _e200 = sum;
+            float3 _e202 = lobe;
+            sum = (_e200 + (sun.energy * ((_e202 * ((1.0).xxx - (2.0 * s))) * ((0.15915494 * f.x) * (1.0 - a_1.x)))));
         }
     }
-    float3 _e239 = sum;
-    return _e239;
+    float3 _e222 = sum;
+    return _e222;
 }
 
 float3 octagloss_radiance(float3 direction_3, float roughness_1)
@@ -558,26 +512,26 @@ float3 octagloss_radiance(float3 direction_3, float roughness_1)
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_irradiance_of(uint probe_9, float3 normal)
+float3 octagloss_irradiance_of(uint probe_8, float3 normal)
 #else
-float3 octagloss_irradiance_of(uint probe_10, float3 normal)
+float3 octagloss_irradiance_of(uint probe_9, float3 normal)
 #endif
 {
     float3 sum_1 = (float3)0;
     uint k_1 = 0u;
 
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e2 = octagloss_source_from_world(probe_9, normal);
+    const float3 _e2 = octagloss_source_from_world(probe_8, normal);
 #else
-    const float3 _e2 = octagloss_source_from_world(probe_10, normal);
+    const float3 _e2 = octagloss_source_from_world(probe_9, normal);
 #endif
     const float3 _e3 = octagloss_place_of(_e2);
 #ifdef OCTAGLOSS_CUBE
+    const float3 _e4 = octagloss_read_cosine(probe_8, _e3);
+    float _e8 = octagloss_lights[probe_8].unscale;
+#else
     const float3 _e4 = octagloss_read_cosine(probe_9, _e3);
     float _e8 = octagloss_lights[probe_9].unscale;
-#else
-    const float3 _e4 = octagloss_read_cosine(probe_10, _e3);
-    float _e8 = octagloss_lights[probe_10].unscale;
 #endif
     sum_1 = (_e4 * _e8);
     bool loop_init_3 = true;
@@ -595,9 +549,9 @@ float3 octagloss_irradiance_of(uint probe_10, float3 normal)
         {
             uint _e19 = k_1;
 #ifdef OCTAGLOSS_CUBE
-            OctaglossSun sun_1 = octagloss_lights[probe_9].suns[_e19];
+            OctaglossSun sun_1 = octagloss_lights[probe_8].suns[_e19];
 #else
-            OctaglossSun sun_1 = octagloss_lights[probe_10].suns[_e19];
+            OctaglossSun sun_1 = octagloss_lights[probe_9].suns[_e19];
 #endif
             float3 facing = float3(dot(_e2, sun_1.red.xyz), dot(_e2, sun_1.green.xyz), dot(_e2, sun_1.blue.xyz));
             float3 _e32 = sum_1;
@@ -615,17 +569,17 @@ float3 octagloss_irradiance(float3 normal_1)
 }
 
 #ifdef OCTAGLOSS_CUBE
-float4 octagloss_read_reflections(uint layer, float2 at_3)
+float4 octagloss_read_reflections(uint layer, float2 at_2)
 #else
-float4 octagloss_read_reflections(uint layer_1, float2 at_4)
+float4 octagloss_read_reflections(uint layer_1, float2 at_3)
 #endif
 {
 #ifdef OCTAGLOSS_CUBE
     float2 corner = float2((1.0 + (float(layer) * 48.0)), 0.0);
-    float4 _e17 = octagloss_tables.SampleLevel(octagloss_linear, (((at_3 * octagloss_NODES) + corner) / octagloss_TABLES), 0.0);
+    float4 _e17 = octagloss_tables.SampleLevel(octagloss_linear, (((at_2 * octagloss_NODES) + corner) / octagloss_TABLES), 0.0);
 #else
     float2 corner = float2((1.0 + (float(layer_1) * 48.0)), 0.0);
-    float4 _e17 = octagloss_tables.SampleLevel(octagloss_linear, (((at_4 * octagloss_NODES) + corner) / octagloss_TABLES), 0.0);
+    float4 _e17 = octagloss_tables.SampleLevel(octagloss_linear, (((at_3 * octagloss_NODES) + corner) / octagloss_TABLES), 0.0);
 #endif
     return _e17;
 }
@@ -639,19 +593,19 @@ float4 octagloss_reflection_node(uint layer_2, float roughness_2, float cosine)
     float sine = sqrt(max((1.0 - (cosine * cosine)), 0.0));
 #ifdef OCTAGLOSS_CUBE
     float2 place_3 = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * rsqrt((1.0 + sine)))));
-    float2 at_5 = (((place_3 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
-    const float4 _e31 = octagloss_read_reflections(layer_1, at_5);
+    float2 at_4 = (((place_3 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
+    const float4 _e31 = octagloss_read_reflections(layer_1, at_4);
 #else
     float2 place_4 = float2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * rsqrt((1.0 + sine)))));
-    float2 at_6 = (((place_4 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
-    const float4 _e31 = octagloss_read_reflections(layer_2, at_6);
+    float2 at_5 = (((place_4 * float2(45.0, 25.0)) + (0.5).xx) / octagloss_NODES);
+    const float4 _e31 = octagloss_read_reflections(layer_2, at_5);
 #endif
     return _e31;
 }
 
 float4 octagloss_read_albedo(uint texel)
 {
-    float4 _e9 = octagloss_tables.Load(int3(uint2(naga_mod(texel, 864u), (37u + naga_div(texel, 864u))), int(0)));
+    float4 _e9 = octagloss_tables.Load(int3(uint2(naga_mod(texel, 864u), (32u + naga_div(texel, 864u))), int(0)));
     return _e9;
 }
 
@@ -682,9 +636,9 @@ float2 octagloss_round_albedo(float cosine_1, float roughness_3)
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_between_levels(uint probe_10, float3 direction_4, float level)
+float3 octagloss_between_levels(uint probe_9, float3 direction_4, float level)
 #else
-float3 octagloss_between_levels(uint probe_11, float3 direction_4, float level)
+float3 octagloss_between_levels(uint probe_10, float3 direction_4, float level)
 #endif
 {
     const float3 _e3 = octagloss_place_of(direction_4);
@@ -692,11 +646,11 @@ float3 octagloss_between_levels(uint probe_11, float3 direction_4, float level)
     float share_2 = frac(level);
     uint coarser = ((share_2 > 0.0) ? (finer + 1u) : finer);
 #ifdef OCTAGLOSS_CUBE
+    const float3 _e11 = octagloss_read_map(probe_9, _e3, finer);
+    const float3 _e12 = octagloss_read_map(probe_9, _e3, coarser);
+#else
     const float3 _e11 = octagloss_read_map(probe_10, _e3, finer);
     const float3 _e12 = octagloss_read_map(probe_10, _e3, coarser);
-#else
-    const float3 _e11 = octagloss_read_map(probe_11, _e3, finer);
-    const float3 _e12 = octagloss_read_map(probe_11, _e3, coarser);
 #endif
     return lerp(_e11, _e12, share_2);
 }
@@ -726,9 +680,9 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha_1, float sp
     float left_1 = min(((0.5 * (light.z + radius)) / max(radius, 1e-9)), 1.0);
     float3 l = normalize(float3(light.xy, max(light.z, (left_1 * radius))));
     float above = ((spread * left_1) * left_1);
-    float3 middle_1 = (view + ((1.0 - above) * l));
-    float length2_ = dot(middle_1, middle_1);
-    float3 h = (middle_1 * rsqrt(length2_));
+    float3 middle = (view + ((1.0 - above) * l));
+    float length2_ = dot(middle, middle);
+    float3 h = (middle * rsqrt(length2_));
     float3 shape = float3((alpha_1.y / alpha_1.x), (alpha_1.x / alpha_1.y), (alpha_1.x * alpha_1.y));
     float3 bent = (shape * h);
     float bend = dot(h, bent);
@@ -795,16 +749,16 @@ float2 octagloss_brdf_around(float3 view, float3 light, float2 alpha_1, float sp
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_cosine_light(uint probe_11, float3 n)
+float3 octagloss_cosine_light(uint probe_10, float3 n)
 #else
-float3 octagloss_cosine_light(uint probe_12, float3 n)
+float3 octagloss_cosine_light(uint probe_11, float3 n)
 #endif
 {
     const float3 _e2 = octagloss_place_of(n);
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e3 = octagloss_read_cosine(probe_11, _e2);
+    const float3 _e3 = octagloss_read_cosine(probe_10, _e2);
 #else
-    const float3 _e3 = octagloss_read_cosine(probe_12, _e2);
+    const float3 _e3 = octagloss_read_cosine(probe_11, _e2);
 #endif
     return _e3;
 }
@@ -815,42 +769,42 @@ float2x3 octagloss_weighed(float3 light_1, float2 weights_2)
 }
 
 #ifdef OCTAGLOSS_CUBE
-float2x3 octagloss_harmonics_reflected(uint probe_12, octagloss_SurfaceFrame surface, float4 pairs[8])
+float2x3 octagloss_harmonics_reflected(uint probe_11, octagloss_SurfaceFrame surface, float4 pairs[8])
 #else
-float2x3 octagloss_harmonics_reflected(uint probe_13, octagloss_SurfaceFrame surface, float4 pairs[8])
+float2x3 octagloss_harmonics_reflected(uint probe_12, octagloss_SurfaceFrame surface, float4 pairs[8])
 #endif
 {
     float3 n_1 = surface.normal;
     float3 t_1 = surface.towards;
     const float _e5[25] = octagloss_harmonic_basis(n_1);
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e6[5] = octagloss_orders_of(probe_12, _e5);
+    const float3 _e6[5] = octagloss_orders_of(probe_11, _e5);
 #else
-    const float3 _e6[5] = octagloss_orders_of(probe_13, _e5);
+    const float3 _e6[5] = octagloss_orders_of(probe_12, _e5);
 #endif
     const float _e12[25] = octagloss_harmonic_basis(((n_1 * 0.309017) + (t_1 * 0.95105654)));
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e13[5] = octagloss_orders_of(probe_12, _e12);
+    const float3 _e13[5] = octagloss_orders_of(probe_11, _e12);
 #else
-    const float3 _e13[5] = octagloss_orders_of(probe_13, _e12);
+    const float3 _e13[5] = octagloss_orders_of(probe_12, _e12);
 #endif
     const float _e19[25] = octagloss_harmonic_basis(((n_1 * -0.809017) + (t_1 * 0.58778524)));
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e20[5] = octagloss_orders_of(probe_12, _e19);
+    const float3 _e20[5] = octagloss_orders_of(probe_11, _e19);
 #else
-    const float3 _e20[5] = octagloss_orders_of(probe_13, _e19);
+    const float3 _e20[5] = octagloss_orders_of(probe_12, _e19);
 #endif
     const float _e26[25] = octagloss_harmonic_basis(((n_1 * 0.809017) + (t_1 * 0.58778524)));
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e27[5] = octagloss_orders_of(probe_12, _e26);
+    const float3 _e27[5] = octagloss_orders_of(probe_11, _e26);
 #else
-    const float3 _e27[5] = octagloss_orders_of(probe_13, _e26);
+    const float3 _e27[5] = octagloss_orders_of(probe_12, _e26);
 #endif
     const float _e33[25] = octagloss_harmonic_basis(((n_1 * -0.309017) + (t_1 * 0.95105654)));
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e34[5] = octagloss_orders_of(probe_12, _e33);
+    const float3 _e34[5] = octagloss_orders_of(probe_11, _e33);
 #else
-    const float3 _e34[5] = octagloss_orders_of(probe_13, _e33);
+    const float3 _e34[5] = octagloss_orders_of(probe_12, _e33);
 #endif
     const float2x3 _e38 = octagloss_weighed(_e6[0], pairs[0].xy);
     const float2x3 _e42 = octagloss_weighed(_e6[1], pairs[0].zw);
@@ -890,9 +844,9 @@ float octagloss_map_inner()
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_suns_reflected(uint probe_13, octagloss_SurfaceFrame surface_1, float2 tangent, float2 alpha_2, float3 f0_, float f90_)
+float3 octagloss_suns_reflected(uint probe_12, octagloss_SurfaceFrame surface_1, float2 tangent, float2 alpha_2, float3 f0_, float f90_)
 #else
-float3 octagloss_suns_reflected(uint probe_14, octagloss_SurfaceFrame surface_1, float2 tangent, float2 alpha_2, float3 f0_, float f90_)
+float3 octagloss_suns_reflected(uint probe_13, octagloss_SurfaceFrame surface_1, float2 tangent, float2 alpha_2, float3 f0_, float f90_)
 #endif
 {
     float3 sum_2 = ZeroValuefloat3();
@@ -920,15 +874,15 @@ float3 octagloss_suns_reflected(uint probe_14, octagloss_SurfaceFrame surface_1,
         {
             uint _e45 = disc_2;
 #ifdef OCTAGLOSS_CUBE
-            OctaglossSun sun_2 = octagloss_lights[probe_13].suns[naga_div(_e45, 2u)];
+            OctaglossSun sun_2 = octagloss_lights[probe_12].suns[naga_div(_e45, 2u)];
 #else
-            OctaglossSun sun_2 = octagloss_lights[probe_14].suns[naga_div(_e45, 2u)];
+            OctaglossSun sun_2 = octagloss_lights[probe_13].suns[naga_div(_e45, 2u)];
 #endif
             uint _e50 = disc_2;
 #ifdef OCTAGLOSS_CUBE
-            const float3 _e51 = octagloss_half_axis_of(probe_13, _e50);
+            const float3 _e51 = octagloss_half_axis_of(probe_12, _e50);
 #else
-            const float3 _e51 = octagloss_half_axis_of(probe_14, _e50);
+            const float3 _e51 = octagloss_half_axis_of(probe_13, _e50);
 #endif
             const float _e52 = octagloss_squared(_e51);
             float nearer_1 = (1.0 - (0.5 * _e52));
@@ -975,9 +929,9 @@ ret_Constructarray8_float4_ Constructarray8_float4_(float4 arg0, float4 arg1, fl
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_1, float f90_1)
+float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_1, float f90_1)
 #else
-float3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_1, float f90_1)
+float3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_1, float f90_1)
 #endif
 {
     float2x3 sum_3 = (float2x3)0;
@@ -992,9 +946,9 @@ float3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surfa
     const float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12);
     float2 rest_1 = _e13.xy;
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e15 = octagloss_cosine_light(probe_14, n_2);
+    const float3 _e15 = octagloss_cosine_light(probe_13, n_2);
 #else
-    const float3 _e15 = octagloss_cosine_light(probe_15, n_2);
+    const float3 _e15 = octagloss_cosine_light(probe_14, n_2);
 #endif
     const float2x3 _e16 = octagloss_weighed(_e15, rest_1);
     sum_3 = _e16;
@@ -1018,9 +972,9 @@ float3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surfa
             float3 direction_5 = ((half_vector * (2.0 * dot(v_1, half_vector))) - v_1);
             float2x3 _e37 = sum_3;
 #ifdef OCTAGLOSS_CUBE
-            const float3 _e39 = octagloss_between_levels(probe_14, direction_5, _e27.y);
+            const float3 _e39 = octagloss_between_levels(probe_13, direction_5, _e27.y);
 #else
-            const float3 _e39 = octagloss_between_levels(probe_15, direction_5, _e27.y);
+            const float3 _e39 = octagloss_between_levels(probe_14, direction_5, _e27.y);
 #endif
             const float2x3 _e41 = octagloss_weighed(_e39, _e27.zw);
             sum_3 = (_e37 + _e41);
@@ -1041,9 +995,9 @@ float3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surfa
     float4 pairs_1[8] = Constructarray8_float4_(_e61, _e63, _e65, _e67, _e69, _e71, _e73, _e75);
     float2x3 _e77 = sum_3;
 #ifdef OCTAGLOSS_CUBE
-    const float2x3 _e78 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1);
+    const float2x3 _e78 = octagloss_harmonics_reflected(probe_13, surface_2, pairs_1);
 #else
-    const float2x3 _e78 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1);
+    const float2x3 _e78 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1);
 #endif
     sum_3 = (_e77 + _e78);
     float2 _e80 = white;
@@ -1054,9 +1008,9 @@ float3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surfa
     float3 _e90 = sum_3[0];
     float3 _e95 = sum_3[1];
 #ifdef OCTAGLOSS_CUBE
-    float _e103 = octagloss_lights[probe_14].unscale;
+    float _e103 = octagloss_lights[probe_13].unscale;
 #else
-    float _e103 = octagloss_lights[probe_15].unscale;
+    float _e103 = octagloss_lights[probe_14].unscale;
 #endif
     float3 lit_1 = (max((((f0_1 * _e86.x) * _e90) + ((f90_1 * _e86.y) * _e95)), ZeroValuefloat3()) * _e103);
     float _e105 = in_mirror;
@@ -1065,9 +1019,9 @@ float3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surfa
     float share_4 = max((1.0 - (_e105 / (_e107 + _e109))), 0.0);
     float2 alpha_11 = ((roughness_4 * roughness_4)).xx;
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e121 = octagloss_suns_reflected(probe_14, surface_2, float2(1.0, 0.0), alpha_11, f0_1, f90_1);
+    const float3 _e121 = octagloss_suns_reflected(probe_13, surface_2, float2(1.0, 0.0), alpha_11, f0_1, f90_1);
 #else
-    const float3 _e121 = octagloss_suns_reflected(probe_15, surface_2, float2(1.0, 0.0), alpha_11, f0_1, f90_1);
+    const float3 _e121 = octagloss_suns_reflected(probe_14, surface_2, float2(1.0, 0.0), alpha_11, f0_1, f90_1);
 #endif
     return (lit_1 + (share_4 * _e121));
 }
@@ -1082,19 +1036,19 @@ octagloss_SurfaceFrame Constructoctagloss_SurfaceFrame(float3 arg0, float3 arg1,
 }
 
 #ifdef OCTAGLOSS_CUBE
-octagloss_SurfaceFrame octagloss_surface_of(uint probe_15, float3 normal_2, float3 view_1)
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_14, float3 normal_2, float3 view_1)
 #else
-octagloss_SurfaceFrame octagloss_surface_of(uint probe_16, float3 normal_2, float3 view_1)
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_15, float3 normal_2, float3 view_1)
 #endif
 {
     float3 level_view = (float3)0;
 
 #ifdef OCTAGLOSS_CUBE
+    const float3 _e3 = octagloss_source_from_world(probe_14, normal_2);
+    const float3 _e4 = octagloss_source_from_world(probe_14, view_1);
+#else
     const float3 _e3 = octagloss_source_from_world(probe_15, normal_2);
     const float3 _e4 = octagloss_source_from_world(probe_15, view_1);
-#else
-    const float3 _e3 = octagloss_source_from_world(probe_16, normal_2);
-    const float3 _e4 = octagloss_source_from_world(probe_16, view_1);
 #endif
     float cosine_13 = clamp(dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = (_e4 - (_e3 * dot(_e3, _e4)));
@@ -1167,15 +1121,15 @@ octagloss_RowPlace octagloss_row_place(float2 alpha_5, float cosine_4, float2 ta
 }
 
 #ifdef OCTAGLOSS_CUBE
-float4 octagloss_read_rows(float3 at_4)
+float4 octagloss_read_rows(float3 at_3)
 #else
-float4 octagloss_read_rows(float3 at_5)
+float4 octagloss_read_rows(float3 at_4)
 #endif
 {
 #ifdef OCTAGLOSS_CUBE
-    float4 _e4 = octagloss_rows.SampleLevel(octagloss_linear, at_4, 0.0);
+    float4 _e4 = octagloss_rows.SampleLevel(octagloss_linear, at_3, 0.0);
 #else
-    float4 _e4 = octagloss_rows.SampleLevel(octagloss_linear, at_5, 0.0);
+    float4 _e4 = octagloss_rows.SampleLevel(octagloss_linear, at_4, 0.0);
 #endif
     return _e4;
 }
@@ -1187,13 +1141,13 @@ float4 octagloss_row_node(uint layer_3, octagloss_RowPlace place)
 #endif
 {
 #ifdef OCTAGLOSS_CUBE
-    float3 at_6 = float3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
+    float3 at_5 = float3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
+    const float4 _e11 = octagloss_read_rows(at_5);
+    const float4 _e18 = octagloss_read_rows(float3(at_5.x, (at_5.y + 0.125), at_5.z));
+#else
+    float3 at_6 = float3((place.at.x + (float(layer_3) / 21.0)), place.at.yz);
     const float4 _e11 = octagloss_read_rows(at_6);
     const float4 _e18 = octagloss_read_rows(float3(at_6.x, (at_6.y + 0.125), at_6.z));
-#else
-    float3 at_7 = float3((place.at.x + (float(layer_3) / 21.0)), place.at.yz);
-    const float4 _e11 = octagloss_read_rows(at_7);
-    const float4 _e18 = octagloss_read_rows(float3(at_7.x, (at_7.y + 0.125), at_7.z));
 #endif
     return lerp(_e11, _e18, place.share);
 }
@@ -1283,17 +1237,28 @@ octagloss_Row octagloss_row_of(float2 alpha_8, float2 tangent_4, float cosine_7)
     float _e85 = axis.x;
     float e_1 = (_e85 * tilt);
     float4 terms_1[3] = Constructarray3_float4_(float4(1.0, x_3, (x_3 * x_3), y_2), float4((x_3 * y_2), (y_2 * y_2), e_1, (e_1 * x_3)), float4(((x_3 * x_3) * x_3), ((y_2 * y_2) * y_2), ((x_3 * x_3) * y_2), ((x_3 * y_2) * y_2)));
-    const float _e119 = octagloss_row_number(terms_1, float4(-0.252, -0.165, 0.077, -0.167), float4(-0.046, -0.028, -0.39, -0.463), float4(0.007, 0.174, 0.056, -0.059));
-    const float _e135 = octagloss_row_number(terms_1, float4(-0.565, -0.078, 0.414, 0.009), float4(0.349, -0.022, -0.094, 0.147), float4(0.096, 0.148, 0.236, 0.258));
-    const float _e151 = octagloss_row_number(terms_1, float4(-0.393, -0.205, 0.001, -0.283), float4(0.234, -0.027, -0.572, -0.277), float4(0.051, 0.164, 0.17, 0.2));
-    const float _e167 = octagloss_row_number(terms_1, float4(0.413, 1.07, -0.1, -0.226), float4(-0.344, -0.215, -0.033, -0.01), float4(-0.044, 0.004, -0.121, -0.125));
-    const float _e183 = octagloss_row_number(terms_1, float4(-0.373, 0.485, 0.057, 0.062), float4(-0.546, 0.172, 0.007, -0.936), float4(0.024, -0.418, -0.221, -0.237));
-    const float _e199 = octagloss_row_number(terms_1, float4(0.477, 0.313, -0.017, -0.151), float4(-0.234, -0.072, -0.068, -0.167), float4(0.007, -0.011, -0.017, -0.022));
+    const float _e119 = octagloss_row_number(terms_1, float4(-0.55, -0.357, -0.024, -0.112), float4(-0.155, -0.099, 0.179, -0.206), float4(-0.04, 0.145, -0.024, -0.063));
+    const float _e135 = octagloss_row_number(terms_1, float4(-0.554, -0.031, 0.533, -0.071), float4(0.392, 0.14, -0.295, 0.008), float4(0.133, 0.121, 0.231, 0.259));
+    const float _e151 = octagloss_row_number(terms_1, float4(-0.215, 0.021, 0.069, -0.271), float4(0.356, 0.057, -0.463, -0.223), float4(0.047, 0.086, 0.153, 0.094));
+    const float _e167 = octagloss_row_number(terms_1, float4(0.55, 1.256, -0.003, -0.371), float4(-0.377, -0.126, -0.001, 0.019), float4(-0.02, 0.034, -0.066, -0.01));
+    const float _e183 = octagloss_row_number(terms_1, float4(-0.516, 0.484, 0.15, 0.012), float4(-0.583, 0.111, -0.02, -0.968), float4(0.055, -0.352, -0.216, -0.214));
+    const float _e199 = octagloss_row_number(terms_1, float4(0.5, 0.259, -0.071, -0.267), float4(-0.373, -0.066, -0.039, -0.122), float4(-0.014, -0.027, -0.072, -0.048));
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;
     const octagloss_Row octagloss_row = Constructoctagloss_Row((float2(_e201, (_e203 / cosine_7)) * sqrt((2.0 * root_1))), extent, (_e119 * tilt), exp(float4(_e135, _e151, _e167, _e183)), exp(_e199), smoothstep(0.0, octagloss_SKEWED, _e216));
     return octagloss_row;
+}
+
+float octagloss_last_map()
+{
+#ifdef OCTAGLOSS_CUBE
+    const float _e0 = octagloss_map_inner();
+    return (log2(_e0) - 3.0);
+#else
+    const uint _e0 = octagloss_map_octave();
+    return (1.0 + floor(((float(_e0) - 3.237039) / octagloss_LEVEL_OCTAVES)));
+#endif
 }
 
 float2 octagloss_row_read(octagloss_Row row_1, uint read)
@@ -1308,18 +1273,20 @@ float2 octagloss_row_read(octagloss_Row row_1, uint read)
     float wider = ((naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation));
     float growth = (row_1.steps.w * slope_1);
     float width = (((wider * row_1.steps.z) * sqrt((1.0 + (growth * growth)))) * row_1.extent);
-    const float _e44 = octagloss_map_inner();
-    float last_1 = (log2(_e44) - 3.0);
-    float sharp_1 = (last_1 + log2((max(width, 1e-9) / 0.35)));
-    float below = max((log2(((max(width, 1e-9) * _e44) / 1.8)) * 0.610706), 0.0);
-    return float2(slope_1, ((sharp_1 >= 1.0) ? min(sharp_1, last_1) : below));
+    const float _e44 = octagloss_last_map();
+    const float _e45 = octagloss_map_inner();
+    float widest = log2((_e45 * 0.19444445));
+    float octaves = (widest + log2((max(width, 1e-9) / 0.35)));
+    float gaussian = (_e44 + ((octaves - widest) / octagloss_LEVEL_OCTAVES));
+    float below = max((octaves / (widest - ((_e44 - 1.0) * octagloss_LEVEL_OCTAVES))), 0.0);
+    return float2(slope_1, ((gaussian >= 1.0) ? min(gaussian, _e44) : below));
 }
 
 typedef float3 ret_octagloss_orders_aside[5];
 #ifdef OCTAGLOSS_CUBE
-ret_octagloss_orders_aside octagloss_orders_aside(uint probe_16, octagloss_SurfaceFrame surface_3, float3 across, float3 d_2)
+ret_octagloss_orders_aside octagloss_orders_aside(uint probe_15, octagloss_SurfaceFrame surface_3, float3 across, float3 d_2)
 #else
-ret_octagloss_orders_aside octagloss_orders_aside(uint probe_17, octagloss_SurfaceFrame surface_3, float3 across, float3 d_2)
+ret_octagloss_orders_aside octagloss_orders_aside(uint probe_16, octagloss_SurfaceFrame surface_3, float3 across, float3 d_2)
 #endif
 {
     float3 level_2 = ((surface_3.towards * d_2.x) + (surface_3.normal * d_2.z));
@@ -1327,29 +1294,29 @@ ret_octagloss_orders_aside octagloss_orders_aside(uint probe_17, octagloss_Surfa
     const float _e18[25] = octagloss_harmonic_basis((level_2 - (across * d_2.y)));
     float difference_1[25] = Constructarray25_float_((_e14[0] - _e18[0]), (_e14[1] - _e18[1]), (_e14[2] - _e18[2]), (_e14[3] - _e18[3]), (_e14[4] - _e18[4]), (_e14[5] - _e18[5]), (_e14[6] - _e18[6]), (_e14[7] - _e18[7]), (_e14[8] - _e18[8]), (_e14[9] - _e18[9]), (_e14[10] - _e18[10]), (_e14[11] - _e18[11]), (_e14[12] - _e18[12]), (_e14[13] - _e18[13]), (_e14[14] - _e18[14]), (_e14[15] - _e18[15]), (_e14[16] - _e18[16]), (_e14[17] - _e18[17]), (_e14[18] - _e18[18]), (_e14[19] - _e18[19]), (_e14[20] - _e18[20]), (_e14[21] - _e18[21]), (_e14[22] - _e18[22]), (_e14[23] - _e18[23]), (_e14[24] - _e18[24]));
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e95[5] = octagloss_orders_of(probe_16, difference_1);
+    const float3 _e95[5] = octagloss_orders_of(probe_15, difference_1);
 #else
-    const float3 _e95[5] = octagloss_orders_of(probe_17, difference_1);
+    const float3 _e95[5] = octagloss_orders_of(probe_16, difference_1);
 #endif
     return _e95;
 }
 
 #ifdef OCTAGLOSS_CUBE
-float2x3 octagloss_harmonics_aside(uint probe_17, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
+float2x3 octagloss_harmonics_aside(uint probe_16, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
 #else
-float2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
+float2x3 octagloss_harmonics_aside(uint probe_17, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
 #endif
 {
 #ifdef OCTAGLOSS_CUBE
+    const float3 _e9[5] = octagloss_orders_aside(probe_16, surface_4, across_1, float3(0.4620342, 0.54655075, -0.6984316));
+    const float3 _e14[5] = octagloss_orders_aside(probe_16, surface_4, across_1, float3(0.8966183, 0.38650447, 0.21607853));
+    const float3 _e19[5] = octagloss_orders_aside(probe_16, surface_4, across_1, float3(0.11814805, 0.3835753, 0.91592085));
+    const float3 _e24[5] = octagloss_orders_aside(probe_16, surface_4, across_1, float3(0.14011177, 0.8172301, -0.5590202));
+#else
     const float3 _e9[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.4620342, 0.54655075, -0.6984316));
     const float3 _e14[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.8966183, 0.38650447, 0.21607853));
     const float3 _e19[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.11814805, 0.3835753, 0.91592085));
     const float3 _e24[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.14011177, 0.8172301, -0.5590202));
-#else
-    const float3 _e9[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.4620342, 0.54655075, -0.6984316));
-    const float3 _e14[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.8966183, 0.38650447, 0.21607853));
-    const float3 _e19[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.11814805, 0.3835753, 0.91592085));
-    const float3 _e24[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.14011177, 0.8172301, -0.5590202));
 #endif
     const float4 _e26 = octagloss_row_node(16u, place_2);
     const float4 _e28 = octagloss_row_node(17u, place_2);
@@ -1374,9 +1341,9 @@ float2x3 ZeroValuefloat2x3() {
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_3, float f90_3)
+float3 octagloss_reflect_in_row(uint probe_17, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_3, float f90_3)
 #else
-float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_3, float f90_3)
+float3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_3, float f90_3)
 #endif
 {
     float2x3 sum_4 = ZeroValuefloat2x3();
@@ -1414,9 +1381,9 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
             if ((_e44 == 0u)) {
                 float2x3 _e47 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-                const float3 _e48 = octagloss_cosine_light(probe_18, n_3);
+                const float3 _e48 = octagloss_cosine_light(probe_17, n_3);
 #else
-                const float3 _e48 = octagloss_cosine_light(probe_19, n_3);
+                const float3 _e48 = octagloss_cosine_light(probe_18, n_3);
 #endif
                 const float2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
                 sum_4 = (_e47 + _e50);
@@ -1455,9 +1422,9 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
                     float3 direction_6 = ((half_vector_1 * (2.0 * dot(v_2, half_vector_1))) - v_2);
                     float2x3 _e106 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-                    const float3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y);
+                    const float3 _e108 = octagloss_between_levels(probe_17, direction_6, _e96.y);
 #else
-                    const float3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y);
+                    const float3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y);
 #endif
                     const float2x3 _e109 = octagloss_weighed(_e108, weights_3);
                     sum_4 = (_e106 + _e109);
@@ -1480,9 +1447,9 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
     float4 pairs_2[8] = Constructarray8_float4_(_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142);
     float2x3 _e144 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-    const float2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2);
+    const float2x3 _e145 = octagloss_harmonics_reflected(probe_17, surface_5, pairs_2);
 #else
-    const float2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2);
+    const float2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2);
 #endif
     sum_4 = (_e144 + _e145);
     float2 _e147 = white_1;
@@ -1490,9 +1457,9 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
     float3 mirrored = (across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
     float2x3 _e160 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-    const float2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2[7].zw);
+    const float2x3 _e163 = octagloss_harmonics_aside(probe_17, surface_5, mirrored, _e16, pairs_2[7].zw);
 #else
-    const float2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2[7].zw);
+    const float2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2[7].zw);
 #endif
     sum_4 = (_e160 + _e163);
     const float4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5);
@@ -1503,62 +1470,46 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
     float3 _e178 = sum_4[0];
     float3 _e183 = sum_4[1];
 #ifdef OCTAGLOSS_CUBE
-    float _e191 = octagloss_lights[probe_18].unscale;
+    float _e191 = octagloss_lights[probe_17].unscale;
 #else
-    float _e191 = octagloss_lights[probe_19].unscale;
+    float _e191 = octagloss_lights[probe_18].unscale;
 #endif
     float3 lit_2 = (max((((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183)), ZeroValuefloat3()) * _e191);
     float2 _e193 = in_mirror_1;
     float share_5 = max((1.0 - (dot(shares, _e193) / (_e172.x + _e172.y))), 0.0);
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e203 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+    const float3 _e203 = octagloss_suns_reflected(probe_17, surface_5, tangent_5, alpha_9, f0_3, f90_3);
 #else
-    const float3 _e203 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+    const float3 _e203 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_3, f90_3);
 #endif
     return (lit_2 + (share_5 * _e203));
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_reflect_of(uint probe_19, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_4, float f90_4)
+float3 octagloss_reflect_of(uint probe_18, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_4, float f90_4)
 #else
-float3 octagloss_reflect_of(uint probe_20, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_4, float f90_4)
+float3 octagloss_reflect_of(uint probe_19, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_4, float f90_4)
 #endif
 {
     float2 level_1 = ZeroValuefloat2();
-#ifdef OCTAGLOSS_CUBE
     bool local = (bool)0;
-#else
-    bool local_1 = (bool)0;
-#endif
 
 #ifdef OCTAGLOSS_CUBE
-    const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_19, normal_4, view_3);
+    const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_18, normal_4, view_3);
 #else
-    const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_20, normal_4, view_3);
+    const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_19, normal_4, view_3);
 #endif
     if ((anisotropy_1 > 0.0)) {
-#ifdef OCTAGLOSS_CUBE
         local = (dot(tangent_6, tangent_6) > 0.0);
-#else
-        local_1 = (dot(tangent_6, tangent_6) > 0.0);
-#endif
     } else {
-#ifdef OCTAGLOSS_CUBE
         local = false;
-#else
-        local_1 = false;
-#endif
     }
-#ifdef OCTAGLOSS_CUBE
     bool _e19 = local;
-#else
-    bool _e19 = local_1;
-#endif
     if (_e19) {
 #ifdef OCTAGLOSS_CUBE
-        const float3 _e20 = octagloss_source_from_world(probe_19, tangent_6);
+        const float3 _e20 = octagloss_source_from_world(probe_18, tangent_6);
 #else
-        const float3 _e20 = octagloss_source_from_world(probe_20, tangent_6);
+        const float3 _e20 = octagloss_source_from_world(probe_19, tangent_6);
 #endif
         float3 across_5 = cross(_e8.normal, _e8.towards);
         level_1 = float2(dot(_e20, _e8.towards), dot(_e20, across_5));
@@ -1567,9 +1518,9 @@ float3 octagloss_reflect_of(uint probe_20, float3 normal_4, float3 view_3, float
     float2 _e29 = level_1;
     if ((dot(_e28, _e29) < 1e-10)) {
 #ifdef OCTAGLOSS_CUBE
-        const float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_4, f90_4);
+        const float3 _e33 = octagloss_reflected_isotropic(probe_18, _e8, roughness_7, f0_4, f90_4);
 #else
-        const float3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_4, f90_4);
+        const float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_4, f90_4);
 #endif
         return _e33;
     }
@@ -1577,9 +1528,9 @@ float3 octagloss_reflect_of(uint probe_20, float3 normal_4, float3 view_3, float
     const float _e37 = octagloss_row_share(_e36);
     float2 _e38 = level_1;
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, normalize(_e38), _e36, f0_4, f90_4);
+    const float3 _e40 = octagloss_reflect_in_row(probe_18, _e8, normalize(_e38), _e36, f0_4, f90_4);
 #else
-    const float3 _e40 = octagloss_reflect_in_row(probe_20, _e8, normalize(_e38), _e36, f0_4, f90_4);
+    const float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, normalize(_e38), _e36, f0_4, f90_4);
 #endif
     float3 sum_5 = (_e37 * _e40);
     if ((_e37 == 1.0)) {
@@ -1587,9 +1538,9 @@ float3 octagloss_reflect_of(uint probe_20, float3 normal_4, float3 view_3, float
     }
     float round_ = sqrt(sqrt((_e36.x * _e36.y)));
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round_, f0_4, f90_4);
+    const float3 _e51 = octagloss_reflected_isotropic(probe_18, _e8, round_, f0_4, f90_4);
 #else
-    const float3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round_, f0_4, f90_4);
+    const float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round_, f0_4, f90_4);
 #endif
     return (sum_5 + ((1.0 - _e37) * _e51));
 }

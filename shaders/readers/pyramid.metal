@@ -6,9 +6,9 @@
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 16f1027705dc3434.
+// Translated from pyramid_cube.wgsl, FNV-1a 479c5c81a9d6dddd.
 #else
-// Translated from pyramid.wgsl, FNV-1a ca2c4f43c8acf7bc.
+// Translated from pyramid.wgsl, FNV-1a 85b3c13c2d941b24.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
@@ -59,9 +59,9 @@ struct type_15 {
 #ifdef OCTAGLOSS_CUBE
 struct type_17 {
 #else
-struct type_19 {
+struct type_18 {
 #endif
-    float inner[9];
+    float inner[10];
 };
 struct octagloss_SurfaceFrame {
     metal::float3 normal;
@@ -70,11 +70,7 @@ struct octagloss_SurfaceFrame {
     float sine;
     char _pad4[12];
 };
-#ifdef OCTAGLOSS_CUBE
 struct type_20 {
-#else
-struct type_21 {
-#endif
     metal::float4 inner[8];
 };
 struct octagloss_RowPlace {
@@ -90,22 +86,12 @@ struct octagloss_Row {
     float skew;
     char _pad6[8];
 };
-#ifdef OCTAGLOSS_CUBE
 struct type_22 {
-#else
-struct type_23 {
-#endif
     metal::float4 inner[3];
 };
 constant uint octagloss_SUNS = 8u;
 constant uint octagloss_INTERVALS = 860u;
-#ifdef OCTAGLOSS_CUBE
-constant uint octagloss_WEIGHTS_FROM = 32u;
-#else
-constant uint octagloss_WEIGHTS_FROM = 27u;
-constant uint octagloss_SHARP_LAYER = 2u;
-constant uint octagloss_FINE_LAYER = 0u;
-constant uint octagloss_MIRROR_LAYER = 1u;
+#ifndef OCTAGLOSS_CUBE
 constant uint octagloss_SQUARES = 3u;
 #endif
 constant uint octagloss_READS = 9u;
@@ -115,7 +101,7 @@ constant float octagloss_LEAST_COSINE = 0.01;
 constant metal::float2 octagloss_ALBEDO_NODES = metal::float2(91.0, 75.0);
 constant metal::float4 octagloss_DIP = metal::float4(0.222, 0.634, 0.098, 0.3126);
 constant float octagloss_LEAST_ALPHA = 0.000001;
-constant metal::float2 octagloss_TABLES = metal::float2(864.0, 45.0);
+constant metal::float2 octagloss_TABLES = metal::float2(864.0, 40.0);
 constant metal::float4 octagloss_ROW_NODES = metal::float4(16.0, 10.0, 8.0, 7.0);
 constant uint octagloss_ROW_MIDDLE = 7u;
 constant uint octagloss_ROW_PAIRS = 8u;
@@ -128,6 +114,11 @@ constant float octagloss_NARROWEST = 0.05;
 constant float octagloss_BLEND = 0.1;
 constant float octagloss_TILTED = 0.5;
 constant float octagloss_SKEWED = 0.2;
+#ifdef OCTAGLOSS_CUBE
+constant float octagloss_LEVEL_OCTAVES = 1.0;
+#else
+constant float octagloss_LEVEL_OCTAVES = 0.864;
+#endif
 
 type_12 octagloss_harmonic_basis(
     metal::float3 d
@@ -234,7 +225,7 @@ type_15 octagloss_node_weights(
         {
             uint _e8 = row;
             uint _e12 = row;
-            metal::float4 _e16 = octagloss_tables.read(metal::uint2(metal::uint2(node, octagloss_WEIGHTS_FROM + _e12)), 0);
+            metal::float4 _e16 = octagloss_tables.read(metal::uint2(metal::uint2(node, 27u + _e12)), 0);
             weights_1.inner[_e8] = _e16;
         }
     }
@@ -290,110 +281,87 @@ metal::float3 octagloss_read_square(
     metal::float2 place_3 = metal::float2(0.5) + (uv * ((0.5 * inner) / _e50));
     metal::float4 _e62 = octagloss_maps.sample(octagloss_linear, place_3, (octagloss_SQUARES * probe_4) + layer, metal::level(static_cast<float>(mip)));
     return _e62.xyz;
-#endif
-}
-
-#ifdef OCTAGLOSS_CUBE
-metal::float3 octagloss_read_middle(
-#else
-metal::float3 octagloss_read_map(
-#endif
-    uint probe_5,
-    octagloss_MapPlace at_1,
-#ifdef OCTAGLOSS_CUBE
-    uint middle
-#else
-    uint map,
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
-    metal::sampler octagloss_linear
-) {
-    bool local = {};
-    if (!((map == 2u))) {
-        local = map == 3u;
-    } else {
-        local = true;
-    }
-    bool _e13 = local;
-    uint other = _e13 ? octagloss_FINE_LAYER : octagloss_SHARP_LAYER;
-    uint layer_4 = (map == 0u) ? octagloss_MIRROR_LAYER : other;
-    metal::float3 _e27 = octagloss_read_square(probe_5, at_1, layer_4, (map == 3u) ? 1u : (metal::max(map, 3u) - 3u), octagloss_maps, octagloss_linear);
-    return _e27;
-}
-
-uint octagloss_last_mip(
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps
-#endif
-) {
-#ifdef OCTAGLOSS_CUBE
-    return metal::float3 {};
-#else
-    uint _e0 = octagloss_map_octave(octagloss_maps);
-    return metal::max(_e0 - ((_e0 > 8u) ? 6u : 5u), 1u);
-#endif
-}
-
-#ifdef OCTAGLOSS_CUBE
-metal::float3 octagloss_read_cosine(
-#else
-metal::float3 octagloss_read_middle(
-#endif
-    uint probe_6,
-    octagloss_MapPlace at_2,
-#ifdef OCTAGLOSS_CUBE
-    constant type_7& octagloss_lights
-#else
-    uint middle,
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
-    metal::sampler octagloss_linear
-) {
-    uint _e4 = octagloss_last_mip(octagloss_maps);
-    metal::float3 _e10 = octagloss_read_square(probe_6, at_2, octagloss_MIRROR_LAYER, (metal::max(_e4, 3u) - 2u) + middle, octagloss_maps, octagloss_linear);
-    return _e10;
-}
-
-metal::float3 octagloss_read_cosine(
-    uint probe_7,
-    octagloss_MapPlace at_3,
-    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
-    metal::sampler octagloss_linear
-#endif
-) {
-#ifdef OCTAGLOSS_CUBE
-    metal::float3 _e8 = octagloss_harmonics_around(probe_6, at_2, type_14 {{1.0, 0.6666667, 0.25, 0.0, -0.041666668}}, octagloss_lights);
-    return _e8;
-#else
-    uint _e3 = octagloss_last_mip(octagloss_maps);
-    metal::float3 _e4 = octagloss_read_square(probe_7, at_3, octagloss_MIRROR_LAYER, _e3, octagloss_maps, octagloss_linear);
-    return _e4;
-#endif
-}
-
-uint naga_div(uint lhs, uint rhs) {
-    return lhs / metal::select(rhs, 1u, rhs == 0u);
 }
 
 uint naga_mod(uint lhs, uint rhs) {
     return lhs % metal::select(rhs, 1u, rhs == 0u);
 }
 
+uint naga_div(uint lhs, uint rhs) {
+    return lhs / metal::select(rhs, 1u, rhs == 0u);
+#endif
+}
+
+#ifdef OCTAGLOSS_CUBE
+metal::float3 octagloss_read_cosine(
+#else
+metal::float3 octagloss_read_map(
+#endif
+    uint probe_5,
+    octagloss_MapPlace at_1,
+#ifdef OCTAGLOSS_CUBE
+    constant type_7& octagloss_lights
+#else
+    uint map,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+    metal::sampler octagloss_linear
+#endif
+) {
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 _e8 = octagloss_harmonics_around(probe_5, at_1, type_14 {{1.0, 0.6666667, 0.25, 0.0, -0.041666668}}, octagloss_lights);
+    return _e8;
+#else
+    metal::float3 _e7 = octagloss_read_square(probe_5, at_1, naga_mod(map, octagloss_SQUARES), naga_div(map, octagloss_SQUARES), octagloss_maps, octagloss_linear);
+    return _e7;
+#endif
+}
+
+#ifdef OCTAGLOSS_CUBE
+uint naga_div(uint lhs, uint rhs) {
+    return lhs / metal::select(rhs, 1u, rhs == 0u);
+#else
+uint octagloss_last_mip(
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
+) {
+    uint _e0 = octagloss_map_octave(octagloss_maps);
+    return metal::max(_e0 - ((_e0 > 8u) ? 6u : 5u), 1u);
+#endif
+}
+
+#ifdef OCTAGLOSS_CUBE
+uint naga_mod(uint lhs, uint rhs) {
+    return lhs % metal::select(rhs, 1u, rhs == 0u);
+#else
+metal::float3 octagloss_read_cosine(
+    uint probe_6,
+    octagloss_MapPlace at_2,
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps,
+    metal::sampler octagloss_linear
+) {
+    uint _e3 = octagloss_last_mip(octagloss_maps);
+    metal::float3 _e4 = octagloss_read_square(probe_6, at_2, 2u, _e3, octagloss_maps, octagloss_linear);
+    return _e4;
+#endif
+}
+
 metal::float3 octagloss_half_axis_of(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_7,
+    uint probe_6,
 #else
-    uint probe_8,
+    uint probe_7,
 #endif
     uint disc,
     constant type_7& octagloss_lights
 ) {
     uint k_3 = 3u * naga_div(disc, 2u);
 #ifdef OCTAGLOSS_CUBE
+    float _e11 = octagloss_lights.inner[probe_6].harmonics.inner[k_3].w;
+    float _e19 = octagloss_lights.inner[probe_6].harmonics.inner[k_3 + 1u].w;
+    float _e27 = octagloss_lights.inner[probe_6].harmonics.inner[k_3 + 2u].w;
+#else
     float _e11 = octagloss_lights.inner[probe_7].harmonics.inner[k_3].w;
     float _e19 = octagloss_lights.inner[probe_7].harmonics.inner[k_3 + 1u].w;
     float _e27 = octagloss_lights.inner[probe_7].harmonics.inner[k_3 + 2u].w;
-#else
-    float _e11 = octagloss_lights.inner[probe_8].harmonics.inner[k_3].w;
-    float _e19 = octagloss_lights.inner[probe_8].harmonics.inner[k_3 + 1u].w;
-    float _e27 = octagloss_lights.inner[probe_8].harmonics.inner[k_3 + 2u].w;
 #endif
     metal::float3 half_axis = metal::float3(_e11, _e19, _e27);
     return (naga_mod(disc, 2u) == 0u) ? half_axis : -(half_axis);
@@ -411,9 +379,9 @@ uint naga_f2u32(float value) {
 
 metal::float3 octagloss_radiance_of(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_8,
+    uint probe_7,
 #else
-    uint probe_9,
+    uint probe_8,
 #endif
     metal::float3 direction_2,
     float roughness,
@@ -430,15 +398,15 @@ metal::float3 octagloss_radiance_of(
 #ifdef OCTAGLOSS_CUBE
     type_17 maps = {};
 #else
-    type_19 maps = {};
+    type_18 maps = {};
 #endif
     uint map_1 = 0u;
     uint disc_1 = 0u;
     metal::float3 lobe = {};
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e3 = octagloss_source_from_world(probe_8, direction_2, octagloss_lights);
+    metal::float3 _e3 = octagloss_source_from_world(probe_7, direction_2, octagloss_lights);
 #else
-    metal::float3 _e3 = octagloss_source_from_world(probe_9, direction_2, octagloss_lights);
+    metal::float3 _e3 = octagloss_source_from_world(probe_8, direction_2, octagloss_lights);
 #endif
     octagloss_MapPlace _e4 = octagloss_place_of(_e3);
     float node_1 = metal::log2(1.0 + (30.0 * roughness)) * 173.59021;
@@ -452,113 +420,95 @@ metal::float3 octagloss_radiance_of(
     metal::float4 e = metal::mix(_e17.inner[3], _e20.inner[3], share);
     metal::float4 f = metal::mix(_e17.inner[4], _e20.inner[4], share);
 #ifdef OCTAGLOSS_CUBE
-    maps = type_17 {{a_1.x, a_1.y, a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x}};
+    maps = type_17 {{a_1.x, a_1.y, a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x, c_2.y}};
 #else
-    maps = type_19 {{a_1.x, a_1.y, a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x}};
+    maps = type_18 {{a_1.x, a_1.y, a_1.z, a_1.w, b_2.x, b_2.y, b_2.z, b_2.w, c_2.x, c_2.y}};
 #endif
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e68 = map_1;
-            map_1 = _e68 + 1u;
+            uint _e69 = map_1;
+            map_1 = _e69 + 1u;
         }
         loop_init_1 = false;
-        uint _e51 = map_1;
-        if (_e51 < 9u) {
+        uint _e52 = map_1;
+        if (_e52 < 10u) {
         } else {
             break;
         }
         {
-            uint _e54 = map_1;
-            float _e56 = maps.inner[_e54];
-            if (_e56 != 0.0) {
-                metal::float3 _e59 = sum;
-                uint _e60 = map_1;
-                float _e62 = maps.inner[_e60];
-                uint _e63 = map_1;
+            uint _e55 = map_1;
+            float _e57 = maps.inner[_e55];
+            if (_e57 != 0.0) {
+                metal::float3 _e60 = sum;
+                uint _e61 = map_1;
+                float _e63 = maps.inner[_e61];
+                uint _e64 = map_1;
 #ifdef OCTAGLOSS_CUBE
-                metal::float3 _e64 = octagloss_read_map(probe_8, _e4, _e63, octagloss_maps, octagloss_linear);
+                metal::float3 _e65 = octagloss_read_map(probe_7, _e4, _e64, octagloss_maps, octagloss_linear);
 #else
-                metal::float3 _e64 = octagloss_read_map(probe_9, _e4, _e63, octagloss_maps, octagloss_linear);
+                metal::float3 _e65 = octagloss_read_map(probe_8, _e4, _e64, octagloss_maps, octagloss_linear);
 #endif
-                sum = _e59 + (_e62 * _e64);
+                sum = _e60 + (_e63 * _e65);
             }
         }
     }
-    if (c_2.y != 0.0) {
-        metal::float3 _e73 = sum;
-#ifdef OCTAGLOSS_CUBE
-        metal::float3 _e76 = octagloss_read_middle(probe_8, _e4, 0u);
-#else
-        metal::float3 _e76 = octagloss_read_middle(probe_9, _e4, 0u, octagloss_maps, octagloss_linear);
-#endif
-        sum = _e73 + (c_2.y * _e76);
-    }
     if (c_2.z != 0.0) {
-        metal::float3 _e82 = sum;
+        metal::float3 _e74 = sum;
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e85 = octagloss_read_middle(probe_8, _e4, 1u);
+        metal::float3 _e76 = octagloss_read_cosine(probe_7, _e4, octagloss_lights);
 #else
-        metal::float3 _e85 = octagloss_read_middle(probe_9, _e4, 1u, octagloss_maps, octagloss_linear);
+        metal::float3 _e76 = octagloss_read_cosine(probe_8, _e4, octagloss_maps, octagloss_linear);
 #endif
-        sum = _e82 + (c_2.z * _e85);
+        sum = _e74 + (c_2.z * _e76);
     }
-    if (c_2.w != 0.0) {
-        metal::float3 _e91 = sum;
+    metal::float3 _e79 = sum;
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e93 = octagloss_read_cosine(probe_8, _e4, octagloss_lights);
+    metal::float3 _e86 = octagloss_harmonics_around(probe_7, _e3, type_14 {{c_2.w, e.x, e.y, e.z, e.w}}, octagloss_lights);
 #else
-        metal::float3 _e93 = octagloss_read_cosine(probe_9, _e4, octagloss_maps, octagloss_linear);
+    metal::float3 _e86 = octagloss_harmonics_around(probe_8, _e3, type_14 {{c_2.w, e.x, e.y, e.z, e.w}}, octagloss_lights);
 #endif
-        sum = _e91 + (c_2.w * _e93);
-    }
-    metal::float3 _e96 = sum;
+    sum = _e79 + _e86;
+    metal::float3 _e88 = sum;
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e103 = octagloss_harmonics_around(probe_8, _e3, type_14 {{e.x, e.y, e.z, e.w, f.x}}, octagloss_lights);
+    float _e94 = octagloss_lights.inner[probe_7].unscale;
 #else
-    metal::float3 _e103 = octagloss_harmonics_around(probe_9, _e3, type_14 {{e.x, e.y, e.z, e.w, f.x}}, octagloss_lights);
+    float _e94 = octagloss_lights.inner[probe_8].unscale;
 #endif
-    sum = _e96 + _e103;
-    metal::float3 _e105 = sum;
-#ifdef OCTAGLOSS_CUBE
-    float _e111 = octagloss_lights.inner[probe_8].unscale;
-#else
-    float _e111 = octagloss_lights.inner[probe_9].unscale;
-#endif
-    sum = metal::max(_e105, metal::float3 {}) * _e111;
+    sum = metal::max(_e88, metal::float3 {}) * _e94;
     float a2_ = metal::max(((roughness * roughness) * roughness) * roughness, 0.000000000001);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e237 = disc_1;
-            disc_1 = _e237 + 1u;
+            uint _e220 = disc_1;
+            disc_1 = _e220 + 1u;
         }
         loop_init_2 = false;
-        uint _e120 = disc_1;
-        if (_e120 < 16u) {
+        uint _e103 = disc_1;
+        if (_e103 < 16u) {
         } else {
             break;
         }
         {
-            uint _e126 = disc_1;
+            uint _e109 = disc_1;
 #ifdef OCTAGLOSS_CUBE
-            OctaglossSun sun = octagloss_lights.inner[probe_8].suns.inner[naga_div(_e126, 2u)];
+            OctaglossSun sun = octagloss_lights.inner[probe_7].suns.inner[naga_div(_e109, 2u)];
 #else
-            OctaglossSun sun = octagloss_lights.inner[probe_9].suns.inner[naga_div(_e126, 2u)];
+            OctaglossSun sun = octagloss_lights.inner[probe_8].suns.inner[naga_div(_e109, 2u)];
 #endif
-            uint _e131 = disc_1;
+            uint _e114 = disc_1;
 #ifdef OCTAGLOSS_CUBE
-            metal::float3 _e132 = octagloss_half_axis_of(probe_8, _e131, octagloss_lights);
+            metal::float3 _e115 = octagloss_half_axis_of(probe_7, _e114, octagloss_lights);
 #else
-            metal::float3 _e132 = octagloss_half_axis_of(probe_9, _e131, octagloss_lights);
+            metal::float3 _e115 = octagloss_half_axis_of(probe_8, _e114, octagloss_lights);
 #endif
-            float _e133 = octagloss_squared(_e132);
-            float nearer = 1.0 - (0.5 * _e133);
-            metal::float3 to = _e3 - _e132;
-            float _e143 = octagloss_squared(to - (nearer * sun.red.xyz));
-            float _e148 = octagloss_squared(to - (nearer * sun.green.xyz));
-            float _e153 = octagloss_squared(to - (nearer * sun.blue.xyz));
-            metal::float3 apart = metal::float3(_e143, _e148, _e153);
+            float _e116 = octagloss_squared(_e115);
+            float nearer = 1.0 - (0.5 * _e116);
+            metal::float3 to = _e3 - _e115;
+            float _e126 = octagloss_squared(to - (nearer * sun.red.xyz));
+            float _e131 = octagloss_squared(to - (nearer * sun.green.xyz));
+            float _e136 = octagloss_squared(to - (nearer * sun.blue.xyz));
+            metal::float3 apart = metal::float3(_e126, _e131, _e136);
             metal::float3 s = metal::min(0.25 * apart, metal::float3(0.5));
             metal::float3 radius2_ = 0.5 * metal::float3(sun.red.w, sun.green.w, sun.blue.w);
             metal::float3 nearness = (s + (a2_ * (metal::float3(1.0) - s))) - radius2_;
@@ -571,13 +521,13 @@ metal::float3 octagloss_radiance_of(
                 metal::float3 inside = (root - nearness) / ((2.0 * metal::max(radius2_, metal::float3(0.000000000000000000000000000001))) * root);
                 lobe = metal::select(inside, outside, nearness > metal::float3 {});
             }
-            metal::float3 _e217 = sum;
-            metal::float3 _e219 = lobe;
-            sum = _e217 + (sun.energy * ((_e219 * (metal::float3(1.0) - (2.0 * s))) * ((0.15915494 * f.y) * (1.0 - a_1.x))));
+            metal::float3 _e200 = sum;
+            metal::float3 _e202 = lobe;
+            sum = _e200 + (sun.energy * ((_e202 * (metal::float3(1.0) - (2.0 * s))) * ((0.15915494 * f.x) * (1.0 - a_1.x))));
         }
     }
-    metal::float3 _e239 = sum;
-    return _e239;
+    metal::float3 _e222 = sum;
+    return _e222;
 }
 
 metal::float3 octagloss_radiance(
@@ -598,9 +548,9 @@ metal::float3 octagloss_radiance(
 
 metal::float3 octagloss_irradiance_of(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_9,
+    uint probe_8,
 #else
-    uint probe_10,
+    uint probe_9,
 #endif
     metal::float3 normal,
 #ifdef OCTAGLOSS_CUBE
@@ -614,17 +564,17 @@ metal::float3 octagloss_irradiance_of(
     metal::float3 sum_1 = {};
     uint k_1 = 0u;
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e2 = octagloss_source_from_world(probe_9, normal, octagloss_lights);
+    metal::float3 _e2 = octagloss_source_from_world(probe_8, normal, octagloss_lights);
 #else
-    metal::float3 _e2 = octagloss_source_from_world(probe_10, normal, octagloss_lights);
+    metal::float3 _e2 = octagloss_source_from_world(probe_9, normal, octagloss_lights);
 #endif
     octagloss_MapPlace _e3 = octagloss_place_of(_e2);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e4 = octagloss_read_cosine(probe_9, _e3, octagloss_lights);
-    float _e8 = octagloss_lights.inner[probe_9].unscale;
+    metal::float3 _e4 = octagloss_read_cosine(probe_8, _e3, octagloss_lights);
+    float _e8 = octagloss_lights.inner[probe_8].unscale;
 #else
-    metal::float3 _e4 = octagloss_read_cosine(probe_10, _e3, octagloss_maps, octagloss_linear);
-    float _e8 = octagloss_lights.inner[probe_10].unscale;
+    metal::float3 _e4 = octagloss_read_cosine(probe_9, _e3, octagloss_maps, octagloss_linear);
+    float _e8 = octagloss_lights.inner[probe_9].unscale;
 #endif
     sum_1 = _e4 * _e8;
     bool loop_init_3 = true;
@@ -642,9 +592,9 @@ metal::float3 octagloss_irradiance_of(
         {
             uint _e19 = k_1;
 #ifdef OCTAGLOSS_CUBE
-            OctaglossSun sun_1 = octagloss_lights.inner[probe_9].suns.inner[_e19];
+            OctaglossSun sun_1 = octagloss_lights.inner[probe_8].suns.inner[_e19];
 #else
-            OctaglossSun sun_1 = octagloss_lights.inner[probe_10].suns.inner[_e19];
+            OctaglossSun sun_1 = octagloss_lights.inner[probe_9].suns.inner[_e19];
 #endif
             metal::float3 facing = metal::float3(metal::dot(_e2, sun_1.red.xyz), metal::dot(_e2, sun_1.green.xyz), metal::dot(_e2, sun_1.blue.xyz));
             metal::float3 _e32 = sum_1;
@@ -676,20 +626,20 @@ metal::float3 octagloss_irradiance(
 metal::float4 octagloss_read_reflections(
 #ifdef OCTAGLOSS_CUBE
     uint layer,
-    metal::float2 at_3,
+    metal::float2 at_2,
 #else
     uint layer_1,
-    metal::float2 at_4,
+    metal::float2 at_3,
 #endif
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
 #ifdef OCTAGLOSS_CUBE
     metal::float2 corner = metal::float2(1.0 + (static_cast<float>(layer) * 48.0), 0.0);
-    metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_3 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
+    metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_2 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
 #else
     metal::float2 corner = metal::float2(1.0 + (static_cast<float>(layer_1) * 48.0), 0.0);
-    metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_4 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
+    metal::float4 _e17 = octagloss_tables.sample(octagloss_linear, ((at_3 * octagloss_NODES) + corner) / octagloss_TABLES, metal::level(0.0));
 #endif
     return _e17;
 }
@@ -708,12 +658,12 @@ metal::float4 octagloss_reflection_node(
     float sine = metal::sqrt(metal::max(1.0 - (cosine * cosine), 0.0));
 #ifdef OCTAGLOSS_CUBE
     metal::float2 place_3 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
-    metal::float2 at_5 = ((place_3 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
-    metal::float4 _e31 = octagloss_read_reflections(layer_1, at_5, octagloss_tables, octagloss_linear);
+    metal::float2 at_4 = ((place_3 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
+    metal::float4 _e31 = octagloss_read_reflections(layer_1, at_4, octagloss_tables, octagloss_linear);
 #else
     metal::float2 place_4 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
-    metal::float2 at_6 = ((place_4 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
-    metal::float4 _e31 = octagloss_read_reflections(layer_2, at_6, octagloss_tables, octagloss_linear);
+    metal::float2 at_5 = ((place_4 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
+    metal::float4 _e31 = octagloss_read_reflections(layer_2, at_5, octagloss_tables, octagloss_linear);
 #endif
     return _e31;
 }
@@ -722,7 +672,7 @@ metal::float4 octagloss_read_albedo(
     uint texel,
     metal::texture2d<float, metal::access::sample> octagloss_tables
 ) {
-    metal::float4 _e9 = octagloss_tables.read(metal::uint2(metal::uint2(naga_mod(texel, 864u), 37u + naga_div(texel, 864u))), 0);
+    metal::float4 _e9 = octagloss_tables.read(metal::uint2(metal::uint2(naga_mod(texel, 864u), 32u + naga_div(texel, 864u))), 0);
     return _e9;
 }
 
@@ -753,9 +703,9 @@ metal::float2 octagloss_round_albedo(
 
 metal::float3 octagloss_between_levels(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_10,
+    uint probe_9,
 #else
-    uint probe_11,
+    uint probe_10,
 #endif
     metal::float3 direction_4,
     float level,
@@ -771,11 +721,11 @@ metal::float3 octagloss_between_levels(
     float share_2 = metal::fract(level);
     uint coarser = (share_2 > 0.0) ? (finer + 1u) : finer;
 #ifdef OCTAGLOSS_CUBE
+    metal::float3 _e11 = octagloss_read_map(probe_9, _e3, finer, octagloss_maps, octagloss_linear);
+    metal::float3 _e12 = octagloss_read_map(probe_9, _e3, coarser, octagloss_maps, octagloss_linear);
+#else
     metal::float3 _e11 = octagloss_read_map(probe_10, _e3, finer, octagloss_maps, octagloss_linear);
     metal::float3 _e12 = octagloss_read_map(probe_10, _e3, coarser, octagloss_maps, octagloss_linear);
-#else
-    metal::float3 _e11 = octagloss_read_map(probe_11, _e3, finer, octagloss_maps, octagloss_linear);
-    metal::float3 _e12 = octagloss_read_map(probe_11, _e3, coarser, octagloss_maps, octagloss_linear);
 #endif
     return metal::mix(_e11, _e12, share_2);
 }
@@ -811,9 +761,9 @@ metal::float2 octagloss_brdf_around(
     float left_1 = metal::min((0.5 * (light.z + radius)) / metal::max(radius, 0.000000001), 1.0);
     metal::float3 l = metal::normalize(metal::float3(light.xy, metal::max(light.z, left_1 * radius)));
     float above = (spread * left_1) * left_1;
-    metal::float3 middle_1 = view + ((1.0 - above) * l);
-    float length2_ = metal::dot(middle_1, middle_1);
-    metal::float3 h = middle_1 * metal::rsqrt(length2_);
+    metal::float3 middle = view + ((1.0 - above) * l);
+    float length2_ = metal::dot(middle, middle);
+    metal::float3 h = middle * metal::rsqrt(length2_);
     metal::float3 shape = metal::float3(alpha_1.y / alpha_1.x, alpha_1.x / alpha_1.y, alpha_1.x * alpha_1.y);
     metal::float3 bent = shape * h;
     float bend = metal::dot(h, bent);
@@ -881,9 +831,9 @@ metal::float2 octagloss_brdf_around(
 
 metal::float3 octagloss_cosine_light(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_11,
+    uint probe_10,
 #else
-    uint probe_12,
+    uint probe_11,
 #endif
     metal::float3 n,
 #ifdef OCTAGLOSS_CUBE
@@ -895,9 +845,9 @@ metal::float3 octagloss_cosine_light(
 ) {
     octagloss_MapPlace _e2 = octagloss_place_of(n);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e3 = octagloss_read_cosine(probe_11, _e2, octagloss_lights);
+    metal::float3 _e3 = octagloss_read_cosine(probe_10, _e2, octagloss_lights);
 #else
-    metal::float3 _e3 = octagloss_read_cosine(probe_12, _e2, octagloss_maps, octagloss_linear);
+    metal::float3 _e3 = octagloss_read_cosine(probe_11, _e2, octagloss_maps, octagloss_linear);
 #endif
     return _e3;
 }
@@ -911,49 +861,45 @@ metal::float2x3 octagloss_weighed(
 
 metal::float2x3 octagloss_harmonics_reflected(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_12,
+    uint probe_11,
 #else
-    uint probe_13,
+    uint probe_12,
 #endif
     octagloss_SurfaceFrame surface,
-#ifdef OCTAGLOSS_CUBE
     type_20 pairs,
-#else
-    type_21 pairs,
-#endif
     constant type_7& octagloss_lights
 ) {
     metal::float3 n_1 = surface.normal;
     metal::float3 t_1 = surface.towards;
     type_12 _e5 = octagloss_harmonic_basis(n_1);
 #ifdef OCTAGLOSS_CUBE
-    type_13 _e6 = octagloss_orders_of(probe_12, _e5, octagloss_lights);
+    type_13 _e6 = octagloss_orders_of(probe_11, _e5, octagloss_lights);
 #else
-    type_13 _e6 = octagloss_orders_of(probe_13, _e5, octagloss_lights);
+    type_13 _e6 = octagloss_orders_of(probe_12, _e5, octagloss_lights);
 #endif
     type_12 _e12 = octagloss_harmonic_basis((n_1 * 0.309017) + (t_1 * 0.95105654));
 #ifdef OCTAGLOSS_CUBE
-    type_13 _e13 = octagloss_orders_of(probe_12, _e12, octagloss_lights);
+    type_13 _e13 = octagloss_orders_of(probe_11, _e12, octagloss_lights);
 #else
-    type_13 _e13 = octagloss_orders_of(probe_13, _e12, octagloss_lights);
+    type_13 _e13 = octagloss_orders_of(probe_12, _e12, octagloss_lights);
 #endif
     type_12 _e19 = octagloss_harmonic_basis((n_1 * -0.809017) + (t_1 * 0.58778524));
 #ifdef OCTAGLOSS_CUBE
-    type_13 _e20 = octagloss_orders_of(probe_12, _e19, octagloss_lights);
+    type_13 _e20 = octagloss_orders_of(probe_11, _e19, octagloss_lights);
 #else
-    type_13 _e20 = octagloss_orders_of(probe_13, _e19, octagloss_lights);
+    type_13 _e20 = octagloss_orders_of(probe_12, _e19, octagloss_lights);
 #endif
     type_12 _e26 = octagloss_harmonic_basis((n_1 * 0.809017) + (t_1 * 0.58778524));
 #ifdef OCTAGLOSS_CUBE
-    type_13 _e27 = octagloss_orders_of(probe_12, _e26, octagloss_lights);
+    type_13 _e27 = octagloss_orders_of(probe_11, _e26, octagloss_lights);
 #else
-    type_13 _e27 = octagloss_orders_of(probe_13, _e26, octagloss_lights);
+    type_13 _e27 = octagloss_orders_of(probe_12, _e26, octagloss_lights);
 #endif
     type_12 _e33 = octagloss_harmonic_basis((n_1 * -0.309017) + (t_1 * 0.95105654));
 #ifdef OCTAGLOSS_CUBE
-    type_13 _e34 = octagloss_orders_of(probe_12, _e33, octagloss_lights);
+    type_13 _e34 = octagloss_orders_of(probe_11, _e33, octagloss_lights);
 #else
-    type_13 _e34 = octagloss_orders_of(probe_13, _e33, octagloss_lights);
+    type_13 _e34 = octagloss_orders_of(probe_12, _e33, octagloss_lights);
 #endif
     metal::float2x3 _e38 = octagloss_weighed(_e6.inner[0], pairs.inner[0].xy);
     metal::float2x3 _e42 = octagloss_weighed(_e6.inner[1], pairs.inner[0].zw);
@@ -990,9 +936,9 @@ float octagloss_map_inner(
 
 metal::float3 octagloss_suns_reflected(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_13,
+    uint probe_12,
 #else
-    uint probe_14,
+    uint probe_13,
 #endif
     octagloss_SurfaceFrame surface_1,
     metal::float2 tangent,
@@ -1030,15 +976,15 @@ metal::float3 octagloss_suns_reflected(
         {
             uint _e45 = disc_2;
 #ifdef OCTAGLOSS_CUBE
-            OctaglossSun sun_2 = octagloss_lights.inner[probe_13].suns.inner[naga_div(_e45, 2u)];
+            OctaglossSun sun_2 = octagloss_lights.inner[probe_12].suns.inner[naga_div(_e45, 2u)];
 #else
-            OctaglossSun sun_2 = octagloss_lights.inner[probe_14].suns.inner[naga_div(_e45, 2u)];
+            OctaglossSun sun_2 = octagloss_lights.inner[probe_13].suns.inner[naga_div(_e45, 2u)];
 #endif
             uint _e50 = disc_2;
 #ifdef OCTAGLOSS_CUBE
-            metal::float3 _e51 = octagloss_half_axis_of(probe_13, _e50, octagloss_lights);
+            metal::float3 _e51 = octagloss_half_axis_of(probe_12, _e50, octagloss_lights);
 #else
-            metal::float3 _e51 = octagloss_half_axis_of(probe_14, _e50, octagloss_lights);
+            metal::float3 _e51 = octagloss_half_axis_of(probe_13, _e50, octagloss_lights);
 #endif
             float _e52 = octagloss_squared(_e51);
             float nearer_1 = 1.0 - (0.5 * _e52);
@@ -1082,9 +1028,9 @@ metal::float2 octagloss_albedo_share(
 
 metal::float3 octagloss_reflected_isotropic(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_14,
+    uint probe_13,
 #else
-    uint probe_15,
+    uint probe_14,
 #endif
     octagloss_SurfaceFrame surface_2,
     float roughness_4,
@@ -1110,9 +1056,9 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
     metal::float2 rest_1 = _e13.xy;
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e15 = octagloss_cosine_light(probe_14, n_2, octagloss_lights);
+    metal::float3 _e15 = octagloss_cosine_light(probe_13, n_2, octagloss_lights);
 #else
-    metal::float3 _e15 = octagloss_cosine_light(probe_15, n_2, octagloss_maps, octagloss_linear);
+    metal::float3 _e15 = octagloss_cosine_light(probe_14, n_2, octagloss_maps, octagloss_linear);
 #endif
     metal::float2x3 _e16 = octagloss_weighed(_e15, rest_1);
     sum_3 = _e16;
@@ -1136,9 +1082,9 @@ metal::float3 octagloss_reflected_isotropic(
             metal::float3 direction_5 = (half_vector * (2.0 * metal::dot(v_1, half_vector))) - v_1;
             metal::float2x3 _e37 = sum_3;
 #ifdef OCTAGLOSS_CUBE
-            metal::float3 _e39 = octagloss_between_levels(probe_14, direction_5, _e27.y, octagloss_maps, octagloss_linear);
+            metal::float3 _e39 = octagloss_between_levels(probe_13, direction_5, _e27.y, octagloss_maps, octagloss_linear);
 #else
-            metal::float3 _e39 = octagloss_between_levels(probe_15, direction_5, _e27.y, octagloss_maps, octagloss_linear);
+            metal::float3 _e39 = octagloss_between_levels(probe_14, direction_5, _e27.y, octagloss_maps, octagloss_linear);
 #endif
             metal::float2x3 _e41 = octagloss_weighed(_e39, _e27.zw);
             sum_3 = _e37 + _e41;
@@ -1156,16 +1102,12 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float4 _e71 = octagloss_reflection_node(15u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
     metal::float4 _e73 = octagloss_reflection_node(16u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
     metal::float4 _e75 = octagloss_reflection_node(17u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
-#ifdef OCTAGLOSS_CUBE
     type_20 pairs_1 = type_20 {{_e61, _e63, _e65, _e67, _e69, _e71, _e73, _e75}};
-#else
-    type_21 pairs_1 = type_21 {{_e61, _e63, _e65, _e67, _e69, _e71, _e73, _e75}};
-#endif
     metal::float2x3 _e77 = sum_3;
 #ifdef OCTAGLOSS_CUBE
-    metal::float2x3 _e78 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1, octagloss_lights);
+    metal::float2x3 _e78 = octagloss_harmonics_reflected(probe_13, surface_2, pairs_1, octagloss_lights);
 #else
-    metal::float2x3 _e78 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1, octagloss_lights);
+    metal::float2x3 _e78 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1, octagloss_lights);
 #endif
     sum_3 = _e77 + _e78;
     metal::float2 _e80 = white;
@@ -1176,9 +1118,9 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float3 _e90 = sum_3[0];
     metal::float3 _e95 = sum_3[1];
 #ifdef OCTAGLOSS_CUBE
-    float _e103 = octagloss_lights.inner[probe_14].unscale;
+    float _e103 = octagloss_lights.inner[probe_13].unscale;
 #else
-    float _e103 = octagloss_lights.inner[probe_15].unscale;
+    float _e103 = octagloss_lights.inner[probe_14].unscale;
 #endif
     metal::float3 lit_1 = metal::max(((f0_1 * _e86.x) * _e90) + ((f90_1 * _e86.y) * _e95), metal::float3 {}) * _e103;
     float _e105 = in_mirror;
@@ -1187,18 +1129,18 @@ metal::float3 octagloss_reflected_isotropic(
     float share_4 = metal::max(1.0 - (_e105 / (_e107 + _e109)), 0.0);
     metal::float2 alpha_11 = metal::float2(roughness_4 * roughness_4);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e121 = octagloss_suns_reflected(probe_14, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
+    metal::float3 _e121 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
 #else
-    metal::float3 _e121 = octagloss_suns_reflected(probe_15, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
+    metal::float3 _e121 = octagloss_suns_reflected(probe_14, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
 #endif
     return lit_1 + (share_4 * _e121);
 }
 
 octagloss_SurfaceFrame octagloss_surface_of(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_15,
+    uint probe_14,
 #else
-    uint probe_16,
+    uint probe_15,
 #endif
     metal::float3 normal_2,
     metal::float3 view_1,
@@ -1206,11 +1148,11 @@ octagloss_SurfaceFrame octagloss_surface_of(
 ) {
     metal::float3 level_view = {};
 #ifdef OCTAGLOSS_CUBE
+    metal::float3 _e3 = octagloss_source_from_world(probe_14, normal_2, octagloss_lights);
+    metal::float3 _e4 = octagloss_source_from_world(probe_14, view_1, octagloss_lights);
+#else
     metal::float3 _e3 = octagloss_source_from_world(probe_15, normal_2, octagloss_lights);
     metal::float3 _e4 = octagloss_source_from_world(probe_15, view_1, octagloss_lights);
-#else
-    metal::float3 _e3 = octagloss_source_from_world(probe_16, normal_2, octagloss_lights);
-    metal::float3 _e4 = octagloss_source_from_world(probe_16, view_1, octagloss_lights);
 #endif
     float cosine_13 = metal::clamp(metal::dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = _e4 - (_e3 * metal::dot(_e3, _e4));
@@ -1293,17 +1235,17 @@ octagloss_RowPlace octagloss_row_place(
 
 metal::float4 octagloss_read_rows(
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 at_4,
+    metal::float3 at_3,
 #else
-    metal::float3 at_5,
+    metal::float3 at_4,
 #endif
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
 #ifdef OCTAGLOSS_CUBE
-    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_4, metal::level(0.0));
+    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_3, metal::level(0.0));
 #else
-    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_5, metal::level(0.0));
+    metal::float4 _e4 = octagloss_rows.sample(octagloss_linear, at_4, metal::level(0.0));
 #endif
     return _e4;
 }
@@ -1319,13 +1261,13 @@ metal::float4 octagloss_row_node(
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 at_6 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
+    metal::float3 at_5 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
+    metal::float4 _e11 = octagloss_read_rows(at_5, octagloss_linear, octagloss_rows);
+    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_5.x, at_5.y + 0.125, at_5.z), octagloss_linear, octagloss_rows);
+#else
+    metal::float3 at_6 = metal::float3(place.at[0] + (static_cast<float>(layer_3) / 21.0), metal::float3(place.at).yz);
     metal::float4 _e11 = octagloss_read_rows(at_6, octagloss_linear, octagloss_rows);
     metal::float4 _e18 = octagloss_read_rows(metal::float3(at_6.x, at_6.y + 0.125, at_6.z), octagloss_linear, octagloss_rows);
-#else
-    metal::float3 at_7 = metal::float3(place.at[0] + (static_cast<float>(layer_3) / 21.0), metal::float3(place.at).yz);
-    metal::float4 _e11 = octagloss_read_rows(at_7, octagloss_linear, octagloss_rows);
-    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_7.x, at_7.y + 0.125, at_7.z), octagloss_linear, octagloss_rows);
 #endif
     return metal::mix(_e11, _e18, place.share);
 }
@@ -1384,11 +1326,7 @@ metal::float2 octagloss_row_albedo(
 }
 
 float octagloss_row_number(
-#ifdef OCTAGLOSS_CUBE
     type_22 terms,
-#else
-    type_23 terms,
-#endif
     metal::float4 a,
     metal::float4 b_1,
     metal::float4 c_1
@@ -1421,21 +1359,33 @@ octagloss_Row octagloss_row_of(
     float tilt = _e75 * metal::smoothstep(0.0, octagloss_TILTED, metal::sqrt(1.0 - (cosine_7 * cosine_7)));
     float _e85 = axis.x;
     float e_1 = _e85 * tilt;
-#ifdef OCTAGLOSS_CUBE
     type_22 terms_1 = type_22 {{metal::float4(1.0, x_3, x_3 * x_3, y_2), metal::float4(x_3 * y_2, y_2 * y_2, e_1, e_1 * x_3), metal::float4((x_3 * x_3) * x_3, (y_2 * y_2) * y_2, (x_3 * x_3) * y_2, (x_3 * y_2) * y_2)}};
-#else
-    type_23 terms_1 = type_23 {{metal::float4(1.0, x_3, x_3 * x_3, y_2), metal::float4(x_3 * y_2, y_2 * y_2, e_1, e_1 * x_3), metal::float4((x_3 * x_3) * x_3, (y_2 * y_2) * y_2, (x_3 * x_3) * y_2, (x_3 * y_2) * y_2)}};
-#endif
-    float _e119 = octagloss_row_number(terms_1, metal::float4(-0.252, -0.165, 0.077, -0.167), metal::float4(-0.046, -0.028, -0.39, -0.463), metal::float4(0.007, 0.174, 0.056, -0.059));
-    float _e135 = octagloss_row_number(terms_1, metal::float4(-0.565, -0.078, 0.414, 0.009), metal::float4(0.349, -0.022, -0.094, 0.147), metal::float4(0.096, 0.148, 0.236, 0.258));
-    float _e151 = octagloss_row_number(terms_1, metal::float4(-0.393, -0.205, 0.001, -0.283), metal::float4(0.234, -0.027, -0.572, -0.277), metal::float4(0.051, 0.164, 0.17, 0.2));
-    float _e167 = octagloss_row_number(terms_1, metal::float4(0.413, 1.07, -0.1, -0.226), metal::float4(-0.344, -0.215, -0.033, -0.01), metal::float4(-0.044, 0.004, -0.121, -0.125));
-    float _e183 = octagloss_row_number(terms_1, metal::float4(-0.373, 0.485, 0.057, 0.062), metal::float4(-0.546, 0.172, 0.007, -0.936), metal::float4(0.024, -0.418, -0.221, -0.237));
-    float _e199 = octagloss_row_number(terms_1, metal::float4(0.477, 0.313, -0.017, -0.151), metal::float4(-0.234, -0.072, -0.068, -0.167), metal::float4(0.007, -0.011, -0.017, -0.022));
+    float _e119 = octagloss_row_number(terms_1, metal::float4(-0.55, -0.357, -0.024, -0.112), metal::float4(-0.155, -0.099, 0.179, -0.206), metal::float4(-0.04, 0.145, -0.024, -0.063));
+    float _e135 = octagloss_row_number(terms_1, metal::float4(-0.554, -0.031, 0.533, -0.071), metal::float4(0.392, 0.14, -0.295, 0.008), metal::float4(0.133, 0.121, 0.231, 0.259));
+    float _e151 = octagloss_row_number(terms_1, metal::float4(-0.215, 0.021, 0.069, -0.271), metal::float4(0.356, 0.057, -0.463, -0.223), metal::float4(0.047, 0.086, 0.153, 0.094));
+    float _e167 = octagloss_row_number(terms_1, metal::float4(0.55, 1.256, -0.003, -0.371), metal::float4(-0.377, -0.126, -0.001, 0.019), metal::float4(-0.02, 0.034, -0.066, -0.01));
+    float _e183 = octagloss_row_number(terms_1, metal::float4(-0.516, 0.484, 0.15, 0.012), metal::float4(-0.583, 0.111, -0.02, -0.968), metal::float4(0.055, -0.352, -0.216, -0.214));
+    float _e199 = octagloss_row_number(terms_1, metal::float4(0.5, 0.259, -0.071, -0.267), metal::float4(-0.373, -0.066, -0.039, -0.122), metal::float4(-0.014, -0.027, -0.072, -0.048));
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;
     return octagloss_Row {metal::float2(_e201, _e203 / cosine_7) * metal::sqrt(2.0 * root_1), extent, _e119 * tilt, metal::exp(metal::float4(_e135, _e151, _e167, _e183)), metal::exp(_e199), metal::smoothstep(0.0, octagloss_SKEWED, _e216)};
+}
+
+float octagloss_last_map(
+#ifdef OCTAGLOSS_CUBE
+    metal::texturecube<float, metal::access::sample> octagloss_maps
+#else
+    metal::texture2d_array<float, metal::access::sample> octagloss_maps
+#endif
+) {
+#ifdef OCTAGLOSS_CUBE
+    float _e0 = octagloss_map_inner(octagloss_maps);
+    return metal::log2(_e0) - 3.0;
+#else
+    uint _e0 = octagloss_map_octave(octagloss_maps);
+    return 1.0 + metal::floor((static_cast<float>(_e0) - 3.237039) / octagloss_LEVEL_OCTAVES);
+#endif
 }
 
 metal::float2 octagloss_row_read(
@@ -1457,18 +1407,20 @@ metal::float2 octagloss_row_read(
     float wider = (naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation);
     float growth = row_1.steps.w * slope_1;
     float width = ((wider * row_1.steps.z) * metal::sqrt(1.0 + (growth * growth))) * row_1.extent;
-    float _e44 = octagloss_map_inner(octagloss_maps);
-    float last_1 = metal::log2(_e44) - 3.0;
-    float sharp_1 = last_1 + metal::log2(metal::max(width, 0.000000001) / 0.35);
-    float below = metal::max(metal::log2((metal::max(width, 0.000000001) * _e44) / 1.8) * 0.610706, 0.0);
-    return metal::float2(slope_1, (sharp_1 >= 1.0) ? metal::min(sharp_1, last_1) : below);
+    float _e44 = octagloss_last_map(octagloss_maps);
+    float _e45 = octagloss_map_inner(octagloss_maps);
+    float widest = metal::log2(_e45 * 0.19444445);
+    float octaves = widest + metal::log2(metal::max(width, 0.000000001) / 0.35);
+    float gaussian = _e44 + ((octaves - widest) / octagloss_LEVEL_OCTAVES);
+    float below = metal::max(octaves / (widest - ((_e44 - 1.0) * octagloss_LEVEL_OCTAVES)), 0.0);
+    return metal::float2(slope_1, (gaussian >= 1.0) ? metal::min(gaussian, _e44) : below);
 }
 
 type_13 octagloss_orders_aside(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_16,
+    uint probe_15,
 #else
-    uint probe_17,
+    uint probe_16,
 #endif
     octagloss_SurfaceFrame surface_3,
     metal::float3 across,
@@ -1480,18 +1432,18 @@ type_13 octagloss_orders_aside(
     type_12 _e18 = octagloss_harmonic_basis(level_2 - (across * d_2.y));
     type_12 difference_1 = type_12 {{_e14.inner[0] - _e18.inner[0], _e14.inner[1] - _e18.inner[1], _e14.inner[2] - _e18.inner[2], _e14.inner[3] - _e18.inner[3], _e14.inner[4] - _e18.inner[4], _e14.inner[5] - _e18.inner[5], _e14.inner[6] - _e18.inner[6], _e14.inner[7] - _e18.inner[7], _e14.inner[8] - _e18.inner[8], _e14.inner[9] - _e18.inner[9], _e14.inner[10] - _e18.inner[10], _e14.inner[11] - _e18.inner[11], _e14.inner[12] - _e18.inner[12], _e14.inner[13] - _e18.inner[13], _e14.inner[14] - _e18.inner[14], _e14.inner[15] - _e18.inner[15], _e14.inner[16] - _e18.inner[16], _e14.inner[17] - _e18.inner[17], _e14.inner[18] - _e18.inner[18], _e14.inner[19] - _e18.inner[19], _e14.inner[20] - _e18.inner[20], _e14.inner[21] - _e18.inner[21], _e14.inner[22] - _e18.inner[22], _e14.inner[23] - _e18.inner[23], _e14.inner[24] - _e18.inner[24]}};
 #ifdef OCTAGLOSS_CUBE
-    type_13 _e95 = octagloss_orders_of(probe_16, difference_1, octagloss_lights);
+    type_13 _e95 = octagloss_orders_of(probe_15, difference_1, octagloss_lights);
 #else
-    type_13 _e95 = octagloss_orders_of(probe_17, difference_1, octagloss_lights);
+    type_13 _e95 = octagloss_orders_of(probe_16, difference_1, octagloss_lights);
 #endif
     return _e95;
 }
 
 metal::float2x3 octagloss_harmonics_aside(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_17,
+    uint probe_16,
 #else
-    uint probe_18,
+    uint probe_17,
 #endif
     octagloss_SurfaceFrame surface_4,
     metal::float3 across_1,
@@ -1502,15 +1454,15 @@ metal::float2x3 octagloss_harmonics_aside(
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
 #ifdef OCTAGLOSS_CUBE
+    type_13 _e9 = octagloss_orders_aside(probe_16, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
+    type_13 _e14 = octagloss_orders_aside(probe_16, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
+    type_13 _e19 = octagloss_orders_aside(probe_16, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
+    type_13 _e24 = octagloss_orders_aside(probe_16, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
+#else
     type_13 _e9 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
     type_13 _e14 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
     type_13 _e19 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
     type_13 _e24 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
-#else
-    type_13 _e9 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
-    type_13 _e14 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
-    type_13 _e19 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
-    type_13 _e24 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
 #endif
     metal::float4 _e26 = octagloss_row_node(16u, place_2, octagloss_linear, octagloss_rows);
     metal::float4 _e28 = octagloss_row_node(17u, place_2, octagloss_linear, octagloss_rows);
@@ -1532,9 +1484,9 @@ metal::float2x3 octagloss_harmonics_aside(
 
 metal::float3 octagloss_reflect_in_row(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_18,
+    uint probe_17,
 #else
-    uint probe_19,
+    uint probe_18,
 #endif
     octagloss_SurfaceFrame surface_5,
     metal::float2 tangent_5,
@@ -1585,9 +1537,9 @@ metal::float3 octagloss_reflect_in_row(
             if (_e44 == 0u) {
                 metal::float2x3 _e47 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-                metal::float3 _e48 = octagloss_cosine_light(probe_18, n_3, octagloss_lights);
+                metal::float3 _e48 = octagloss_cosine_light(probe_17, n_3, octagloss_lights);
 #else
-                metal::float3 _e48 = octagloss_cosine_light(probe_19, n_3, octagloss_maps, octagloss_linear);
+                metal::float3 _e48 = octagloss_cosine_light(probe_18, n_3, octagloss_maps, octagloss_linear);
 #endif
                 metal::float2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
                 sum_4 = _e47 + _e50;
@@ -1626,9 +1578,9 @@ metal::float3 octagloss_reflect_in_row(
                     metal::float3 direction_6 = (half_vector_1 * (2.0 * metal::dot(v_2, half_vector_1))) - v_2;
                     metal::float2x3 _e106 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-                    metal::float3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y, octagloss_maps, octagloss_linear);
+                    metal::float3 _e108 = octagloss_between_levels(probe_17, direction_6, _e96.y, octagloss_maps, octagloss_linear);
 #else
-                    metal::float3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y, octagloss_maps, octagloss_linear);
+                    metal::float3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y, octagloss_maps, octagloss_linear);
 #endif
                     metal::float2x3 _e109 = octagloss_weighed(_e108, weights_3);
                     sum_4 = _e106 + _e109;
@@ -1648,16 +1600,12 @@ metal::float3 octagloss_reflect_in_row(
     metal::float4 _e138 = octagloss_row_node(13u, _e16, octagloss_linear, octagloss_rows);
     metal::float4 _e140 = octagloss_row_node(14u, _e16, octagloss_linear, octagloss_rows);
     metal::float4 _e142 = octagloss_row_node(15u, _e16, octagloss_linear, octagloss_rows);
-#ifdef OCTAGLOSS_CUBE
     type_20 pairs_2 = type_20 {{_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142}};
-#else
-    type_21 pairs_2 = type_21 {{_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142}};
-#endif
     metal::float2x3 _e144 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2, octagloss_lights);
+    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_17, surface_5, pairs_2, octagloss_lights);
 #else
-    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2, octagloss_lights);
+    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2, octagloss_lights);
 #endif
     sum_4 = _e144 + _e145;
     metal::float2 _e147 = white_1;
@@ -1665,9 +1613,9 @@ metal::float3 octagloss_reflect_in_row(
     metal::float3 mirrored = across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
     metal::float2x3 _e160 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
+    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_17, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
 #else
-    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
+    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
 #endif
     sum_4 = _e160 + _e163;
     metal::float4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5, octagloss_linear, octagloss_rows);
@@ -1678,26 +1626,26 @@ metal::float3 octagloss_reflect_in_row(
     metal::float3 _e178 = sum_4[0];
     metal::float3 _e183 = sum_4[1];
 #ifdef OCTAGLOSS_CUBE
-    float _e191 = octagloss_lights.inner[probe_18].unscale;
+    float _e191 = octagloss_lights.inner[probe_17].unscale;
 #else
-    float _e191 = octagloss_lights.inner[probe_19].unscale;
+    float _e191 = octagloss_lights.inner[probe_18].unscale;
 #endif
     metal::float3 lit_2 = metal::max(((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183), metal::float3 {}) * _e191;
     metal::float2 _e193 = in_mirror_1;
     float share_5 = metal::max(1.0 - (metal::dot(shares, _e193) / (_e172.x + _e172.y)), 0.0);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e203 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
+    metal::float3 _e203 = octagloss_suns_reflected(probe_17, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
 #else
-    metal::float3 _e203 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
+    metal::float3 _e203 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
 #endif
     return lit_2 + (share_5 * _e203);
 }
 
 metal::float3 octagloss_reflect_of(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_19,
+    uint probe_18,
 #else
-    uint probe_20,
+    uint probe_19,
 #endif
     metal::float3 normal_4,
     metal::float3 view_3,
@@ -1717,36 +1665,23 @@ metal::float3 octagloss_reflect_of(
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
     metal::float2 level_1 = metal::float2 {};
-#ifdef OCTAGLOSS_CUBE
     bool local = {};
-    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_19, normal_4, view_3, octagloss_lights);
+#ifdef OCTAGLOSS_CUBE
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_18, normal_4, view_3, octagloss_lights);
 #else
-    bool local_1 = {};
-    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_20, normal_4, view_3, octagloss_lights);
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_19, normal_4, view_3, octagloss_lights);
 #endif
     if (anisotropy_1 > 0.0) {
-#ifdef OCTAGLOSS_CUBE
         local = metal::dot(tangent_6, tangent_6) > 0.0;
-#else
-        local_1 = metal::dot(tangent_6, tangent_6) > 0.0;
-#endif
     } else {
-#ifdef OCTAGLOSS_CUBE
         local = false;
-#else
-        local_1 = false;
-#endif
     }
-#ifdef OCTAGLOSS_CUBE
     bool _e19 = local;
-#else
-    bool _e19 = local_1;
-#endif
     if (_e19) {
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e20 = octagloss_source_from_world(probe_19, tangent_6, octagloss_lights);
+        metal::float3 _e20 = octagloss_source_from_world(probe_18, tangent_6, octagloss_lights);
 #else
-        metal::float3 _e20 = octagloss_source_from_world(probe_20, tangent_6, octagloss_lights);
+        metal::float3 _e20 = octagloss_source_from_world(probe_19, tangent_6, octagloss_lights);
 #endif
         metal::float3 across_5 = metal::cross(_e8.normal, _e8.towards);
         level_1 = metal::float2(metal::dot(_e20, _e8.towards), metal::dot(_e20, across_5));
@@ -1755,9 +1690,9 @@ metal::float3 octagloss_reflect_of(
     metal::float2 _e29 = level_1;
     if (metal::dot(_e28, _e29) < 0.0000000001) {
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+        metal::float3 _e33 = octagloss_reflected_isotropic(probe_18, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #else
-        metal::float3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+        metal::float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #endif
         return _e33;
     }
@@ -1765,9 +1700,9 @@ metal::float3 octagloss_reflect_of(
     float _e37 = octagloss_row_share(_e36);
     metal::float2 _e38 = level_1;
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 _e40 = octagloss_reflect_in_row(probe_18, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
 #else
-    metal::float3 _e40 = octagloss_reflect_in_row(probe_20, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
 #endif
     metal::float3 sum_5 = _e37 * _e40;
     if (_e37 == 1.0) {
@@ -1775,9 +1710,9 @@ metal::float3 octagloss_reflect_of(
     }
     float round = metal::sqrt(metal::sqrt(_e36.x * _e36.y));
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    metal::float3 _e51 = octagloss_reflected_isotropic(probe_18, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #else
-    metal::float3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    metal::float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #endif
     return sum_5 + ((1.0 - _e37) * _e51);
 }

@@ -21,15 +21,16 @@ pub(super) struct ReaderArgs {
     /// Map of the pyramid: octahedral or cube
     ///
     /// That of `bake --map`. [default: octahedral]
-    #[arg(long, value_name = "MAP", hide_possible_values = true, requires = "language")]
+    #[arg(long, value_name = "MAP", hide_possible_values = true)]
     map: Option<PyramidMap>,
     /// wgsl, glsl, hlsl or msl
     #[arg(long, value_name = "LANGUAGE", hide_possible_values = true, required_unless_present = "rows")]
     language: Option<Language>,
     /// Write the table of anisotropic reflections to FILE.ktx2
     ///
-    /// A texture of three dimensions, RGBA16F, 1.7 MB, the same for all pyramids of one size. Shaders that
-    /// call octagloss_reflect with anisotropy, or octagloss_albedo_along, bind it as octagloss_rows.
+    /// A texture of three dimensions, RGBA16F, 1.7 MB, the same for all pyramids of one size and map.
+    /// Shaders that call octagloss_reflect with anisotropy, or octagloss_albedo_along, bind it as
+    /// octagloss_rows.
     #[arg(long, value_name = "FILE", conflicts_with = "language")]
     rows: Option<PathBuf>,
     /// Size of the pyramids that --rows is for [default: 512]
@@ -76,7 +77,7 @@ pub(super) fn run(args: &ReaderArgs) -> Outcome {
         return usage(format!("--size: {error}"));
     }
     let existing = check_output(path, args.force)?;
-    let bytes = anisotropic_table(size)?;
+    let bytes = anisotropic_table(size, args.map.unwrap_or(PyramidMap::Octahedral))?;
     write_output(path, existing, &bytes)?;
     let (path, count) = (path.display(), bytes.len());
     Console::new(args.quiet).note(&format!("{path}: {count} bytes for pyramids of {size}"));

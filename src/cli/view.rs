@@ -8,7 +8,7 @@ use crate::{Environment, Layout, ReflectorSettings};
 use octagloss_core::files::io::LoadedChain;
 use octagloss_core::files::io::ldr::png_bytes;
 use octagloss_core::light::synth::synth;
-use octagloss_core::pyramid::Octaves;
+use octagloss_core::pyramid;
 use octagloss_gpu::block_on;
 use octagloss_view::{
     Levels, Mesh, Renderer, Screenshot, Start, Technique, Truth, run as run_window, screenshot,
@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub(super) fn run(args: ViewArgs) -> Outcome {
     let mut look = args.look.look();
     or_usage(look.check())?;
-    or_usage(args.oem_size.map(Octaves::over).transpose())?;
+    or_usage(args.oem_size.map(pyramid::Levels::over).transpose())?;
     if args.scene.scene.is_some() {
         return view_scene::run(args);
     }

@@ -29,7 +29,7 @@ use octagloss_core::light::sat::Scan;
 use octagloss_core::lobe::Lobe;
 use octagloss_core::lobe::filter::{Answer, Filter};
 use octagloss_core::lobe::kernel::Kernel;
-use octagloss_core::pyramid::Octaves;
+use octagloss_core::pyramid::Levels;
 use std::sync::OnceLock;
 
 /// Least alpha that float32 directions resolve. The CPU evaluates sharper lobes and mirrors over the OEM read
@@ -101,7 +101,7 @@ impl Engine {
                 CellTree::check_members_fit(&self.context, environment.layout(), width)
             }
             Filter::Box => SatPlanes::check_fits(&self.context, size),
-            Filter::Pyramid => PyramidMaps::check_fits(&self.context, Octaves::over(size.inner)?, 1),
+            Filter::Pyramid => PyramidMaps::check_fits(&self.context, Levels::over(size.inner)?, 1),
             Filter::Reference => Err(unsupported("the reference filter")),
         }
     }

@@ -18,7 +18,7 @@ use glam::{DMat3, DVec3};
 use octagloss_core::common::error::{Error, Result, wrong};
 use octagloss_core::light::environment::{Environment, Layout};
 use octagloss_core::light::oem::OemSize;
-use octagloss_core::pyramid::Octaves;
+use octagloss_core::pyramid::Levels;
 use octagloss_shaders::names::named;
 
 /// Glossy reflections of any roughness out of a texture that changes, for the caller's own shaders.
@@ -333,15 +333,15 @@ pub fn layout(context: &Context) -> wgpu::BindGroupLayout {
 /// allocated.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a size of 0 or above [`Octaves::LARGEST`], [`Error::Limit`] where the device is
+/// [`Error::Parameter`] for a size of 0 or above [`Levels::LARGEST`], [`Error::Limit`] where the device is
 /// too small; it names the parameter `size` or `count` that fits.
 fn checked_inner(context: &Context, size: u32, count: u32) -> Result<u32> {
-    let most = Octaves::LARGEST;
+    let most = Levels::LARGEST;
     if !(1..=most).contains(&size) {
         return wrong(format!("`size` is {size}; choose 1 to {most} texels along an edge"));
     }
-    let inner = Octaves::size_for(size);
-    match PyramidMaps::check_fits(context, Octaves::over(inner)?, count) {
+    let inner = Levels::size_for(size);
+    match PyramidMaps::check_fits(context, Levels::over(inner)?, count) {
         Err(Error::Limit { what, needed, available, remedy }) => {
             let remedy = remedy.replace("`oem_size`", "`size`");
             Err(Error::Limit { what, needed, available, remedy })

@@ -15,7 +15,7 @@ mod descent;
 use descent::Descent;
 use glam::DVec2;
 use octagloss_core::common::parallel;
-use octagloss_core::pyramid::Octaves;
+use octagloss_core::pyramid::Levels;
 use octagloss_core::pyramid::anisotropic::{Fit, LAW, Law, NODES, NUMBERS, TERMS, fit_of_node};
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;
@@ -51,7 +51,7 @@ const UNITS: f64 = 1000.0;
 
 /// A lobe of [`LOBES`]. They are spread as evenly as four axes allow, by multiples of powers of a root of
 /// x^5 = x + 1 (Roberts 2018): over roughness in log(1 + 5 r) and over n.v in its root, as nodes are.
-fn fit(octaves: Octaves, lobe: u32) -> Fit {
+fn fit(levels: Levels, lobe: u32) -> Fit {
     let root = 1.167_303_978_261_418_7_f64;
     let [a, b, c, d] = [1, 2, 3, 4].map(|power| (0.5 + f64::from(lobe) * root.powi(-power)).fract());
     let between = |[from, to]: [f64; 2], share: f64| from + (to - from) * share;
@@ -60,14 +60,14 @@ fn fit(octaves: Octaves, lobe: u32) -> Fit {
     let anisotropy = between(ANISOTROPY, d);
     let alpha = roughness * roughness;
     let along = alpha + (1.0 - alpha) * anisotropy * anisotropy;
-    Fit::new(octaves, DVec2::new(along, alpha), cosine, FRAC_PI_2 * c)
+    Fit::new(levels, DVec2::new(along, alpha), cosine, FRAC_PI_2 * c)
 }
 
 fn main() {
     let steps = descent::steps(110);
-    let octaves = Octaves::over(512).expect("a size");
-    let lobes = parallel::map(0..LOBES, |lobe| fit(octaves, lobe));
-    println!("the law so far: {}", errors(octaves, &lobes, &LAW));
+    let levels = Levels::over(512).expect("a size");
+    let lobes = parallel::map(0..LOBES, |lobe| fit(levels, lobe));
+    println!("the law so far: {}", errors(levels, &lobes, &LAW));
     let basis = basis(&lobes);
     // The numbers of the basis.
     let mut numbers = START.map(|own| in_basis(&basis, own));
@@ -92,7 +92,7 @@ fn main() {
     }
     let rounded = |number: f64| (number * UNITS).round() / UNITS + 0.0;
     let law = numbers.map(|own| in_terms(&basis, own).map(rounded));
-    println!("now: {}", errors(octaves, &lobes, &law));
+    println!("now: {}", errors(levels, &lobes, &law));
     std::fs::write("crates/core/src/pyramid/anisotropic/law.rs", text(&law)).expect("a file");
     let shader = "shaders/common/anisotropic.wgsl";
     let before = std::fs::read_to_string(shader).expect("the shader");
@@ -140,10 +140,10 @@ fn in_basis(basis: &[[f64; TERMS]; TERMS], mut left: [f64; TERMS]) -> [f64; TERM
 }
 
 /// What fits by `law` leave: the mean logarithm at `lobes`; and the root at all nodes of the table.
-fn errors(octaves: Octaves, lobes: &[Fit], law: &Law) -> String {
+fn errors(levels: Levels, lobes: &[Fit], law: &Law) -> String {
     let own = parallel::map(lobes, |fit| fit.slopes(law).0.ln());
     let mut nodes =
-        parallel::values(NODES.iter().product(), |index| fit_of_node(octaves, index).slopes(law).0.sqrt());
+        parallel::values(NODES.iter().product(), |index| fit_of_node(levels, index).slopes(law).0.sqrt());
     nodes.sort_by(f64::total_cmp);
     let [median, most, worst] =
         [0.5, 0.9, 1.0].map(|share| nodes[((nodes.len() - 1) as f64 * share) as usize]);

@@ -12,7 +12,7 @@
 mod descent;
 
 use descent::Descent;
-use octagloss_core::pyramid::Octaves;
+use octagloss_core::pyramid::Levels;
 use octagloss_core::pyramid::places::{CONTROLS, NUMBERS, READS, UNITS, from_controls, places, shares};
 use octagloss_core::pyramid::reads::Fit;
 use rayon::prelude::*;
@@ -73,7 +73,7 @@ type Controls = Vec<[f64; NUMBERS]>;
 
 fn main() {
     let steps = descent::steps(1500);
-    let octaves = Octaves::over(512).expect("a size");
+    let levels = Levels::over(512).expect("a size");
     let fits: Vec<(Fit, f64, f64)> = (0..VIEWS[0] * VIEWS[1])
         .into_par_iter()
         .map(|k| {
@@ -82,7 +82,7 @@ fn main() {
             let least = 1.6_f64.ln() / 11_f64.ln();
             let roughness = roughness_of(least + (1.0 - least) * x);
             let cosine = 0.05_f64.powf(0.98 * (1.0 - y)).min(0.995);
-            (Fit::new(octaves, roughness, cosine), roughness, cosine)
+            (Fit::new(levels, roughness, cosine), roughness, cosine)
         })
         .collect();
     let errors =

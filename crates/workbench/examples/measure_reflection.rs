@@ -14,7 +14,7 @@ use octagloss_core::analysis::oracle::reflection::reflection;
 use octagloss_core::common::frame::Frame;
 use octagloss_core::light::environment::Environment;
 use octagloss_core::pyramid::reads;
-use octagloss_core::pyramid::{Octaves, Pyramid};
+use octagloss_core::pyramid::{Levels, Pyramid};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -72,8 +72,8 @@ fn frame(random: &mut Random, reflected: DVec3, nv: f64) -> Frame {
 fn main() {
     let frames: usize = std::env::var("FRAMES").ok().and_then(|count| count.parse().ok()).unwrap_or(40);
     let started = std::time::Instant::now();
-    let octaves = Octaves::over(SIZE).expect("a size");
-    let nodes = reads::table(octaves).len();
+    let levels = Levels::over(SIZE).expect("a size");
+    let nodes = reads::table(levels).len();
     println!("table of {nodes} nodes: {:.3} s", started.elapsed().as_secs_f64());
     let only = std::env::var("ANISOTROPIC").is_ok();
     let cells: Vec<_> = CELLS.into_iter().filter(|cell| cell.1 > 0.0 || !only).collect();

@@ -11,7 +11,7 @@ use octagloss_core::files::target::{PyramidMap, Target};
 use octagloss_core::light::environment::{Environment, Layout};
 use octagloss_core::light::oem::{Oem, OemSize};
 use octagloss_core::lobe::Lobe;
-use octagloss_core::pyramid::{Octaves, Pyramid};
+use octagloss_core::pyramid::{Levels, Pyramid};
 use octagloss_fixtures::common::{Look, Random, environment, landmarks, oem, texels};
 use octagloss_shaders::reader;
 
@@ -37,9 +37,8 @@ fn reads_of_levels_are_gaussians_also_at_edges_and_corners() {
     let (_, oem) = map_of(128, 3, Look::Noise);
     let pyramid = Pyramid::of_oem(&oem).expect("a size");
     let rest = rest_of(&oem, pyramid.suns().clamp);
-    let (cubes, octaves) = (pyramid.on_cubes(), Octaves::over(128).expect("a size"));
-    let widths =
-        std::iter::once(octaves.width(0) / 2.0).chain((0..octaves.count()).map(|k| octaves.width(k)));
+    let (cubes, levels) = (pyramid.on_cubes(), Levels::over(128).expect("a size").on_cubes());
+    let widths = (1..levels.count()).map(|map| levels.width(map));
     let scale = f64::from(pyramid.exponent()).exp2();
     let mut random = Random::new(4);
     let everywhere: Vec<DVec3> = (0..200).map(|_| random.direction()).collect();
@@ -163,7 +162,7 @@ fn files_have_one_cube_that_comes_back() {
         let plan = recipe(pixel).targeted(target).expect("a plan");
         let made = files(&plan.plan, "sky", &baked, &[], reader).expect("files");
         let names: Vec<&str> = made.iter().map(|file| file.path.as_str()).collect();
-        assert_eq!(names[..3], ["sky_pyramid.ktx2", "sky_pyramid.json", "pyramid_tables.ktx2"]);
+        assert_eq!(names[..3], ["sky_pyramid.ktx2", "sky_pyramid.json", "pyramid_cube_tables.ktx2"]);
         assert!(names[3..].iter().all(|name| name.starts_with("pyramid_cube.")), "{names:?}");
         let header = ktx2::Reader::new(&made[0].bytes).expect("a KTX2 file").header();
         assert_eq!(header.format, Some(format));

@@ -9,7 +9,7 @@ use octagloss_core::pyramid::albedo::albedo_at;
 use octagloss_core::pyramid::anisotropic;
 use octagloss_core::pyramid::brdf::{Brdf, alphas};
 use octagloss_core::pyramid::reads::{NODES, node_at, table};
-use octagloss_core::pyramid::{Octaves, Pyramid};
+use octagloss_core::pyramid::{Levels, Pyramid};
 use octagloss_fixtures::common::{Look, Random, environment, texels};
 use std::f64::consts::PI;
 
@@ -213,7 +213,7 @@ fn white_worlds_give_the_albedo() {
         }
     }
     for size in [32, 512] {
-        let octaves = Octaves::over(size).expect("a size");
+        let levels = Levels::over(size).expect("a size");
         for _ in 0..60 {
             let (roughness, nv) = (random.between(0.1, 1.0), random.between(0.02, 1.0));
             let view = DVec3::new((1.0 - nv * nv).sqrt(), 0.0, nv);
@@ -223,7 +223,7 @@ fn white_worlds_give_the_albedo() {
             let off = [0, 1].map(|k| (found[k] - expected[k]).abs());
             assert!(off.iter().all(|off| *off < 9e-4), "r {roughness} n.v {nv}: off by {off:?}");
             // The weights of reads, of the cosine and of the first harmonic sum to it nearly.
-            let node = node_at(octaves, roughness as f32, nv as f32);
+            let node = node_at(levels, roughness as f32, nv as f32);
             let reads = node[..9].iter().map(|[.., a, b]| [*a, *b]);
             let all = reads.chain([9, 10].map(|layer| [node[layer][0], node[layer][1]]));
             let sums = all.fold([0.0; 2], |sums, own| [0, 1].map(|k| sums[k] + f64::from(own[k])));
@@ -421,13 +421,13 @@ fn rows_contain_the_isotropic_ones_and_run_along_the_light() {
 #[test]
 fn tables_are_smooth_and_small() {
     for size in [32, 512, 2048] {
-        let octaves = Octaves::over(size).expect("a size");
-        let nodes = table(octaves);
+        let levels = Levels::over(size).expect("a size");
+        let nodes = table(levels);
         assert_eq!(nodes.len(), NODES[0] * NODES[1]);
         for (k, node) in nodes.iter().enumerate() {
             for [slope, level, a, b] in &node[..9] {
                 assert!(a.abs() < 6.0 && b.abs() < 6.0, "node {k}: weights {a}, {b}");
-                assert!((0.0..=octaves.count() as f32 + 1.0).contains(level) && slope.abs() < 30.0, "{k}");
+                assert!((0.0..=levels.count() as f32 - 1.0).contains(level) && slope.abs() < 30.0, "{k}");
             }
         }
     }

@@ -23,7 +23,7 @@ use crate::light::sat::{Sat, Scan};
 use crate::lobe::filter::{Answer, Bound, Filter};
 use crate::lobe::kernel::Kernel;
 use crate::lobe::{self, Lobe};
-use crate::pyramid::{Octaves, Pyramid, PyramidLobes};
+use crate::pyramid::{Levels, Pyramid, PyramidLobes};
 use glam::{DMat3, DVec3};
 use std::borrow::Cow;
 
@@ -126,7 +126,7 @@ impl ReflectorSettings {
         let own = source_oem_size(layout);
         let alpha = self.sharpest * self.sharpest;
         if self.pyramid {
-            return Octaves::size_for(own.min(Octaves::texels_for(alpha).max(ENOUGH_FOR_SUNS)));
+            return Levels::size_for(own.min(Levels::texels_for(alpha).max(ENOUGH_FOR_SUNS)));
         }
         let asked = if alpha > 0.0 {
             let asked = (TEXELS_PER_ALPHA * 2.0 / alpha).min(2.0 * f64::from(own)) as u32;

@@ -10,7 +10,7 @@ use crate::light::oem::{OemSize, bilinear_share};
 use crate::light::sat::Scan;
 use crate::lobe::Lobe;
 use crate::lobe::filter::Filter;
-use crate::pyramid::{Octaves, sharp};
+use crate::pyramid::{Levels, sharp};
 
 /// Memory limit of a bake, a query or the viewer's tables: 4 GiB; 3 GiB in WebAssembly, whose addresses end
 /// at 4 GiB.
@@ -110,7 +110,7 @@ pub(crate) fn largest_that(least: u32, most: u32, fits: impl Fn(u32) -> bool) ->
 /// Largest OEM that fits; a power of two for a pyramid.
 pub(crate) fn largest_oem(pyramid: bool, fits: impl Fn(u32) -> bool) -> Option<u32> {
     if pyramid {
-        return Octaves::sizes().rev().find(|size| fits(*size));
+        return Levels::sizes().rev().find(|size| fits(*size));
     }
     largest_that(1, 16_384, fits)
 }

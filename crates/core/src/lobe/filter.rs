@@ -4,7 +4,7 @@ use crate::common::error::{Result, wrong};
 use crate::light::environment::{Rgb, is_wrong};
 use crate::light::sat::Scan;
 use crate::lobe::Lobe;
-use crate::pyramid::Octaves;
+use crate::pyramid::Levels;
 
 /// The least error that [`Filter::Adaptive`] takes.
 ///
@@ -93,7 +93,7 @@ impl Filter {
             Self::Pyramid if lobe != Lobe::Ggx => {
                 wrong(format!("pyramid supports ggx only; for {} use adaptive:E", lobe.name()))
             }
-            Self::Pyramid => inner.map_or(Ok(()), |inner| Octaves::over(inner).map(|_| ())),
+            Self::Pyramid => inner.map_or(Ok(()), |inner| Levels::over(inner).map(|_| ())),
             _ => Ok(()),
         }
     }

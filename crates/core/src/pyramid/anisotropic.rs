@@ -8,7 +8,7 @@
 
 mod law;
 
-use super::Octaves;
+use super::Levels;
 use super::brdf::Brdf;
 use super::fit::smooth;
 use super::reads::{
@@ -231,14 +231,14 @@ fn lobe_of([across, up, around, deep]: [usize; 4], index: usize) -> (DVec2, f64,
 }
 
 /// The fit of node `index`, first axes first.
-pub fn fit_of_node(octaves: Octaves, index: usize) -> Fit {
+pub fn fit_of_node(levels: Levels, index: usize) -> Fit {
     let (alpha, cosine, azimuth) = lobe_of(NODES, index);
-    Fit::new(octaves, alpha, cosine, azimuth)
+    Fit::new(levels, alpha, cosine, azimuth)
 }
 
-/// All nodes over the levels of `octaves`, first axes first.
-pub fn table(octaves: Octaves) -> Vec<Node> {
-    parallel::map(0..NODES.iter().product(), |index| *node(octaves, index))
+/// All nodes over the levels of `levels`, first axes first.
+pub fn table(levels: Levels) -> Vec<Node> {
+    parallel::map(0..NODES.iter().product(), |index| *node(levels, index))
 }
 
 /// Width, height and depth of the table as a texture.
@@ -256,9 +256,9 @@ const _: () = assert!(
 /// The table as shaders read it: nodes over roughness side by side, for each texel of a node; below one
 /// another those over n.v, for each anisotropy; azimuths along the third axis. Below them the albedo: of
 /// [`BLOCKS`] anisotropies a row, each a block of nodes over roughness and n.v.
-pub fn texels(octaves: Octaves) -> Vec<[f32; 4]> {
+pub fn texels(levels: Levels) -> Vec<[f32; 4]> {
     let [across, up, around, deep] = NODES;
-    let nodes = table(octaves);
+    let nodes = table(levels);
     let node = |x, y, z, w| &nodes[x + across * (y + up * (z + around * w))];
     let [wide, high, _, blocks] = ALBEDO_NODES;
     let albedo = parallel::map(0..ALBEDO_NODES.iter().product(), more_of_node);
@@ -280,15 +280,15 @@ pub fn texels(octaves: Octaves) -> Vec<[f32; 4]> {
 }
 
 /// One node, fitted at the first call.
-fn node(octaves: Octaves, index: usize) -> &'static Node {
-    static FITTED: [OnceLock<Vec<OnceLock<Node>>>; Octaves::MOST as usize] =
-        [const { OnceLock::new() }; Octaves::MOST as usize];
+fn node(levels: Levels, index: usize) -> &'static Node {
+    static FITTED: [[OnceLock<Vec<OnceLock<Node>>>; 2]; Levels::SIZES] =
+        [const { [const { OnceLock::new() }; 2] }; Levels::SIZES];
     let [across, up, around, deep] = NODES;
-    let nodes = FITTED[octaves.count() as usize - 1]
+    let nodes = FITTED[levels.size_index()][usize::from(levels.is_cube())]
         .get_or_init(|| (0..across * up * around * deep).map(|_| OnceLock::new()).collect());
     nodes[index].get_or_init(|| {
         let (alpha, cosine, azimuth) = lobe_of(NODES, index);
-        fitted(octaves, alpha, cosine, azimuth)
+        fitted(levels, alpha, cosine, azimuth)
     })
 }
 
@@ -343,10 +343,10 @@ fn round_albedo(alpha: DVec2, cosine: f64, along: f64) -> [f64; 2] {
 
 /// The node for `alpha` along the tangent and across it, n.v of `cosine`, and the tangent's `azimuth` from
 /// the plane of incidence, between those of [`table`], which are fitted as they are needed.
-pub fn node_at(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
+pub fn node_at(levels: Levels, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
     let mut sum = [[0.0; 4]; LAYERS];
     for (index, weight) in corners(NODES, alpha, cosine, azimuth) {
-        for (texel, own) in sum.iter_mut().zip(node(octaves, index)) {
+        for (texel, own) in sum.iter_mut().zip(node(levels, index)) {
             texel.iter_mut().zip(own).for_each(|(value, own)| *value += weight * own);
         }
     }
@@ -442,7 +442,7 @@ pub fn albedo(view: DVec3, alpha: DVec2) -> [f64; 2] {
 /// A reflection that is fitted.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    octaves: Octaves,
+    levels: Levels,
     view: DVec3,
     pub(super) shape: Shape,
     pub(super) points: Vec<Point>,
@@ -456,7 +456,7 @@ pub struct Fit {
 impl Fit {
     /// The reflection with `alpha` along the tangent and across it, at n.v of `cosine`, its tangent at
     /// `azimuth` from the plane of incidence.
-    pub fn new(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Self {
+    pub fn new(levels: Levels, alpha: DVec2, cosine: f64, azimuth: f64) -> Self {
         let (y, x) = azimuth.sin_cos();
         let tangent = DVec2::new(x, y);
         let view = DVec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
@@ -464,7 +464,7 @@ impl Fit {
         let seen = DVec3::new(view.x * x, -view.x * y, view.z);
         let back = |d: DVec3| (tangent * d.x + tangent.perp() * d.y).extend(d.z);
         // Sharper lobes than the mirror's are served by the mirror.
-        let least = (0.5 * octaves.mirror_width()).powi(4);
+        let least = (0.5 * levels.width(0)).powi(4);
         let served = DVec2::from_array(alpha.to_array().map(|alpha| (alpha.powi(4) + least).powf(0.25)));
         let brdf = Brdf::of_alphas(seen, served);
         let [from, to] = HARMONICS_FROM;
@@ -482,11 +482,11 @@ impl Fit {
             .collect();
         // Lobes narrower than the mirror's texels are served by equal reads of it.
         let shape = Shape::new(alpha, tangent, cosine);
-        let narrow = octaves.mirror_width() / (2.0 * shape.ratio.max(NARROWEST) * shape.length.max(1e-6));
+        let narrow = levels.width(0) / (2.0 * shape.ratio.max(NARROWEST) * shape.length.max(1e-6));
         let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
         ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
         Self {
-            octaves,
+            levels,
             view,
             shape,
             points,
@@ -505,8 +505,8 @@ impl Fit {
     pub(super) fn read(&self, [slope, width]: [f64; 2]) -> Read {
         let half = (DVec3::Z + (slope * self.shape.axis).extend(0.0)).normalize();
         let direction = half * (2.0 * self.view.dot(half)) - self.view;
-        let level = level_of(self.octaves, width);
-        Read::new(self.octaves, direction, level)
+        let level = level_of(self.levels, width);
+        Read::new(self.levels, direction, level)
     }
 
     /// What the weights multiply, of light from a unit vector: reads, the clamped cosine, harmonics.
@@ -540,8 +540,8 @@ impl Fit {
 
 /// The node that fits the reflection with `alpha` along the tangent and across it, at n.v of `cosine`, its
 /// tangent at `azimuth` from the plane of incidence.
-pub fn fitted(octaves: Octaves, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
-    let fit = Fit::new(octaves, alpha, cosine, azimuth);
+pub fn fitted(levels: Levels, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
+    let fit = Fit::new(levels, alpha, cosine, azimuth);
     let reads = fit.shape.row(&LAW).reads.map(|place| fit.read(place));
     let mut node = [[0.0; 4]; LAYERS];
     for (k, pair) in fit.weights(&reads).into_iter().enumerate() {

@@ -3,7 +3,7 @@
 use super::levels::Map;
 use super::light::OctaglossLight;
 use super::suns::{self, Sun, SunChannel, Suns};
-use super::{Octaves, Pyramid, PyramidLobes};
+use super::{Levels, Pyramid, PyramidLobes};
 use crate::common::error::{Result, wrong};
 use crate::cpu::reparameterise::oem_from_environment;
 use crate::light::environment::{Environment, Rgb};
@@ -29,7 +29,7 @@ impl BakedPyramid {
     /// and for light that is too dim or too bright for shaders in float32;
     /// [`crate::common::error::Error::Limit`] if the overlaps of texels exceed the memory.
     pub(crate) fn new(environment: &Environment, size: u32) -> Result<Self> {
-        Octaves::over(size)?;
+        Levels::over(size)?;
         let scale = LightScale::new(environment);
         let size = OemSize { inner: size, border: 0 };
         let pyramid = Pyramid::of_oem(&oem_from_environment(&scale.scaled(environment), size)?)?;
@@ -52,8 +52,8 @@ impl BakedPyramid {
     /// # Errors
     /// What is wrong with the light.
     pub(crate) fn of_parts(
-        octaves: Octaves,
-        [maps, middles]: [Vec<Map>; 2],
+        levels: Levels,
+        maps: Vec<Map>,
         cosine: Option<Map>,
         light: OctaglossLight,
     ) -> std::result::Result<Self, String> {
@@ -89,7 +89,7 @@ impl BakedPyramid {
         }
         let suns = Suns { suns, clamp: light.clamp * light.unscale, greatest: f32::MAX };
         let harmonics = light.harmonics.map(|[r, g, b, _]| Vec3A::new(r, g, b));
-        let pyramid = Pyramid { octaves, maps, middles, cosine, harmonics, suns, exponent: exponent as i32 };
+        let pyramid = Pyramid { levels, maps, cosine, harmonics, suns, exponent: exponent as i32 };
         Ok(Self { pyramid, light })
     }
 
@@ -110,8 +110,8 @@ impl BakedPyramid {
     }
 
     /// Its levels.
-    pub(crate) const fn octaves(&self) -> Octaves {
-        self.pyramid.octaves
+    pub(crate) const fn levels(&self) -> Levels {
+        self.pyramid.levels
     }
 }
 

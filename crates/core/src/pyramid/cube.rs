@@ -1,18 +1,20 @@
 //! Pyramids as cube maps, for engines that sample cubes and have no bordered squares.
 //!
-//! One cube holds them all: MIP level 0 has the mirror, 1 the sharp level, then the levels come from fine to
-//! coarse. From the sharp one on a texel is 1 / 1.4 of its Gaussian's standard deviation in the middle of a
-//! face, and less than half of that at a corner. Harmonics to order 4 stand for the cosine level, and there
-//! are no middle levels.
+//! One cube holds them all: MIP level 0 has the mirror, then come the Gaussians from fine to coarse, each
+//! twice as wide as the one before. A texel is 1 / 1.4 of its Gaussian's standard deviation in the middle of
+//! a face, and less than half of that at a corner. Harmonics to order 4 stand for the cosine level.
 
 use super::Pyramid;
-use super::levels::{BETWEEN, Map, Place, Taps, scale};
+use super::levels::{Between, Map, Place, Taps, scale};
 use super::sharp::Texels;
 use crate::common::parallel;
 use crate::light::chain_lookup::LevelLookup;
 use crate::light::environment::Rgb;
 use crate::sphere::cube::{Face, direction_from_texel};
 use glam::Vec3A;
+
+/// A level's standard deviation over that of the square that it is made of, at least.
+const FINER: f64 = 1.4;
 
 impl Map {
     /// The cube whose faces of `inner` x `inner` have `texels`, which continue across edges as in every
@@ -50,9 +52,9 @@ impl Pyramid {
         if self.cosine.is_none() {
             return self.clone();
         }
-        let (octaves, taps) = (self.octaves, Taps::new());
-        let cube = |mip: usize| {
-            let size = octaves.inner() >> mip;
+        let (squares, levels) = (self.levels, self.levels.on_cubes());
+        let cube = |map: u32| {
+            let (size, width) = (levels.inner() >> map, levels.width(map));
             let each = |texel: &(dyn Fn(Face, u32, u32) -> Vec3A + Sync)| -> Vec<Vec3A> {
                 let area = size * size;
                 parallel::values(6 * area as usize, |k| {
@@ -60,25 +62,27 @@ impl Pyramid {
                     texel(Face::ALL[(k / area) as usize], k % size, k / size % size)
                 })
             };
-            let texels = match mip {
+            let texels = match map {
                 0 => each(&|face, x, y| self.maps[0].around(direction_from_texel(face, size, x, y))),
                 1 => {
-                    let width = octaves.sharp_width();
                     let texels = Texels::new(&self.maps[0], self.suns.clamp * scale(self.exponent));
                     each(&|face, x, y| texels.under(Place::on_cube(size, face, x, y, width * width), width))
                 }
                 _ => {
-                    let (finer, width) = (&self.maps[mip - 1], octaves.width(mip as u32 - 2));
+                    let is_finer = |own: &u32| squares.width(*own) < width / FINER;
+                    let finer = (1..squares.count()).rev().find(is_finer).unwrap_or(1);
+                    let Between { variance, bend } = Between::new(width, squares.width(finer));
+                    let taps = Taps::new(bend);
+                    let finer = &self.maps[finer as usize];
                     each(&|face, x, y| {
-                        let [own, ..] =
-                            taps.mirrored(finer, &Place::on_cube(size, face, x, y, BETWEEN * width * width));
+                        let [own, ..] = taps.mirrored(finer, &Place::on_cube(size, face, x, y, variance));
                         own
                     })
                 }
             };
             Map::of_cube(size, &texels)
         };
-        let maps = (0..self.maps.len()).map(cube).collect();
-        Self { octaves: octaves.on_cubes(), maps, middles: Vec::new(), cosine: None, ..*self }
+        let maps = (0..levels.count()).map(cube).collect();
+        Self { levels, maps, cosine: None, ..*self }
     }
 }

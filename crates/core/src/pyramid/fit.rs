@@ -3,10 +3,10 @@
 //! A lobe of any roughness is a weighted sum of Gaussians, of the clamped cosine and of zonal harmonics. At
 //! each node the weights solve a linear least-squares problem. A ridge keeps them small: without it, the
 //! widest levels and the harmonics are nearly the same functions, and weights of 10 and more would multiply
-//! the error of interpolation. It rises smoothly to infinity where a level comes into use and where it goes,
-//! so that no weight jumps: at most [`READS`] are in use, and when one more is needed, the finest goes.
+//! the error of interpolation. At most [`READS`] levels are in use: when one more is needed, the finest goes.
+//! In between the weights are those of the fits with a level and without it, mixed, so that none jumps.
 
-use super::{Octaves, WIDEST, suns};
+use super::{Levels, MOST_MAPS, suns};
 use crate::common::parallel;
 use crate::lobe::{self, Lobe, legendre};
 use std::f64::consts::PI;
@@ -15,21 +15,18 @@ use std::sync::OnceLock;
 /// Intervals of the table.
 pub const INTERVALS: u32 = 860;
 
-/// Weights at a node: mirror, sharp level, seven levels from fine to coarse, two middle levels, cosine,
+/// Weights at a node: the mirror, Gaussians from fine to coarse, as many as the largest map has, cosine,
 /// harmonics of order 0 to 4; 1 over the integral of GGX, for suns; the rest of the last texel.
 pub const WEIGHTS: usize = 20;
 
-/// Place of the weight of the finer middle level.
-pub(super) const MIDDLE: usize = 9;
-
 /// Place of the cosine's weight.
-pub(crate) const COSINE: usize = 11;
+pub(crate) const COSINE: usize = MOST_MAPS;
 
 /// Place of the weight of the harmonics of order 0.
-pub const ORDERS: usize = 12;
+pub const ORDERS: usize = COSINE + 1;
 
 /// Place of 1 over the integral of GGX.
-pub const LOBE: usize = 17;
+pub const LOBE: usize = ORDERS + 5;
 
 /// Most levels with a weight at one roughness: the bilinear reads of a look-up.
 pub const READS: usize = 5;
@@ -37,28 +34,29 @@ pub const READS: usize = 5;
 /// Nodes lie evenly in the logarithm of roughness, and evenly in roughness far below 1 over this.
 pub(crate) const SPREAD: f64 = 30.0;
 
-/// Standard deviation of a level over the alpha at which it comes into use. GGX is a mixture of Gaussians
-/// from half of alpha up.
-const WIDE: f64 = 12.3;
+/// Standard deviation of a level over the alpha at which it comes into use, on squares and on cubes. GGX is a
+/// mixture of Gaussians from half of alpha up.
+const WIDE: [f64; 2] = [10.5, 12.0];
+
+/// Alpha at which the cosine comes into use.
+const COSINE_FROM: f64 = 0.12;
 
 /// Alpha over the standard deviation of a level at which it has gone at the latest, slowly.
 const NARROW: f64 = 5.0;
 
-/// Alphas at which the widest level comes into use, the middle levels, from the coarser on, and the cosine,
-/// without middle levels and with them: where the fit is best without the level that goes.
-const WIDEST_FROM: f64 = 0.0321;
-const MIDDLES_FROM: [f64; 2] = [0.113, 0.072];
-const COSINE_FROM: [f64; 2] = [0.088, 0.17];
+/// Octaves of alpha over which a level comes into use, over which the finest goes for it, and between those.
+const ENTERS: f64 = 0.3;
+const LEAVES: f64 = 0.3;
+const APART: f64 = 0.06;
 
-/// Octaves of alpha over which a level comes into use, or goes: below [`LONG`], and above.
-const FADES: [f64; 2] = [1.4, 0.5];
-const LONG: f64 = 0.006;
+/// Octaves of alpha over which a level goes by itself.
+const FADES: f64 = 1.4;
 
 /// Roughness over which harmonics come into use.
 const HARMONICS: [f64; 2] = [0.02, 0.15];
 
-/// Ridge of what is in use, in units of the lobe's own norm; how fast it rises where that comes into use; and
-/// over which share of itself it counts as infinite.
+/// Ridge of what is in use, in units of the lobe's own norm; how fast it rises where harmonics come into use
+/// and where a level goes by itself; and over which share of itself it counts as infinite.
 const RIDGE: f64 = 5e-4;
 const RISE: f64 = 5.0;
 const NONE: f64 = 1e-8;
@@ -69,30 +67,28 @@ const PEAK: f64 = 3.0;
 /// Radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
 const FLOOR: f64 = 0.015;
 
-/// Weights of the levels of `octaves` at [`INTERVALS`] + 1 nodes over roughness.
-pub fn table(octaves: Octaves) -> Vec<[f32; WEIGHTS]> {
-    parallel::map(0..=INTERVALS, |index| node(octaves, index))
+/// Weights of `levels` at [`INTERVALS`] + 1 nodes over roughness.
+pub fn table(levels: Levels) -> Vec<[f32; WEIGHTS]> {
+    parallel::map(0..=INTERVALS, |index| node(levels, index))
 }
 
 /// Those at one node, fitted at the first call.
-fn node(octaves: Octaves, index: u32) -> [f32; WEIGHTS] {
+fn node(levels: Levels, index: u32) -> [f32; WEIGHTS] {
     type Nodes = [OnceLock<[f32; WEIGHTS]>; INTERVALS as usize + 1];
-    // With middle levels, and without.
-    static FITTED: [[Nodes; 2]; Octaves::MOST as usize] =
-        [const { [const { [const { OnceLock::new() }; INTERVALS as usize + 1] }; 2] };
-            Octaves::MOST as usize];
-    let fitted = || fitted(octaves, roughness_of(f64::from(index)));
-    let of_size = &FITTED[octaves.count() as usize - 1];
-    *of_size[usize::from(octaves.middles() == 0)][index as usize].get_or_init(fitted)
+    static FITTED: [[Nodes; 2]; Levels::SIZES] =
+        [const { [const { [const { OnceLock::new() }; INTERVALS as usize + 1] }; 2] }; Levels::SIZES];
+    let fitted = || fitted(levels, roughness_of(f64::from(index)));
+    let of_size = &FITTED[levels.size_index()][usize::from(levels.is_cube())];
+    *of_size[index as usize].get_or_init(fitted)
 }
 
 /// Weights at `roughness` in [0, 1], between the two nodes of [`table`] around it.
-pub fn weights_at(octaves: Octaves, roughness: f32) -> [f32; WEIGHTS] {
+pub fn weights_at(levels: Levels, roughness: f32) -> [f32; WEIGHTS] {
     let place =
         (1.0 + SPREAD as f32 * roughness).log2() * ((INTERVALS as f32) / (1.0 + SPREAD as f32).log2());
     let index = (place as u32).min(INTERVALS - 1);
     let share = place - index as f32;
-    let [low, high] = [index, index + 1].map(|index| node(octaves, index));
+    let [low, high] = [index, index + 1].map(|index| node(levels, index));
     std::array::from_fn(|k| low[k] + share * (high[k] - low[k]))
 }
 
@@ -113,19 +109,11 @@ pub fn gaussian(width: f64, c: f64) -> f64 {
     (-c / square).exp() / (2.0 * PI * square * (1.0 - (-2.0 / square).exp()))
 }
 
-/// Places of the weights of Gaussians, and their standard deviations.
-fn gaussians(octaves: Octaves) -> impl Iterator<Item = (usize, f64)> {
-    let levels = (0..octaves.count()).map(move |level| octaves.width(level));
-    let middles = (0..octaves.middles()).map(move |middle| octaves.middle_width(middle));
-    let sharp = [octaves.mirror_width(), octaves.sharp_width()];
-    (0..).zip(sharp.into_iter().chain(levels)).chain((MIDDLE..).zip(middles))
-}
-
 /// What the weights multiply, at 1 - cos(theta) = `c`.
-pub fn functions(octaves: Octaves, c: f64) -> [f64; WEIGHTS] {
+pub fn functions(levels: Levels, c: f64) -> [f64; WEIGHTS] {
     let mut values = [0.0; WEIGHTS];
-    for (place, width) in gaussians(octaves) {
-        values[place] = gaussian(width, c);
+    for (value, map) in values.iter_mut().zip(0..levels.count()) {
+        *value = gaussian(levels.width(map), c);
     }
     values[COSINE] = (1.0 - c).max(0.0) / PI;
     for ((value, legendre), order) in values[ORDERS..LOBE].iter_mut().zip(legendre(1.0 - c)).zip(0..) {
@@ -134,94 +122,96 @@ pub fn functions(octaves: Octaves, c: f64) -> [f64; WEIGHTS] {
     values
 }
 
-/// The alphas between which each level is in use, by place: the mirror from the start.
-fn ranges(octaves: Octaves) -> [[f64; 2]; WEIGHTS] {
-    let middles = octaves.middles() as usize;
-    let mut entries: Vec<(f64, f64, usize)> = gaussians(octaves)
-        .map(|(place, width)| {
-            let from = match place {
-                0 => 0.0,
-                MIDDLE.. => MIDDLES_FROM[middles - 1 - (place - MIDDLE)],
-                _ if width == WIDEST => WIDEST_FROM,
-                _ => width / WIDE,
-            };
-            (from, width, place)
-        })
-        .collect();
-    entries.push((COSINE_FROM[usize::from(middles > 0)], f64::INFINITY, COSINE));
-    entries.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut ranges = [[f64::INFINITY; 2]; WEIGHTS];
-    let mut in_use: Vec<(f64, usize)> = Vec::new();
-    for (from, width, place) in entries {
-        if in_use.len() == READS {
-            in_use.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let (_, finest) = in_use.pop().expect("levels in use");
-            ranges[finest][1] = from;
-        }
-        in_use.push((width, place));
-        ranges[place][0] = from;
+/// Which levels and the cosine are in use at `alpha`: 1 where one is, 0 where it is not. At most one of
+/// [`READS`] + 1 in turn is partly so.
+fn in_use(levels: Levels, alpha: f64) -> [f64; COSINE + 1] {
+    let wide = WIDE[usize::from(levels.is_cube())];
+    let from = (0..levels.count())
+        .map(|map| (map as usize, if map == 0 { 0.0 } else { levels.width(map) / wide }))
+        .chain([(COSINE, COSINE_FROM)]);
+    let from: Vec<(usize, f64)> = from.collect();
+    let mut shares = [0.0; COSINE + 1];
+    for (k, (place, own)) in from.iter().enumerate() {
+        let next = from.get(k + READS).map_or(f64::INFINITY, |(_, next)| *next);
+        let entered = if *own == 0.0 { 1.0 } else { smooth((alpha / own).log2() / ENTERS) };
+        shares[*place] = entered * smooth(((next / alpha).log2() - APART) / LEAVES);
     }
-    ranges
+    shares
 }
 
-/// Over the ridge, the ridge of what is in use: 1 where a function is, 0 where it is not.
-fn shares(octaves: Octaves, roughness: f64) -> [f64; WEIGHTS] {
+/// The ridge of each function.
+fn ridges(levels: Levels, roughness: f64) -> [f64; LOBE] {
     let share = |t: f64| {
         let share = (-RISE * (1.0 - t.min(1.0)) / t.max(0.0)).exp();
         if share > NONE { share } else { 0.0 }
     };
-    let alpha = roughness * roughness;
-    let over = |octaves: f64, at: f64| share(octaves / FADES[usize::from(at > LONG)]);
-    let mut shares = ranges(octaves).map(|[from, to]| {
-        let entered = if from == 0.0 { 1.0 } else { over((alpha / from).log2(), from) };
-        entered * over((to / alpha).log2(), to)
-    });
-    for (place, width) in gaussians(octaves) {
-        shares[place] *= share((NARROW * width / alpha).log2() / FADES[0]);
+    let mut shares = [1.0; LOBE];
+    for (map, own) in (0..levels.count()).zip(&mut shares) {
+        *own = share((NARROW * levels.width(map) / roughness.powi(2)).log2() / FADES);
     }
     let [from, to] = HARMONICS;
-    shares[ORDERS..LOBE].fill(share((roughness - from) / (to - from)));
-    shares
+    shares[ORDERS..].fill(share((roughness - from) / (to - from)));
+    shares.map(|share| RIDGE / share)
 }
 
 /// The weights that fit GGX at `roughness`, as they are at a node.
-pub fn fitted(octaves: Octaves, roughness: f64) -> [f32; WEIGHTS] {
-    let mut weights = [0.0; WEIGHTS];
-    weights[LOBE] = suns::lobe_share(octaves, roughness) as f32;
-    let shares = shares(octaves, roughness);
-    let used: Vec<usize> = (0..WEIGHTS).filter(|k| shares[*k] > 0.0).collect();
-    if let [only] = used[..] {
-        weights[only] = 1.0;
-        return weights;
-    }
-    let count = used.len();
-    // The normal equations, and a multiplier that holds the lobe's integral at 1.
-    let mut system = vec![vec![0.0; count + 2]; count + 1];
+pub fn fitted(levels: Levels, roughness: f64) -> [f32; WEIGHTS] {
     // Sharper lobes than the mirror's are served by the mirror.
-    let alpha = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.25);
-    let points = lobe_points(alpha, octaves.mirror_width());
+    let alpha = (roughness.powi(8) + (0.5 * levels.width(0)).powi(4)).powf(0.25);
+    let points = lobe_points(alpha, levels.width(0));
     let square: f64 = points.iter().map(|point| point.area * point.lobe * point.lobe).sum();
+    // Products of functions, and with the lobe.
+    let mut products = [[0.0; LOBE + 1]; LOBE];
     for point in &points {
         let weight = point.area * (1.0 / (FLOOR / (4.0 * PI) + point.lobe) + PEAK / square);
-        let values = functions(octaves, point.c);
-        for (row, k) in system.iter_mut().zip(&used) {
-            for (place, other) in row.iter_mut().zip(&used) {
-                *place += weight * values[*k] * values[*other];
+        let mut values = functions(levels, point.c);
+        values[LOBE] = point.lobe;
+        for (row, own) in products.iter_mut().zip(values) {
+            for (product, value) in row.iter_mut().zip(values) {
+                *product += weight * own * value;
             }
-            row[count + 1] += weight * values[*k] * point.lobe;
         }
     }
-    for (place, k) in used.iter().enumerate() {
-        system[place][place] += RIDGE / shares[*k];
-        let integral = f64::from(u8::from(*k <= ORDERS));
-        system[place][count] = integral;
-        system[count][place] = integral;
+    let ridges = ridges(levels, roughness);
+    for (k, (row, ridge)) in products.iter_mut().zip(ridges).enumerate() {
+        row[k] += ridge;
+    }
+    // Sets of functions in use, and their shares.
+    let harmonics = (ORDERS..LOBE).filter(|k| ridges[*k].is_finite()).collect();
+    let mut sets: Vec<(f64, Vec<usize>)> = vec![(1.0, harmonics)];
+    for (k, share) in in_use(levels, roughness * roughness).into_iter().enumerate() {
+        if share > 0.0 && ridges[k].is_finite() {
+            let with = |(all, set): &(f64, Vec<usize>)| (all * share, [&[k], &set[..]].concat());
+            let without = |(all, set): &(f64, Vec<usize>)| (all * (1.0 - share), set.clone());
+            let both = sets.iter().flat_map(|set| [with(set), without(set)]);
+            sets = both.filter(|(share, _)| *share > 0.0).collect();
+        }
+    }
+    let mut weights = [0.0; WEIGHTS];
+    for (share, set) in sets {
+        for (k, weight) in set.iter().zip(held_at_one(&products, &set)) {
+            weights[*k] += (share * weight) as f32;
+        }
+    }
+    weights[LOBE] = suns::lobe_share(levels, roughness) as f32;
+    weights
+}
+
+/// The weights of the functions in `set` that fit a lobe of integral 1, a multiplier holding theirs there:
+/// `products` are the normal equations of all, the right sides in the last column.
+fn held_at_one(products: &[[f64; LOBE + 1]; LOBE], set: &[usize]) -> Vec<f64> {
+    let count = set.len();
+    let mut system = vec![vec![0.0; count + 2]; count + 1];
+    for (row, k) in system.iter_mut().zip(set) {
+        row.iter_mut().zip(set).for_each(|(value, other)| *value = products[*k][*other]);
+        row[count] = f64::from(u8::from(*k <= ORDERS));
+        row[count + 1] = products[*k][LOBE];
+    }
+    for place in 0..count {
+        system[count][place] = system[place][count];
     }
     system[count][count + 1] = 1.0;
-    for (k, weight) in used.into_iter().zip(solved(system)) {
-        weights[k] = weight as f32;
-    }
-    weights
+    solved(system)
 }
 
 /// A ring of the sphere around a lobe.

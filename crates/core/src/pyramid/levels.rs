@@ -1,10 +1,10 @@
 //! The levels: octahedral maps under Gaussian lobes, each from the next finer one.
 //!
-//! A Gaussian of variance s^2 over one of s^2 / 4 is one of 3 s^2 / 4; middle levels lie half an octave above
-//! the level whose texels they have, and are that under one of s^2 / 2. The finer level is smooth, so 25
-//! bilinear reads of it make that Gaussian: three rings, whose radii and weights were optimised for the
-//! Gaussian of all levels together; the next two terms of the error, an uneven ring and an uneven profile,
-//! are below 1 % each. Every read is placed on the sphere, so the levels know no seams.
+//! A level is the next finer one under the Gaussian that lies [between](Between) them. The finer level is
+//! smooth, so 25 bilinear reads make that Gaussian: three rings of its variance, whose radii and weights
+//! were optimised for the Gaussian of all levels together; the next two terms of the error, an uneven ring
+//! and an uneven profile, are below .5 % each. Every read is placed on the sphere, so the levels know no
+//! seams.
 //!
 //! A bilinear read of a level widens what it reads by a sixth of a texel's square, and texels are three times
 //! as long as wide in the middle of the octahedron's faces. The Gaussians are narrowed by that covariance:
@@ -22,8 +22,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A, Vec4};
 use half::f16;
 
 /// Rings of reads around a Gaussian: reads, radius in standard deviations, weight of all.
-pub(crate) const RINGS: [(u32, f64, f64); 3] =
-    [(5, 0.6158, 0.406), (9, 1.4614, 0.4518), (11, 2.4519, 0.1422)];
+pub(crate) const RINGS: [(u32, f64, f64); 3] = [(5, 0.6616, 0.458), (9, 1.571, 0.4425), (11, 2.6661, 0.0995)];
 
 /// Reads of a Gaussian.
 pub const TAPS: usize = 25;
@@ -255,23 +254,24 @@ impl Place {
 /// Reads around a Gaussian, in whole lanes: those beyond [`TAPS`] have no weight.
 const PADDED_TAPS: usize = TAPS.next_multiple_of(16);
 
-/// Reads around a Gaussian of covariance 1, by lanes.
+/// Reads around a Gaussian of covariance 1, by lanes, with the bend of [`Between`].
 pub(super) struct Taps {
     x: [f32; PADDED_TAPS],
     y: [f32; PADDED_TAPS],
     weight: [f32; PADDED_TAPS],
+    bend: f32,
     arch: Arch,
 }
 
 impl Taps {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(bend: f64) -> Self {
         let of = |part: fn((Vec2, f32)) -> f32| {
             let mut lanes = [0.0; PADDED_TAPS];
             lanes.iter_mut().zip(taps()).for_each(|(lane, tap)| *lane = part(tap));
             lanes
         };
         let (x, y, weight) = (of(|(at, _)| at.x), of(|(at, _)| at.y), of(|(_, weight)| weight));
-        Self { x, y, weight, arch: Arch::new() }
+        Self { x, y, weight, bend: bend as f32, arch: Arch::new() }
     }
 
     /// The light of `map`, a square, under the Gaussian at `place`, and at its places mirrored along u, along
@@ -301,9 +301,10 @@ impl pulp::NullaryFnOnce for Reads<'_> {
         let [mut share_x, mut share_y] = [[0.0; PADDED_TAPS]; 2];
         for k in 0..PADDED_TAPS {
             let (p, q) = (long * taps.x[k], shear.times_plus(taps.x[k], wide * taps.y[k]));
-            // A distance on the sphere whose 1 - cos is half its square.
-            let versine = 0.5 * p.times_plus(p, q * q);
-            let (ahead, aside) = (1.0 - versine, (1.0 - 0.5 * versine).sqrt());
+            let flat = 0.5 * p.times_plus(p, q * q);
+            let bent = flat.times_plus(taps.bend, 1.0);
+            let versine = flat * bent;
+            let (ahead, aside) = (1.0 - versine, (bent * (1.0 - 0.5 * versine)).sqrt());
             let (p, q) = (aside * p, aside * q);
             let x = ahead.times_plus(direction.x, p.times_plus(along.x, q * across.x));
             let y = ahead.times_plus(direction.y, p.times_plus(along.y, q * across.y));
@@ -401,16 +402,48 @@ pub fn taps() -> [(Vec2, f32); TAPS] {
     taps
 }
 
-/// Over the variance of a level's Gaussian, that of the one between it and the next finer level.
-pub const BETWEEN: f64 = 0.75;
+/// What makes a level of another one: its reads stand at distances of a Gaussian, bent a little.
+#[derive(Clone, Copy, Debug)]
+pub struct Between {
+    /// Mean of h, half of the squared distance of a read.
+    pub variance: f64,
+    /// A read stands where 1 - cos is h (1 + bend h).
+    pub bend: f64,
+}
 
-/// The same for a middle level, which is made of the level whose texels it has.
-pub const FROM_MIDDLE: f64 = 0.5;
+impl Between {
+    /// What makes a level of `width` of one of the width `finer`.
+    ///
+    /// Gaussians exp(-(1 - cos) / s^2) do not make another one: on the sphere the means of Legendre's
+    /// polynomials multiply. Those of the first two orders are as they should be: without the bend, the
+    /// widest level's peak is 2.6 % low.
+    pub fn new(width: f64, finer: f64) -> Self {
+        // Means of the first two polynomials.
+        let means = |width: f64| {
+            let square = width * width;
+            let first = 1.0 / square.recip().tanh() - square;
+            [first, 1.0 - 3.0 * square * first]
+        };
+        let ([a, b], [c, d]) = (means(width), means(finer));
+        // Means of 1 - cos and of its square.
+        let first = 1.0 - a / c;
+        let second = (b / d - 1.0 + 3.0 * first) / 1.5;
+        // h is an exponential variable of mean m: they are m + 2 bend m^2 and about 2 m^2 + 12 bend m^3.
+        let bent = 0.5 * (0.5 * second / (first * first) - 1.0);
+        let variance = first / (1.0 + 2.0 * bent);
+        Self { variance, bend: bent / variance }
+    }
 
-/// The level of `inner` texels that is `finer` under a Gaussian of `variance`.
-pub(crate) fn cascade(finer: &Map, inner: u32, variance: f64) -> Map {
-    let taps = Taps::new();
-    Map::of_quarters(inner, |x, y| taps.mirrored(finer, &Place::new(inner, x, y, variance, READ)))
+    /// A Gaussian of `width` over the map itself.
+    pub const fn round(width: f64) -> Self {
+        Self { variance: width * width, bend: 0.0 }
+    }
+}
+
+/// The level of `inner` texels that `between` makes of `finer`.
+pub(crate) fn cascade(finer: &Map, inner: u32, between: Between) -> Map {
+    let taps = Taps::new(between.bend);
+    Map::of_quarters(inner, |x, y| taps.mirrored(finer, &Place::new(inner, x, y, between.variance, READ)))
 }
 
 /// [`crate::sphere::octahedral::oct_from_direction`] in single precision.

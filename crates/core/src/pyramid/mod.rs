@@ -3,15 +3,14 @@
 //! ```text
 //! OEM --suns--> suns
 //!  +--mirror--> mirror
-//!  +--the rest --sharp--> s = .011 --cascade--> .022 --cascade--> .044 ... .35
-//!        |                                        middle levels .125, .25 <--+
+//!  +--the rest --sharp--> s = .0096 --cascade--> .0175 --cascade--> .032 ... .35
 //!        +--cells--> cosine level, harmonics
 //!
 //! L(d, r) = sum of w_k(r) level_k(d) + sum of a_l(r) (harmonics of order l at d) + suns
 //! ```
 //!
-//! Levels are octahedral maps of the environment under Gaussian lobes exp(-(1 - cos t) / s^2); s doubles as
-//! the texels halve, down to s = .35 at 32 x 32. The weights are a table over roughness ([`fit`]). CPU and
+//! Levels are octahedral maps of the environment under Gaussian lobes exp(-(1 - cos t) / s^2), each 1.82
+//! times as wide as the one before, up to s = .35. The weights are a table over roughness ([`fit`]). CPU and
 //! GPU build the levels by the same algorithm ([`levels`]), `shaders/pyramid/`.
 
 pub mod albedo;
@@ -40,28 +39,29 @@ use crate::light::sh::basis;
 use crate::light::sh::scale::COSINE as COSINE_BANDS;
 pub use baked::BakedPyramid;
 use cells::{BASIS, Cells};
-use fit::{COSINE, LOBE, MIDDLE, ORDERS, WEIGHTS, weights_at};
+use fit::{COSINE, LOBE, ORDERS, WEIGHTS, weights_at};
 use glam::{DVec3, Vec3A};
 use levels::Map;
 use suns::{GlossySuns, Suns};
 
-/// Texels along an edge of the coarsest level.
-pub const COARSEST: u32 = 32;
+/// Texels along an edge of the smallest map.
+pub const SMALLEST: u32 = 32;
 
-/// Standard deviation of the coarsest level's Gaussian.
+/// Standard deviation of the widest level's Gaussian.
 pub const WIDEST: f64 = 0.35;
+
+/// Octaves between the standard deviations of levels on squares, each 1.82 times as wide as the one before.
+/// On a cube, whose MIP levels halve, it is 1.
+pub const LEVEL_OCTAVES: f64 = 0.864;
+
+/// Texels along an edge of the map times the finest Gaussian's standard deviation, at least.
+const FINEST: f64 = 3.3;
+
+/// Most maps: those of 2048 x 2048.
+pub const MOST_MAPS: usize = 10;
 
 /// Layers of an environment's squares.
 pub const SQUARES: u32 = 3;
-
-/// The layer of the two finest levels.
-pub const FINE_LAYER: u32 = 0;
-
-/// That of the mirror, the middle levels and the cosine level.
-pub const MIRROR_LAYER: u32 = 1;
-
-/// That of the sharp level and the others.
-pub const SHARP_LAYER: u32 = 2;
 
 /// Where a map of a pyramid stands among the squares of its textures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,21 +74,22 @@ pub struct Square {
 
 /// The levels of a pyramid, which follow from the size of its map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Octaves {
+pub struct Levels {
+    inner: u32,
     count: u32,
-    middles: u32,
+    is_cube: bool,
 }
 
-impl Octaves {
-    /// Most levels: those of a map of 2048 x 2048.
-    pub const MOST: u32 = 7;
+impl Levels {
+    /// Sizes of maps.
+    pub const SIZES: usize = 7;
 
     /// Texels along an edge of the largest map.
-    pub const LARGEST: u32 = COARSEST << (Self::MOST - 1);
+    pub const LARGEST: u32 = SMALLEST << (Self::SIZES - 1);
 
     /// The sizes of maps, from small to large.
     pub fn sizes() -> impl DoubleEndedIterator<Item = u32> {
-        (0..Self::MOST).map(|octave| COARSEST << octave)
+        (0..Self::SIZES).map(|octave| SMALLEST << octave)
     }
 
     /// The least size of a map that is at least `inner`, or the largest there is.
@@ -96,9 +97,9 @@ impl Octaves {
         Self::sizes().find(|size| *size >= inner).unwrap_or(Self::LARGEST)
     }
 
-    /// Texels along an edge of a map whose sharp level is half as wide as lobes of `alpha`, or finer.
+    /// Texels along an edge of a map whose finest levels are narrower than half of lobes of `alpha`.
     pub(crate) fn texels_for(alpha: f64) -> u32 {
-        (WIDEST * f64::from(COARSEST) / alpha).min(f64::from(Self::LARGEST)).ceil() as u32
+        (3.4 * FINEST / alpha).min(f64::from(Self::LARGEST)).ceil() as u32
     }
 
     /// The levels over a map of `inner` texels along an edge.
@@ -107,102 +108,90 @@ impl Octaves {
     /// [`crate::common::error::Error::Parameter`] for an `inner` that is not a power of two from 32 to 2048.
     pub fn over(inner: u32) -> Result<Self> {
         if Self::sizes().any(|size| size == inner) {
-            let count = inner.ilog2() - COARSEST.ilog2() + 1;
-            return Ok(Self { count, middles: count.saturating_sub(2).min(2) });
+            let gaussians = 1 + ((WIDEST * f64::from(inner) / FINEST).log2() / LEVEL_OCTAVES) as u32;
+            return Ok(Self { inner, count: 1 + gaussians, is_cube: false });
         }
         wrong(format!(
-            "an OEM of {inner} texels has no pyramid; choose a power of two from {COARSEST} to {} as \
+            "an OEM of {inner} texels has no pyramid; choose a power of two from {SMALLEST} to {} as \
              `oem_size`",
             Self::LARGEST
         ))
     }
 
-    /// Those of the same map on a cube, which has no room for middle levels.
-    pub(crate) const fn on_cubes(self) -> Self {
-        Self { middles: 0, ..self }
+    /// Those of the same map on a cube, of which each MIP level is one.
+    pub const fn on_cubes(self) -> Self {
+        Self { count: self.inner.ilog2() - 2, is_cube: true, ..self }
     }
 
-    /// The number of levels, without the sharp ones and the middle ones.
+    /// Whether they are those of a cube.
+    pub const fn is_cube(self) -> bool {
+        self.is_cube
+    }
+
+    /// Their place among those of all sizes.
+    pub(super) const fn size_index(self) -> usize {
+        (self.inner / SMALLEST).ilog2() as usize
+    }
+
+    /// The number of maps: the mirror, and Gaussians.
     pub const fn count(self) -> u32 {
         self.count
     }
 
-    /// The number of middle levels, between the coarsest levels.
-    pub const fn middles(self) -> u32 {
-        self.middles
-    }
-
-    /// The level that `middle`, 0 the finest, lies half an octave above.
-    pub const fn below_middle(self, middle: u32) -> u32 {
-        self.count - 1 - self.middles + middle
-    }
-
-    /// Standard deviation of the Gaussian of `middle`.
-    pub fn middle_width(self, middle: u32) -> f64 {
-        self.width(self.below_middle(middle)) * std::f64::consts::SQRT_2
+    /// Octaves between the standard deviations of levels.
+    pub(crate) const fn octaves(self) -> f64 {
+        if self.is_cube { 1.0 } else { LEVEL_OCTAVES }
     }
 
     /// Texels along an edge of the map.
     pub const fn inner(self) -> u32 {
-        COARSEST << (self.count - 1)
+        self.inner
     }
 
     /// MIP levels of the squares. The coarsest have 64 texels along an edge, and 32 where the map has less
     /// than 512; 16 of the smallest map.
     pub const fn mips(self) -> u32 {
-        let (levels, others) = (self.count - 1, self.middles + 2);
-        if levels > others { levels } else { others }
+        let octave = self.inner.ilog2();
+        if octave > 8 {
+            octave - 5
+        } else if octave > 6 {
+            octave - 4
+        } else {
+            2
+        }
     }
 
     /// Size of the squares of MIP level `mip`, with borders that halve with the levels.
     pub const fn size(self, mip: u32) -> OemSize {
-        OemSize { inner: self.inner() >> mip, border: 1 << (self.mips() - 1 - mip) }
+        OemSize { inner: self.inner >> mip, border: 1 << (self.mips() - 1 - mip) }
     }
 
-    /// Where `map` stands: 0 is the mirror, 1 the sharp level, then come the levels from fine to coarse.
+    /// Where `map` stands: 0 is the mirror, then come the Gaussians from fine to coarse, three a MIP level.
     pub const fn square_of(self, map: u32) -> Square {
-        match map {
-            0 => Square { layer: MIRROR_LAYER, mip: 0 },
-            1 => Square { layer: SHARP_LAYER, mip: 0 },
-            2 | 3 => Square { layer: FINE_LAYER, mip: map - 2 },
-            _ => Square { layer: SHARP_LAYER, mip: map - 3 },
-        }
-    }
-
-    /// Where `middle`, 0 the finest, stands.
-    pub const fn square_of_middle(self, middle: u32) -> Square {
-        Square { layer: MIRROR_LAYER, mip: self.mips() - 1 - self.middles + middle }
+        Square { layer: map % SQUARES, mip: map / SQUARES }
     }
 
     /// Where the cosine level stands.
     pub const fn square_of_cosine(self) -> Square {
-        Square { layer: MIRROR_LAYER, mip: self.mips() - 1 }
+        Square { layer: SQUARES - 1, mip: self.mips() - 1 }
     }
 
-    /// Standard deviation of the Gaussian of `level`, 0 the finest.
-    pub fn width(self, level: u32) -> f64 {
-        WIDEST / f64::from(1_u32 << (self.count - 1 - level))
-    }
-
-    /// That of the sharp level, which has as many texels as level 0.
-    pub fn sharp_width(self) -> f64 {
-        self.width(0) / 2.0
-    }
-
-    /// That of a bilinear read of the map itself, roughly: half of a mean texel's width.
-    pub fn mirror_width(self) -> f64 {
-        1.8 / f64::from(self.inner())
+    /// Standard deviation of the Gaussian of `map`; of the mirror that of a bilinear read, roughly: half of a
+    /// mean texel's width.
+    pub fn width(self, map: u32) -> f64 {
+        if map == 0 {
+            return 1.8 / f64::from(self.inner);
+        }
+        WIDEST * (self.octaves() * (f64::from(map) + 1.0 - f64::from(self.count))).exp2()
     }
 }
 
 /// An environment's pyramid.
 #[derive(Clone, Debug)]
 pub struct Pyramid {
-    octaves: Octaves,
-    /// Mirror, sharp level, levels from fine to coarse. Light is multiplied by 2^-exponent.
+    levels: Levels,
+    /// The mirror, then Gaussians from fine to coarse. Light is multiplied by 2^-exponent.
     maps: Vec<Map>,
-    /// Those half an octave between the coarsest, from fine to coarse; none on cubes.
-    middles: Vec<Map>,
     /// `None` on cubes, which have harmonics instead.
     cosine: Option<Map>,
     harmonics: [Vec3A; BASIS],
@@ -216,33 +205,27 @@ impl Pyramid {
     /// # Errors
     /// [`crate::common::error::Error::Parameter`] if its size is not a power of two from 32 to 2048.
     pub fn of_oem(oem: &Oem) -> Result<Self> {
-        let octaves = Octaves::over(oem.size().inner)?;
+        let own = Levels::over(oem.size().inner)?;
         let suns = Suns::of(oem);
         let exponent = levels::exponent(suns.greatest, suns.clamp);
         let mirror = levels::mirror(oem, exponent);
         let clamp = suns.clamp * levels::scale(exponent);
-        let mut maps = vec![sharp::sharp(&mirror, clamp, octaves.sharp_width())];
-        let texels = |square: Square| octaves.size(square.mip).inner;
-        for level in 0..octaves.count() {
+        let mut maps = vec![sharp::sharp(&mirror, clamp, own.width(1))];
+        let texels = |square: Square| own.size(square.mip).inner;
+        for map in 2..own.count() {
             let finer = maps.last().expect("the sharp level at least");
-            let variance = levels::BETWEEN * octaves.width(level).powi(2);
-            maps.push(levels::cascade(finer, texels(octaves.square_of(level + 2)), variance));
+            let between = levels::Between::new(own.width(map), own.width(map - 1));
+            maps.push(levels::cascade(finer, texels(own.square_of(map)), between));
         }
-        let middle = |middle: u32| {
-            let variance = levels::FROM_MIDDLE * octaves.middle_width(middle).powi(2);
-            let below = &maps[octaves.below_middle(middle) as usize + 1];
-            levels::cascade(below, texels(octaves.square_of_middle(middle)), variance)
-        };
-        let middles = (0..octaves.middles()).map(middle).collect();
         maps.insert(0, mirror);
         let cells = Cells::new(oem, suns.clamp, exponent);
-        let (cosine, harmonics) = (cells.cosine(texels(octaves.square_of_cosine())), cells.harmonics());
-        Ok(Self { octaves, maps, middles, cosine: Some(cosine), harmonics, suns, exponent })
+        let (cosine, harmonics) = (cells.cosine(texels(own.square_of_cosine())), cells.harmonics());
+        Ok(Self { levels: own, maps, cosine: Some(cosine), harmonics, suns, exponent })
     }
 
     /// GGX lobes of `roughness` in [0, 1].
     pub fn lobes(&self, roughness: f32) -> PyramidLobes<'_> {
-        let weights = weights_at(self.octaves, roughness);
+        let weights = weights_at(self.levels, roughness);
         let harmonics = self.weighted_harmonics(|order| weights[ORDERS + order]);
         let suns =
             GlossySuns::new(&self.suns.suns, roughness * roughness, (1.0 - weights[0]) * weights[LOBE]);
@@ -256,14 +239,9 @@ impl Pyramid {
         (self.unscaled(self.cosine_around(normal)) + suns).to_array()
     }
 
-    /// Mirror, sharp level, and levels from fine to coarse; light is multiplied by 2^-[`Self::exponent`].
+    /// The mirror, then Gaussians from fine to coarse; light is multiplied by 2^-[`Self::exponent`].
     pub fn maps(&self) -> &[Map] {
         &self.maps
-    }
-
-    /// Middle levels from fine to coarse, scaled so, too.
-    pub fn middles(&self) -> &[Map] {
-        &self.middles
     }
 
     /// Irradiance over pi, scaled so, too.
@@ -285,8 +263,8 @@ impl Pyramid {
     }
 
     /// Its levels.
-    pub(crate) const fn octaves(&self) -> Octaves {
-        self.octaves
+    pub(crate) const fn levels(&self) -> Levels {
+        self.levels
     }
 
     fn unscaled(&self, light: Vec3A) -> Vec3A {
@@ -303,7 +281,7 @@ impl Pyramid {
     /// [`crate::common::error::Error::Parameter`] for another size, [`crate::common::error::Error::Limit`] if
     /// the overlaps of texels exceed the memory.
     pub fn build(environment: &Environment, size: u32) -> Result<Self> {
-        Octaves::over(size)?;
+        Levels::over(size)?;
         Self::of_oem(&oem_from_environment(environment, OemSize { inner: size, border: 0 })?)
     }
 
@@ -361,9 +339,8 @@ impl pulp::NullaryFnOnce for LookUp<'_> {
         let place = pyramid.maps[0].place_of(direction);
         let mut sum = harmonics_around(direction, harmonics);
         let maps = pyramid.maps.iter().zip(&weights[..]);
-        let middles = pyramid.middles.iter().zip(&weights[MIDDLE..]);
         let (mut inner, mut corner) = (pyramid.maps[0].inner, pyramid.maps[0].corner(place));
-        for (map, weight) in maps.chain(middles).filter(|(_, weight)| **weight != 0.0) {
+        for (map, weight) in maps.filter(|(_, weight)| **weight != 0.0) {
             if map.inner != inner {
                 (inner, corner) = (map.inner, map.corner(place));
             }

@@ -6,10 +6,10 @@
 //! and levels vary smoothly, and only weights are solved for: for 1 and for (1 - v.h)^5, with the clamped
 //! cosine and 15 harmonics that are symmetric about the plane.
 
+use super::Levels;
 use super::brdf::Brdf;
 use super::fit::{gaussian, smooth, solved};
 use super::places::{READS, places};
-use super::{Octaves, WIDEST};
 use crate::common::frame::LEAST_COSINE;
 use crate::common::once::Once;
 use crate::common::parallel;
@@ -56,32 +56,25 @@ const DARK: f64 = 30.0;
 /// Rings and spokes of half vectors.
 const FIT_GRID: [u32; 2] = [40, 16];
 
-/// The level of `width`: 0 the mirror, 1 the sharp level, then those from fine to coarse; whole numbers are
-/// levels, between them the logarithm counts.
-pub(super) fn level_of(octaves: Octaves, width: f64) -> f64 {
-    let last = f64::from(octaves.count()) + 1.0;
-    let sharp = last + (width / WIDEST).log2();
-    let (mirror, from) = (octaves.mirror_width(), octaves.sharp_width());
-    if sharp >= 1.0 { sharp.min(last) } else { ((width / mirror).ln() / (from / mirror).ln()).max(0.0) }
-}
-
-/// Standard deviation of a whole `level`.
-fn width_of(octaves: Octaves, level: u32) -> f64 {
-    match level {
-        0 => octaves.mirror_width(),
-        1 => octaves.sharp_width(),
-        _ => octaves.width(level - 2),
+/// The map of `width`: 0 the mirror, then Gaussians from fine to coarse; whole numbers are maps, between them
+/// the logarithm counts.
+pub(super) fn level_of(levels: Levels, width: f64) -> f64 {
+    let (mirror, sharp) = (levels.width(0), levels.width(1));
+    let finer = (width / mirror).ln() / (sharp / mirror).ln();
+    if finer < 1.0 {
+        return finer.max(0.0);
     }
+    (1.0 + (width / sharp).log2() / levels.octaves()).min(f64::from(levels.count() - 1))
 }
 
-/// The nodes over the levels of `octaves`, fitted at the first call: those of the least roughness first.
-pub fn table(octaves: Octaves) -> &'static [Node] {
-    static FITTED: [Once<Vec<Node>>; Octaves::MOST as usize] =
-        [const { Once::new() }; Octaves::MOST as usize];
-    FITTED[octaves.count() as usize - 1].get_or_make(|| {
+/// The nodes over the levels of `levels`, fitted at the first call: those of the least roughness first.
+pub fn table(levels: Levels) -> &'static [Node] {
+    static FITTED: [[Once<Vec<Node>>; 2]; Levels::SIZES] =
+        [const { [const { Once::new() }; 2] }; Levels::SIZES];
+    FITTED[levels.size_index()][usize::from(levels.is_cube())].get_or_make(|| {
         let [across, _] = NODES;
         let nodes = 0..across * NODES[1];
-        parallel::map(nodes, |k| fitted(octaves, roughness_of(k % across), cosine_of(k / across)))
+        parallel::map(nodes, |k| fitted(levels, roughness_of(k % across), cosine_of(k / across)))
     })
 }
 
@@ -108,8 +101,8 @@ fn view_place(cosine: f32) -> f32 {
 }
 
 /// The node at `roughness` in [0, 1] and n.v of `cosine`, between those of [`table`].
-pub fn node_at(octaves: Octaves, roughness: f32, cosine: f32) -> Node {
-    let table = table(octaves);
+pub fn node_at(levels: Levels, roughness: f32, cosine: f32) -> Node {
+    let table = table(levels);
     let places = [(1.0 + 10.0 * roughness).log2() / 11_f32.log2(), view_place(cosine)];
     let [(x, right), (y, up)] = [0, 1].map(|axis| {
         let place = places[axis] * (NODES[axis] - 1) as f32;
@@ -197,13 +190,13 @@ pub(super) struct Read {
 }
 
 impl Read {
-    pub(super) fn new(octaves: Octaves, direction: DVec3, level: f64) -> Self {
+    pub(super) fn new(levels: Levels, direction: DVec3, level: f64) -> Self {
         let (whole, share) = (level.floor() as u32, level.fract());
         let of = |level: u32, share: f64| {
             if share == 0.0 {
                 return [1.0, 0.0];
             }
-            let width = width_of(octaves, level);
+            let width = levels.width(level);
             [width.powi(-2), share * gaussian(width, 0.0)]
         };
         Self { direction, gaussians: [of(whole, 1.0 - share), of(whole + 1, share)] }
@@ -284,7 +277,7 @@ pub(super) fn weights<const N: usize>(
 /// A reflection that is fitted.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    octaves: Octaves,
+    levels: Levels,
     alpha: f64,
     view: DVec3,
     pub(super) points: Vec<Point>,
@@ -297,18 +290,18 @@ pub struct Fit {
 
 impl Fit {
     /// The reflection at `roughness` and n.v of `cosine`.
-    pub fn new(octaves: Octaves, roughness: f64, cosine: f64) -> Self {
+    pub fn new(levels: Levels, roughness: f64, cosine: f64) -> Self {
         let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
         // Sharper lobes than the mirror's are served by the mirror.
-        let served = (roughness.powi(8) + (0.5 * octaves.mirror_width()).powi(4)).powf(0.125);
+        let served = (roughness.powi(8) + (0.5 * levels.width(0)).powi(4)).powf(0.125);
         let [from, to] = HARMONICS_FROM;
         let use_harmonics = smooth((roughness - from) / (to - from));
         // Lobes narrower than the mirror's texels are served by equal reads of it.
-        let narrow = octaves.mirror_width() / (2.0 * cosine * roughness.max(1e-3).powi(2));
+        let narrow = levels.width(0) / (2.0 * cosine * roughness.max(1e-3).powi(2));
         let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
         ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
         Self {
-            octaves,
+            levels,
             alpha: roughness * roughness,
             view,
             points: points(served * served, view, &Brdf::new(view, served, 0.0)),
@@ -322,9 +315,9 @@ impl Fit {
     pub(super) fn read(&self, [slope, width]: [f64; 2]) -> (Read, [f64; 2]) {
         let slope = slope * self.alpha;
         let half = (DVec3::Z + slope * self.view.with_z(0.0)).normalize();
-        let level = level_of(self.octaves, width * self.alpha);
+        let level = level_of(self.levels, width * self.alpha);
         let direction = half * (2.0 * self.view.dot(half)) - self.view;
-        (Read::new(self.octaves, direction, level), [slope, level])
+        (Read::new(self.levels, direction, level), [slope, level])
     }
 
     /// What the weights multiply, of light from the unit vector `light`: reads, the clamped cosine,
@@ -347,8 +340,8 @@ impl Fit {
 }
 
 /// The node that fits the reflection at `roughness` and n.v of `cosine`.
-pub fn fitted(octaves: Octaves, roughness: f64, cosine: f64) -> Node {
-    let fit = Fit::new(octaves, roughness, cosine);
+pub fn fitted(levels: Levels, roughness: f64, cosine: f64) -> Node {
+    let fit = Fit::new(levels, roughness, cosine);
     let mut node = [[0.0; 4]; LAYERS];
     let reads = places(roughness, cosine).map(|place| fit.read(place));
     for (layer, (_, [slope, level])) in node.iter_mut().zip(&reads) {

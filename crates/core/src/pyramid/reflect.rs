@@ -75,7 +75,7 @@ impl Pyramid {
     }
 
     fn isotropic(&self, frame: &Frame, roughness: f32, f0: Vec3A, f90: f32) -> Vec3A {
-        let node = node_at(self.octaves, roughness, frame.view.z as f32);
+        let node = node_at(self.levels, roughness, frame.view.z as f32);
         let albedo = albedo_at(roughness, frame.view.z as f32);
         // Of a white world the weights give their sum; of the harmonics, the first. Where nothing is
         // reflected, shares mean nothing.
@@ -109,7 +109,7 @@ impl Pyramid {
         let level_view = frame.view.truncate().normalize_or(DVec2::X);
         let tangent = DVec2::new(level_view.x, -level_view.y);
         let azimuth = tangent.y.abs().atan2(tangent.x.abs());
-        let node = anisotropic::node_at(self.octaves, alpha, frame.view.z, azimuth);
+        let node = anisotropic::node_at(self.levels, alpha, frame.view.z, azimuth);
         let row = Row::new(alpha, tangent, frame.view.z);
         // From axes of the plane of incidence to those of the tangent.
         let axis = level_view * row.axis.x + level_view.perp() * row.axis.y;
@@ -134,7 +134,7 @@ impl Pyramid {
                 let [slope, width] = row.reads[read];
                 let half = (slope * axis).extend(1.0).normalize();
                 let direction = frame.axes * (half * (2.0 * frame.view.dot(half)) - frame.view);
-                let level = level_of(self.octaves, width) as f32;
+                let level = level_of(self.levels, width) as f32;
                 sum += coloured([a, b]) * self.between_levels(direction, level);
                 in_mirror += (scale * a + bias * b) * (1.0 - level).max(0.0);
             }
@@ -179,7 +179,7 @@ impl Pyramid {
 
     /// The suns in the BRDF itself, with `alpha` along the tangent and across it.
     fn suns_reflected(&self, frame: &Frame, alpha: DVec2, f0: Vec3A, f90: f32) -> Vec3A {
-        let least = DVec2::splat(0.5 * self.octaves.mirror_width());
+        let least = DVec2::splat(0.5 * self.levels.width(0));
         let brdf = Brdf::of_alphas(frame.view, alpha.max(least));
         let mut sum = Vec3A::ZERO;
         for sun in self.suns.suns {

@@ -319,7 +319,7 @@ fn lanes<const COUNT: usize>(all: &[f32], first: usize) -> [f32; COUNT] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pyramid::Octaves;
+    use crate::pyramid::Levels;
     use crate::sphere::octahedral::direction_from_oct;
     use glam::Vec3;
 
@@ -327,7 +327,7 @@ mod tests {
     #[test]
     fn rows_reach_as_far_as_the_gaussian() {
         for inner in [LARGE, 2 * LARGE, 8 * LARGE] {
-            let width = Octaves::over(inner).expect("a size").sharp_width();
+            let width = Levels::over(inner).expect("a size").width(1);
             let missing = |margin: f32| {
                 let half = inner / 2;
                 let texels =
@@ -364,7 +364,7 @@ mod tests {
     #[test]
     fn windows_have_the_sums_over_all_texels() {
         for inner in [32, 64, 128] {
-            let width = Octaves::over(inner).expect("a size").sharp_width();
+            let width = Levels::over(inner).expect("a size").width(1);
             let light = |x: u32, y: u32| (x * 7919 + y * 104_729 + x * y) % 1009;
             let mirror = Map::new(inner, |x, y| {
                 Vec3A::new(light(x, y) as f32, light(y, x) as f32, light(x + 1, y + 2) as f32)

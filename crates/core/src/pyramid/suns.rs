@@ -9,7 +9,7 @@
 //! A texel's light counts as its centre, where sums over texels put it. That widens a sun by a twelfth of a
 //! texel's square (Sheppard's correction), which is subtracted.
 
-use super::Octaves;
+use super::Levels;
 use crate::common::parallel;
 use crate::common::vector::{Extremes as _, Fused as _};
 use crate::light::oem::Oem;
@@ -286,8 +286,8 @@ fn products(v: DVec3, t: DVec3, b: DVec3) -> DVec3 {
 }
 
 /// 1 over the integral of GGX at `roughness`.
-pub(crate) fn lobe_share(octaves: Octaves, roughness: f64) -> f64 {
-    let alpha = (roughness * roughness).max(0.5 * octaves.mirror_width());
+pub(crate) fn lobe_share(levels: Levels, roughness: f64) -> f64 {
+    let alpha = (roughness * roughness).max(0.5 * levels.width(0));
     1.0 / lobe::ggx_integral(alpha)
 }
 

@@ -2,8 +2,7 @@
 //!
 //! ```text
 //! OEM planes --brightest, seek--> seeds, scale
-//!  +--mirror--> mirror; rest --sharp--> sharp level --cascade--> level 0 --cascade--> level 1 ...
-//!  |                                                                 middle levels <--+
+//!  +--mirror--> mirror; rest --sharp--> sharp level --cascade--> next level --cascade--> ...
 //!  +--moments--> light above the clamp --suns--> light
 //!  +--cells_of_texels--> cells --cosine--> cosine level
 //!                          +--harmonics--> light
@@ -13,7 +12,7 @@ use super::pyramid::PyramidMaps;
 use crate::device::stage::Dispatch;
 use crate::{Context, OemPlanes, Stage};
 use octagloss_core::light::oem::OemSize;
-use octagloss_core::pyramid::levels::{BETWEEN, FROM_MIDDLE, TAPS, taps};
+use octagloss_core::pyramid::levels::{Between, TAPS, taps};
 use octagloss_core::pyramid::{Square, cells};
 use wgpu::BindingResource::{Sampler, TextureView};
 
@@ -41,19 +40,21 @@ struct Level {
     finer_inner: u32,
     finer_border: u32,
     variance: f32,
-    pad: [u32; 3],
+    bend: f32,
+    pad: [u32; 2],
     taps: [[f32; 4]; TAPS],
 }
 
-/// The uniform of a map of `size` under a Gaussian of `variance` over one of the size `finer`.
-fn level(context: &Context, size: OemSize, finer: OemSize, variance: f64) -> wgpu::Buffer {
+/// The uniform of a map of `size` that `between` makes of one of the size `finer`.
+fn level(context: &Context, size: OemSize, finer: OemSize, between: Between) -> wgpu::Buffer {
     let level = Level {
         inner: size.inner,
         border: size.border,
         finer_inner: finer.inner,
         finer_border: finer.border,
-        variance: variance as f32,
-        pad: [0; 3],
+        variance: between.variance as f32,
+        bend: between.bend as f32,
+        pad: [0; 2],
         taps: taps().map(|(place, weight)| [place.x, place.y, weight, 0.0]),
     };
     context.uniform("level", &level)
@@ -69,7 +70,7 @@ const fn squares(texels: u32) -> [u32; 3] {
 /// # Panics
 /// If `maps` were made for another size.
 pub fn stage(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> Stage {
-    assert_eq!(oem.size().inner, maps.octaves().inner(), "maps for this size");
+    assert_eq!(oem.size().inner, maps.levels().inner(), "maps for this size");
     let [brightest, seek] = seeds(context, oem, maps);
     let [moments, light] = light(context, oem, maps);
     let [cells, cosine, harmonics] = diffuse(context, oem, maps);
@@ -121,10 +122,10 @@ fn light(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> [Dispatch; 2
 
 fn sharp(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> [Dispatch; 2] {
     let passed = maps.passed();
-    let (octaves, size) = (maps.octaves(), maps.octaves().size(0));
-    let [mirror, sharp] = [0, 1].map(|map| maps.square(octaves.square_of(map)));
+    let (levels, size) = (maps.levels(), maps.levels().size(0));
+    let [mirror, sharp] = [0, 1].map(|map| maps.square(levels.square_of(map)));
     let [to_mirror, to_sharp] =
-        [0.0, octaves.sharp_width()].map(|width| level(context, size, size, width * width));
+        [0.0, levels.width(1)].map(|width| level(context, size, size, Between::round(width)));
     let rest = (10, passed.texels.as_entire_binding());
     let mut of_oem = oem.bindings();
     of_oem.extend([
@@ -145,12 +146,12 @@ fn sharp(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> [Dispatch; 2
     ]
 }
 
-/// Each level from the next finer one, and middle levels beside those that read the same.
+/// Each level from the next finer one.
 fn cascades(context: &Context, maps: &PyramidMaps) -> Vec<Dispatch> {
-    let (octaves, passed) = (maps.octaves(), maps.passed());
-    let cascade = |finer: Square, own: Square, variance| {
-        let (finer_size, size) = (octaves.size(finer.mip), octaves.size(own.mip));
-        let to_own = level(context, size, finer_size, variance);
+    let (levels, passed) = (maps.levels(), maps.passed());
+    let cascade = |finer: Square, own: Square, between| {
+        let (finer_size, size) = (levels.size(finer.mip), levels.size(own.mip));
+        let to_own = level(context, size, finer_size, between);
         let [finer, own] = [finer, own].map(|square| maps.square(square));
         let resources = [
             (6, TextureView(&finer)),
@@ -162,25 +163,20 @@ fn cascades(context: &Context, maps: &PyramidMaps) -> Vec<Dispatch> {
         ];
         Dispatch::new(context, (LEVELS, "cascade"), &resources, squares(size.inner))
     };
-    let mut dispatches = Vec::new();
-    for k in 0..octaves.count() {
-        let [finer, own] = [k + 1, k + 2].map(|map| octaves.square_of(map));
-        dispatches.push(cascade(finer, own, BETWEEN * octaves.width(k).powi(2)));
-        for middle in (0..octaves.middles()).filter(|middle| octaves.below_middle(*middle) + 1 == k) {
-            let variance = FROM_MIDDLE * octaves.middle_width(middle).powi(2);
-            dispatches.push(cascade(finer, octaves.square_of_middle(middle), variance));
-        }
-    }
-    dispatches
+    let own = |map| {
+        let between = Between::new(levels.width(map), levels.width(map - 1));
+        cascade(levels.square_of(map - 1), levels.square_of(map), between)
+    };
+    (2..levels.count()).map(own).collect()
 }
 
 fn diffuse(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> [Dispatch; 3] {
     let file = "pyramid/cells.wgsl";
     let planes = oem.bindings();
     let rows = oem.size().inner * oem.size().inner.min(cells::FINEST);
-    let place = maps.octaves().square_of_cosine();
-    let (cosine, size) = (maps.square(place), maps.octaves().size(place.mip));
-    let to_cosine = level(context, size, size, 0.0);
+    let place = maps.levels().square_of_cosine();
+    let (cosine, size) = (maps.square(place), maps.levels().size(place.mip));
+    let to_cosine = level(context, size, size, Between::round(0.0));
     let seeds = (5, maps.passed().seeds.as_entire_binding());
     let stored = (6, maps.passed().cells.as_entire_binding());
     let of_texels = [&planes[..], &[seeds, stored.clone()]].concat();

@@ -11,7 +11,7 @@ use glam::DVec3;
 use octagloss_core::common::error::{Error, Result};
 use octagloss_core::pyramid::fit::{self, WEIGHTS};
 use octagloss_core::pyramid::light::OctaglossLight;
-use octagloss_core::pyramid::{Octaves, SQUARES, Square, cells, suns};
+use octagloss_core::pyramid::{Levels, SQUARES, Square, cells, suns};
 
 /// Invocations of a workgroup over queries.
 pub const GROUP_SIZE: u32 = 64;
@@ -44,7 +44,7 @@ const LIGHT: u64 = size_of::<OctaglossLight>() as u64;
 /// The maps of one environment's pyramid, in textures that several share.
 #[derive(Clone, Debug)]
 pub struct PyramidMaps {
-    octaves: Octaves,
+    levels: Levels,
     /// Place among the pyramids that share the textures.
     probe: u32,
     weights: wgpu::TextureView,
@@ -108,40 +108,40 @@ impl PyramidMaps {
     /// # Errors
     /// Those of [`Self::new`].
     pub fn sharing(context: &Context, inner: u32, probes: u32) -> Result<Vec<Self>> {
-        let octaves = Octaves::over(inner)?;
-        Self::check_fits(context, octaves, probes)?;
-        let (weights, passed) = (weights(context, octaves), Passed::new(context, inner));
-        Ok(Self::in_textures(context, octaves, probes, weights, passed))
+        let levels = Levels::over(inner)?;
+        Self::check_fits(context, levels, probes)?;
+        let (weights, passed) = (weights(context, levels), Passed::new(context, inner));
+        Ok(Self::in_textures(context, levels, probes, weights, passed))
     }
 
     /// Maps of another environment, black, in textures of their own. Builds of both pass through the same
     /// buffers.
     pub fn sibling(&self, context: &Context) -> Self {
         let (weights, passed) = (self.weights.clone(), self.passed.clone());
-        Self::in_textures(context, self.octaves, 1, weights, passed).remove(0)
+        Self::in_textures(context, self.levels, 1, weights, passed).remove(0)
     }
 
     /// Maps in new textures.
     fn in_textures(
         context: &Context,
-        octaves: Octaves,
+        levels: Levels,
         probes: u32,
         weights: wgpu::TextureView,
         passed: Passed,
     ) -> Vec<Self> {
-        let side = octaves.size(0).bordered();
+        let side = levels.size(0).bordered();
         let shape = [side, side, SQUARES * probes];
         let sampled = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
         let usage = sampled | wgpu::TextureUsages::STORAGE_BINDING;
         let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let used = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | copied;
         let first = Self {
-            octaves,
+            levels,
             probe: 0,
             weights,
             // Shaders of several declare the most.
             lights: context.buffer("light of pyramids", LIGHT * u64::from(MAX_PROBES), used),
-            maps: context.texture("maps of pyramids", FORMAT, shape, octaves.mips(), usage),
+            maps: context.texture("maps of pyramids", FORMAT, shape, levels.mips(), usage),
             linear: trilinear(context),
             passed,
         };
@@ -153,14 +153,14 @@ impl PyramidMaps {
     }
 
     /// Checks that the maps of `probes` environments fit the device's textures.
-    pub fn check_fits(context: &Context, octaves: Octaves, probes: u32) -> Result<()> {
+    pub fn check_fits(context: &Context, levels: Levels, probes: u32) -> Result<()> {
         let limits = context.device().limits();
-        let (side, most) = (octaves.size(0).bordered(), limits.max_texture_dimension_2d);
+        let (side, most) = (levels.size(0).bordered(), limits.max_texture_dimension_2d);
         if side > most {
-            let fits = |size: &u32| Octaves::over(*size).is_ok_and(|of| of.size(0).bordered() <= most);
-            let largest = Octaves::sizes().rev().find(fits).unwrap_or_default();
+            let fits = |size: &u32| Levels::over(*size).is_ok_and(|of| of.size(0).bordered() <= most);
+            let largest = Levels::sizes().rev().find(fits).unwrap_or_default();
             return Err(Error::Limit {
-                what: format!("a pyramid over a map of {0} x {0}", octaves.inner()),
+                what: format!("a pyramid over a map of {0} x {0}", levels.inner()),
                 needed: u64::from(side),
                 available: u64::from(most),
                 remedy: format!("choose `oem_size` of at most {largest}"),
@@ -186,13 +186,13 @@ impl PyramidMaps {
 
     /// Bytes of the textures of one environment.
     pub fn bytes(&self) -> u64 {
-        let texels = |mip| u64::from(self.octaves.size(mip).bordered()).pow(2);
-        8 * u64::from(SQUARES) * (0..self.octaves.mips()).map(texels).sum::<u64>()
+        let texels = |mip| u64::from(self.levels.size(mip).bordered()).pow(2);
+        8 * u64::from(SQUARES) * (0..self.levels.mips()).map(texels).sum::<u64>()
     }
 
     /// The levels.
-    pub const fn octaves(&self) -> Octaves {
-        self.octaves
+    pub const fn levels(&self) -> Levels {
+        self.levels
     }
 
     /// The light of this environment.
@@ -257,9 +257,9 @@ impl PyramidMaps {
 
 /// The table of weights: five texels for each node, [`NODES_A_ROW`] side by side; and one for the size of the
 /// maps.
-fn weights(context: &Context, octaves: Octaves) -> wgpu::TextureView {
-    let mut nodes = fit::table(octaves);
-    nodes.push([octaves.inner() as f32; WEIGHTS]);
+fn weights(context: &Context, levels: Levels) -> wgpu::TextureView {
+    let mut nodes = fit::table(levels);
+    nodes.push([levels.inner() as f32; WEIGHTS]);
     nodes.resize(nodes.len().next_multiple_of(NODES_A_ROW as usize), [0.0; WEIGHTS]);
     let [width, height] = [NODES_A_ROW * WEIGHTS as u32 / 4, nodes.len() as u32 / NODES_A_ROW];
     let format = wgpu::TextureFormat::Rgba32Float;

@@ -5,7 +5,7 @@ use crate::Context;
 use crate::device::resources::{SAMPLER, UNIFORM, group, group_layout, layers, texture_binding, write_level};
 use half::f16;
 use octagloss_core::pyramid::reads::{LAYERS, NODES, table};
-use octagloss_core::pyramid::{Octaves, albedo, anisotropic};
+use octagloss_core::pyramid::{Levels, albedo, anisotropic};
 
 /// Surfaces that shaders ask for. The table of anisotropic ones takes seconds to fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,9 +17,9 @@ pub enum Surfaces {
 }
 
 /// The tables as a texture: a layer for each texel of a node, then the albedo, row after row.
-fn texture(context: &Context, octaves: Octaves) -> wgpu::Texture {
+fn texture(context: &Context, levels: Levels) -> wgpu::Texture {
     let [width, height] = NODES.map(|nodes| nodes as u32);
-    let nodes = table(octaves);
+    let nodes = table(levels);
     let reads = (0..LAYERS).flat_map(|layer| nodes.iter().map(move |node| node[layer]));
     let mut texels: Vec<_> = reads.chain(albedo::texels()).collect();
     let depth = texels.len().div_ceil(nodes.len());
@@ -68,11 +68,11 @@ pub fn bind_group(
     surfaces: Surfaces,
     layout: &wgpu::BindGroupLayout,
 ) -> wgpu::BindGroup {
-    let view = layers(&texture(context, maps.octaves()));
+    let view = layers(&texture(context, maps.levels()));
     let (sides, texels) = match surfaces {
         // Nothing is read there.
         Surfaces::Isotropic => ([1; 3], vec![[0.0; 4]]),
-        Surfaces::Any => (anisotropic::TEXTURE, anisotropic::texels(maps.octaves())),
+        Surfaces::Any => (anisotropic::TEXTURE, anisotropic::texels(maps.levels())),
     };
     let rows = filled(context, wgpu::TextureDimension::D3, sides, &texels).create_view(&Default::default());
     maps.with_resources(all, |resources| {

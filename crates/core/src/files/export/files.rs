@@ -126,7 +126,8 @@ fn file_of(
             plain(encode(baked, plan.pixel, &pyramid::metadata(baked, &of_target(plan, metadata)))?)
         }
         Content::PyramidLight => text(pyramid::light_json(baked_pyramid(bake)?)),
-        Content::PyramidTables => plain(tables_bytes(baked_pyramid(bake)?.octaves())?),
+        Content::PyramidTables => plain(tables_bytes(baked_pyramid(bake)?.levels())?),
+        Content::PyramidCubeTables => plain(tables_bytes(baked_pyramid(bake)?.levels().on_cubes())?),
         Content::Reader => text(readers(path).expect("a reader of that name").into_owned()),
         Content::Panorama => {
             let level = levels.first().ok_or_else(|| missing("a panorama"))?;

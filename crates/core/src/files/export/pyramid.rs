@@ -18,7 +18,7 @@ pub(super) fn light_json(baked: &BakedPyramid) -> String {
 }
 
 fn light(baked: &BakedPyramid) -> Value {
-    let (octaves, light) = (baked.octaves(), &baked.light);
+    let (levels, light) = (baked.levels(), &baked.light);
     let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
     let columns = light.world_from_source.map(rgb);
     let harmonics = light.harmonics.map(|harmonic| rgb(harmonic).map(|c| c * light.unscale));
@@ -36,9 +36,9 @@ fn light(baked: &BakedPyramid) -> Value {
     let uniform: &[f32] = bytemuck::cast_slice(std::slice::from_ref(light));
     json!({
         "version": VERSION,
-        "size": octaves.inner(),
-        "border": octaves.size(0).border,
-        "levels": octaves.count(),
+        "size": levels.inner(),
+        "border": levels.size(0).border,
+        "levels": levels.count(),
         "scale": light.unscale,
         "world_from_source": columns,
         "harmonics": harmonics,

@@ -12,7 +12,7 @@ use crate::light::chain::Level;
 use crate::light::environment::{Layout, Rgb};
 use crate::pyramid::levels::Map;
 use crate::pyramid::light::OctaglossLight;
-use crate::pyramid::{BakedPyramid, COARSEST, Octaves, SQUARES, Square};
+use crate::pyramid::{BakedPyramid, Levels, SMALLEST, SQUARES, Square};
 use glam::{DVec3, Vec3A};
 use serde::Deserialize;
 
@@ -53,7 +53,7 @@ pub(super) fn decode_chain(texture: &Texture<'_>) -> Result<LoadedChain> {
 /// The irradiance over pi of a pyramid's look-ups.
 pub(super) fn decode_irradiance(texture: &Texture<'_>) -> Result<Level> {
     let pyramid = decode(texture)?;
-    let level = cube(COARSEST, 1.0, |direction| pyramid.irradiance(direction));
+    let level = cube(SMALLEST, 1.0, |direction| pyramid.irradiance(direction));
     check_finite(texture.source.path, 0, level.size(), &level.texels)?;
     Ok(level)
 }
@@ -77,38 +77,36 @@ fn decode(texture: &Texture<'_>) -> Result<BakedPyramid> {
     if light.version != VERSION {
         return Err(wrong(format!("a pyramid of version {}, not {VERSION}", light.version)));
     }
-    let octaves = check_size(light.size)
-        .and_then(|()| Octaves::over(light.size))
+    let levels = check_size(light.size)
+        .and_then(|()| Levels::over(light.size))
         .map_err(|_| wrong(format!("{KEY} has size {}", light.size)))?;
+    let levels = if texture.is_cube { levels.on_cubes() } else { levels };
     let shape = (texture.width, texture.height, texture.layers, texture.levels as u32);
-    let side = octaves.size(0).bordered();
+    let side = levels.size(0).bordered();
     let expected = match texture.is_cube {
-        true => (light.size, light.size, 1, octaves.count() + 2),
-        false => (side, side, SQUARES, octaves.mips()),
+        true => (light.size, light.size, 1, levels.count()),
+        false => (side, side, SQUARES, levels.mips()),
     };
     if shape != expected {
-        let (width, height, layers, levels) = shape;
+        let (width, height, layers, mips) = shape;
         return Err(wrong(format!(
-            "{layers} images of {width}x{height} with {levels} levels are no pyramid of size {}",
+            "{layers} images of {width}x{height} with {mips} levels are no pyramid of size {}",
             light.size
         )));
     }
-    let (octaves, maps, cosine) = match texture.is_cube {
-        true => (octaves.on_cubes(), [cubes(texture)?, Vec::new()], None),
-        false => {
-            let (maps, cosine) = squares(texture, octaves)?;
-            (octaves, maps, Some(cosine))
-        }
+    let (maps, cosine) = match texture.is_cube {
+        true => (cubes(texture)?, None),
+        false => squares(texture, levels)?,
     };
     let uniform: [f32; size_of::<OctaglossLight>() / 4] = light
         .uniform
         .try_into()
         .map_err(|uniform: Vec<f32>| wrong(format!("{KEY} has {} numbers", uniform.len())))?;
-    BakedPyramid::of_parts(octaves, maps, cosine, bytemuck::cast(uniform))
+    BakedPyramid::of_parts(levels, maps, cosine, bytemuck::cast(uniform))
         .map_err(|message| wrong(format!("{KEY}: {message}")))
 }
 
-/// The cubes of a file: mirror, sharp level, levels from fine to coarse.
+/// The cubes of a file: the mirror, then Gaussians from fine to coarse.
 fn cubes(texture: &Texture<'_>) -> Result<Vec<Map>> {
     let cube = |mip: usize| {
         let (size, texels) = (texture.width >> mip, texture.level(mip)?);
@@ -119,20 +117,19 @@ fn cubes(texture: &Texture<'_>) -> Result<Vec<Map>> {
     (0..texture.levels).map(cube).collect()
 }
 
-/// The squares of a file in the same order and the middle levels, and the cosine level.
-fn squares(texture: &Texture<'_>, octaves: Octaves) -> Result<([Vec<Map>; 2], Map)> {
-    let mips = (0..octaves.mips()).map(|mip| {
+/// The squares of a file in the same order, and the cosine level.
+fn squares(texture: &Texture<'_>, levels: Levels) -> Result<(Vec<Map>, Option<Map>)> {
+    let mips = (0..levels.mips()).map(|mip| {
         let texels = texture.level(mip as usize)?;
-        check_finite(texture.source.path, mip, octaves.size(mip).bordered(), &texels)?;
+        check_finite(texture.source.path, mip, levels.size(mip).bordered(), &texels)?;
         Ok(texels)
     });
     let mips: Vec<_> = mips.collect::<Result<_>>()?;
     let square = |Square { layer, mip }| {
-        let (size, texels) = (octaves.size(mip), &mips[mip as usize]);
+        let (size, texels) = (levels.size(mip), &mips[mip as usize]);
         let area = texels.len() / SQUARES as usize;
         Map::of_bordered(size.inner, size.border, &texels[layer as usize * area..][..area])
     };
-    let maps = (0..octaves.count() + 2).map(|map| square(octaves.square_of(map))).collect();
-    let middles = (0..octaves.middles()).map(|middle| square(octaves.square_of_middle(middle))).collect();
-    Ok(([maps, middles], square(octaves.square_of_cosine())))
+    let maps = (0..levels.count()).map(|map| square(levels.square_of(map))).collect();
+    Ok((maps, Some(square(levels.square_of_cosine()))))
 }

@@ -17,7 +17,7 @@ use crate::light::environment::Map;
 use crate::light::sh::scale::ShScale;
 use crate::lobe::Lobe;
 use crate::lobe::ladder::{Ladder, UNITY_LEVELS};
-use crate::pyramid::Octaves;
+use crate::pyramid::SMALLEST;
 use crate::sphere::cube::Face;
 
 /// Content of a target's file.
@@ -47,6 +47,8 @@ pub enum Content {
     PyramidLight,
     /// The tables of pyramids of its size.
     PyramidTables,
+    /// Those of pyramids on cubes.
+    PyramidCubeTables,
     /// The reader of `octagloss_shaders` named by its path.
     Reader,
     /// Level 0 as one image; the path's extension selects the format.
@@ -154,8 +156,8 @@ pub struct Target {
 }
 
 use Content::{
-    Atlas, Env, Glb, Image, Irradiance, Mips, Oem, Panorama, PyramidLight, PyramidTables, Reader, ShJson,
-    ShText, Sheen, Skybox, SkyboxPanorama, Specular,
+    Atlas, Env, Glb, Image, Irradiance, Mips, Oem, Panorama, PyramidCubeTables, PyramidLight, PyramidTables,
+    Reader, ShJson, ShText, Sheen, Skybox, SkyboxPanorama, Specular,
 };
 
 /// This program's own conventions, the base of the other rows.
@@ -212,13 +214,13 @@ const SKY: Target = Target {
     ..ENGINE
 };
 
-/// The files of a pyramid whose maps are `maps`, with its `readers`.
-const fn pyramid_files(maps: Content, readers: [&'static str; 4]) -> [FileSpec; 8] {
+/// The files of a pyramid whose maps are `maps`, with its `tables` and `readers`.
+const fn pyramid_files(maps: Content, tables: FileSpec, readers: [&'static str; 4]) -> [FileSpec; 8] {
     let [wgsl, glsl, hlsl, metal] = readers;
     [
         FileSpec { path: "{name}_pyramid.{ext}", content: maps },
         FileSpec { path: "{name}_pyramid.json", content: PyramidLight },
-        FileSpec { path: "pyramid_tables.ktx2", content: PyramidTables },
+        tables,
         FileSpec { path: wgsl, content: Reader },
         FileSpec { path: glsl, content: Reader },
         FileSpec { path: hlsl, content: Reader },
@@ -236,6 +238,7 @@ const PYRAMID: Target = Target {
     last_size: Some(32),
     files: &pyramid_files(
         Content::Pyramid,
+        FileSpec { path: "pyramid_tables.ktx2", content: PyramidTables },
         ["pyramid.wgsl", "pyramid.glsl", "pyramid.hlsl", "pyramid.metal"],
     ),
     verified: Some("its own readers"),
@@ -246,6 +249,7 @@ const PYRAMID: Target = Target {
 const PYRAMID_ON_CUBE: Target = Target {
     files: &pyramid_files(
         Content::PyramidCube,
+        FileSpec { path: "pyramid_cube_tables.ktx2", content: PyramidCubeTables },
         ["pyramid_cube.wgsl", "pyramid_cube.glsl", "pyramid_cube.hlsl", "pyramid_cube.metal"],
     ),
     ..PYRAMID
@@ -629,11 +633,9 @@ impl TargetPlan {
             )),
             PyramidLight => {
                 pyramid_write::check_size(size)?;
-                match Octaves::over(size)?.count() {
+                match size.ilog2() + 1 - SMALLEST.ilog2() {
                     own if own == levels => Ok(()),
-                    own => wrong(format!(
-                        "a pyramid of `size` {size} has {own} levels, not {levels}; omit `levels`"
-                    )),
+                    _ => wrong(format!("a pyramid has levels of its own, not {levels}; omit `levels`")),
                 }
             }
             _ => Ok(()),
