@@ -120,7 +120,8 @@ const READER: &str = "\
 
 /// Added for cubes.
 const ON_CUBE: &str = "\
-// The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
+// The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
+// reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
 ";
 
 /// WGSL of the look-ups of pyramids in files, with their resources in group 0.

@@ -187,7 +187,9 @@ pub mod suns {
 /// The engines that bakes are made for.
 pub mod targets {
     pub use octagloss_core::files::format::{LevelName, Shown};
-    pub use octagloss_core::files::target::{Content, Diffuse, FileSpec, Flip, TARGETS, Target, TargetPlan};
+    pub use octagloss_core::files::target::{
+        Content, Diffuse, FileSpec, Flip, PyramidMap, TARGETS, Target, TargetPlan,
+    };
 }
 
 /// Runs the program on the arguments of the process; `licenses` are those of the crates in it.

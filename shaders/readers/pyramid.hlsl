@@ -5,8 +5,9 @@
 // Directions are in the world, right-handed, y up. To use: octagloss_radiance, octagloss_irradiance,
 // octagloss_reflect, octagloss_reflect_isotropic, octagloss_albedo and octagloss_albedo_along; `probe` is 0.
 #ifdef OCTAGLOSS_CUBE
-// The maps are one cube, of `--map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 479c5c81a9d6dddd.
+// The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
+// reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
+// Translated from pyramid_cube.wgsl, FNV-1a cb4cc3a5d17cf3fe.
 #else
 // Translated from pyramid.wgsl, FNV-1a 85b3c13c2d941b24.
 #endif

@@ -77,10 +77,11 @@ pub(super) fn run(args: &ReaderArgs) -> Outcome {
         return usage(format!("--size: {error}"));
     }
     let existing = check_output(path, args.force)?;
-    let bytes = anisotropic_table(size, args.map.unwrap_or(PyramidMap::Octahedral))?;
+    let map = args.map.unwrap_or_default();
+    let bytes = anisotropic_table(size, map)?;
     write_output(path, existing, &bytes)?;
     let (path, count) = (path.display(), bytes.len());
-    Console::new(args.quiet).note(&format!("{path}: {count} bytes for pyramids of {size}"));
+    Console::new(args.quiet).note(&format!("{path}: {count} bytes for {map} pyramids of {size}"));
     Ok(())
 }
 

@@ -16,8 +16,8 @@ use octagloss_gpu::engine::GpuReflector;
 /// Error of the GPU's gathering and of boxes in single precision, relative to the greatest radiance nearby.
 const RELATIVE: f64 = 1e-3;
 
-/// Levels of a pyramid over 32 texels.
-const LEVELS: f64 = 1.0;
+/// Cascades of a pyramid over 32 texels.
+const LEVELS: f64 = 2.0;
 
 /// Returns whether answers `a` and `b` agree within `allowed` of luminance.
 fn agree(a: &Answer, b: &Answer, allowed: f64) -> bool {

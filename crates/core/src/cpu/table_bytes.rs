@@ -30,8 +30,8 @@ const CELL: u64 = 75 + 12;
 const CELL_MAKING: u64 = 70;
 /// Bytes of a run of the source's texels, and of the list that it is sorted from.
 const RUN: u64 = 12 + 16;
-/// Bytes of a pyramid for a texel of its map: mirror, sharp level, the levels, the middle levels.
-const PYRAMID: u64 = 16 + 16 + 22 + 5;
+/// Bytes of a pyramid for a texel of its map: three maps of that size, three of half of it, and of a quarter.
+const PYRAMID: u64 = 3 * (16 + 4 + 1);
 /// A lobe to evaluate.
 #[derive(Clone, Copy, Debug)]
 pub struct LobeRequest {

@@ -97,7 +97,7 @@ impl Levels {
         Self::sizes().find(|size| *size >= inner).unwrap_or(Self::LARGEST)
     }
 
-    /// Texels along an edge of a map whose finest levels are narrower than half of lobes of `alpha`.
+    /// Texels along an edge of a map whose finest level is about half as wide as lobes of `alpha`.
     pub(crate) fn texels_for(alpha: f64) -> u32 {
         (3.4 * FINEST / alpha).min(f64::from(Self::LARGEST)).ceil() as u32
     }

@@ -38,7 +38,6 @@ fn light(baked: &BakedPyramid) -> Value {
         "version": VERSION,
         "size": levels.inner(),
         "border": levels.size(0).border,
-        "levels": levels.count(),
         "scale": light.unscale,
         "world_from_source": columns,
         "harmonics": harmonics,

@@ -106,14 +106,6 @@ pub fn check_size(inner: u32) -> Result<()> {
     }
 }
 
-/// `levels` on `map`.
-pub(crate) const fn levels_on(map: PyramidMap, levels: Levels) -> Levels {
-    match map {
-        PyramidMap::Octahedral => levels,
-        PyramidMap::Cube => levels.on_cubes(),
-    }
-}
-
 /// Encodes the tables for pyramids of `levels`.
 ///
 /// # Errors
@@ -139,7 +131,8 @@ pub(crate) fn tables_bytes(levels: Levels) -> Result<Vec<u8>> {
         }
     }
     let sides = [width as u32, height as u32, 0];
-    let content = format!("tables of pyramids over maps of {}", levels.inner());
+    let map = if levels.is_cube() { PyramidMap::Cube } else { PyramidMap::Octahedral };
+    let content = format!("tables of {map} pyramids over maps of {}", levels.inner());
     halves_file(Format::R16G16B16A16_SFLOAT, sides, texels.as_flattened(), &content)
 }
 
@@ -151,7 +144,9 @@ pub(crate) fn tables_bytes(levels: Levels) -> Result<Vec<u8>> {
 /// [`crate::common::error::Error::Parameter`] for a `size` that is not a power of two from 64 to 2048.
 pub fn anisotropic_table(size: u32, map: PyramidMap) -> Result<Vec<u8>> {
     check_size(size)?;
-    let texels = anisotropic::texels(levels_on(map, Levels::over(size)?));
-    let content = format!("table of anisotropic reflections from pyramids over maps of {size}");
+    let levels = Levels::over(size)?;
+    let levels = if map == PyramidMap::Cube { levels.on_cubes() } else { levels };
+    let texels = anisotropic::texels(levels);
+    let content = format!("table of anisotropic reflections from {map} pyramids over maps of {size}");
     halves_file(Format::R16G16B16A16_SFLOAT, anisotropic::TEXTURE, texels.as_flattened(), &content)
 }
