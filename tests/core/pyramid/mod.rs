@@ -95,7 +95,7 @@ fn the_table_interpolates_and_its_weights_do_not_jump() {
 fn all_sizes_have_as_many_levels_as_shaders_read() {
     for size in Levels::sizes() {
         let levels = Levels::over(size).expect("a size");
-        let last = 1.0 + ((size.ilog2() as f32 - 3.237_039_1) / LEVEL_OCTAVES as f32).floor();
+        let last = 1.0 + ((size.ilog2() as f32 - 3.237_039) / LEVEL_OCTAVES as f32).floor();
         assert_eq!(f64::from(last), f64::from(levels.count() - 1), "{size}");
         assert!(levels.count() as usize <= MOST_MAPS && levels.on_cubes().count() as usize <= MOST_MAPS);
         let mips = (0..levels.count()).map(|map| levels.square_of(map));
