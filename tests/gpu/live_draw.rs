@@ -2,7 +2,7 @@
 //! rays through the map's pixels see.
 
 use crate::live::{answers, difference};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 use octagloss_core::common::error::Error;
 use octagloss_core::light::environment::{Environment, Layout, Rgb};
 use octagloss_fixtures::adapters::in_full;
@@ -98,6 +98,15 @@ fn picture(triangles: &Triangles) -> Environment {
     Environment::new(Layout::Octahedral { size: SIZE }, texels).expect("an environment")
 }
 
+/// `triangles`, moved by `offset`.
+fn moved(triangles: &Triangles, offset: Vec3) -> Triangles {
+    let corners = triangles.corners().iter().map(|corner| {
+        let position = Vec3::from_array(corner.position) + offset;
+        Corner::new(position.to_array(), corner.value)
+    });
+    Triangles::new(corners.collect(), triangles.indices().to_vec()).expect("a valid mesh")
+}
+
 /// Draws `triangles`, moved by `centre`, with fronts that wind as `front_face`.
 fn draw(
     context: &Context,
@@ -191,11 +200,7 @@ fn drawn_scenes_light_as_rays_see_them() {
         assert_eq!(judge(&triangles, wgpu::FrontFace::Cw), None, "on {}", context.describe());
         // The comparison sees culled fronts, and a scene that has moved by a fifth of its distance.
         assert!(judge(&triangles, wgpu::FrontFace::Ccw).is_some(), "back faces are black");
-        let moved = triangles.corners().iter().map(|corner| {
-            let [x, y, z] = corner.position;
-            Corner::new([x + 0.3, y, z], corner.value)
-        });
-        let moved = Triangles::new(moved.collect(), triangles.indices().to_vec()).expect("a valid mesh");
+        let moved = moved(&triangles, Vec3::X * 0.3);
         assert!(judge(&moved, wgpu::FrontFace::Cw).is_some(), "a moved scene differs");
         assert_eq!(judge(&triangles, wgpu::FrontFace::Cw), None, "the next frame is of the next scene");
     });
@@ -231,11 +236,7 @@ fn draws_and_textures_take_turns() {
         assert_eq!(judge(&live, &environment), None);
         // A sibling draws into the same map, a scene far below.
         let mut sibling = live.sibling();
-        let below = triangles.corners().iter().map(|corner| {
-            let [x, y, z] = corner.position;
-            Corner::new([x, y - 1e3, z], corner.value)
-        });
-        let below = Triangles::new(below.collect(), triangles.indices().to_vec()).expect("a valid mesh");
+        let below = moved(&triangles, Vec3::NEG_Y * 1e3);
         draw(context, &mut sibling, &below, DVec3::ZERO, wgpu::FrontFace::Cw).expect("a valid draw");
         assert_eq!(judge(&live, &environment), None);
         assert!(judge(&sibling, &environment).is_some(), "the scene is far below");

@@ -281,10 +281,9 @@ pub fn texels(levels: Levels) -> Vec<[f32; 4]> {
 
 /// One node, fitted at the first call.
 fn node(levels: Levels, index: usize) -> &'static Node {
-    static FITTED: [[OnceLock<Vec<OnceLock<Node>>>; 2]; Levels::SIZES] =
-        [const { [const { OnceLock::new() }; 2] }; Levels::SIZES];
+    static FITTED: [OnceLock<Vec<OnceLock<Node>>>; Levels::ALL] = [const { OnceLock::new() }; Levels::ALL];
     let [across, up, around, deep] = NODES;
-    let nodes = FITTED[levels.size_index()][usize::from(levels.is_cube())]
+    let nodes = FITTED[levels.index()]
         .get_or_init(|| (0..across * up * around * deep).map(|_| OnceLock::new()).collect());
     nodes[index].get_or_init(|| {
         let (alpha, cosine, azimuth) = lobe_of(NODES, index);

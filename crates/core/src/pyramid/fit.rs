@@ -75,11 +75,10 @@ pub fn table(levels: Levels) -> Vec<[f32; WEIGHTS]> {
 /// Those at one node, fitted at the first call.
 fn node(levels: Levels, index: u32) -> [f32; WEIGHTS] {
     type Nodes = [OnceLock<[f32; WEIGHTS]>; INTERVALS as usize + 1];
-    static FITTED: [[Nodes; 2]; Levels::SIZES] =
-        [const { [const { [const { OnceLock::new() }; INTERVALS as usize + 1] }; 2] }; Levels::SIZES];
+    static FITTED: [Nodes; Levels::ALL] =
+        [const { [const { OnceLock::new() }; INTERVALS as usize + 1] }; Levels::ALL];
     let fitted = || fitted(levels, roughness_of(f64::from(index)));
-    let of_size = &FITTED[levels.size_index()][usize::from(levels.is_cube())];
-    *of_size[index as usize].get_or_init(fitted)
+    *FITTED[levels.index()][index as usize].get_or_init(fitted)
 }
 
 /// Weights at `roughness` in [0, 1], between the two nodes of [`table`] around it.
@@ -126,10 +125,10 @@ pub fn functions(levels: Levels, c: f64) -> [f64; WEIGHTS] {
 /// [`READS`] + 1 in turn is partly so.
 fn in_use(levels: Levels, alpha: f64) -> [f64; COSINE + 1] {
     let wide = WIDE[usize::from(levels.is_cube())];
-    let from = (0..levels.count())
+    let from: Vec<(usize, f64)> = (0..levels.count())
         .map(|map| (map as usize, if map == 0 { 0.0 } else { levels.width(map) / wide }))
-        .chain([(COSINE, COSINE_FROM)]);
-    let from: Vec<(usize, f64)> = from.collect();
+        .chain([(COSINE, COSINE_FROM)])
+        .collect();
     let mut shares = [0.0; COSINE + 1];
     for (k, (place, own)) in from.iter().enumerate() {
         let next = from.get(k + READS).map_or(f64::INFINITY, |(_, next)| *next);
@@ -189,7 +188,9 @@ pub fn fitted(levels: Levels, roughness: f64) -> [f32; WEIGHTS] {
     }
     let mut weights = [0.0; WEIGHTS];
     for (share, set) in sets {
-        for (k, weight) in set.iter().zip(held_at_one(&products, &set)) {
+        let product = |j: usize, k: usize| products[set[j]][set[k]];
+        let fitted = held_at(1.0, set.len(), product, |j| products[set[j]][LOBE], |j| set[j] <= ORDERS);
+        for (k, weight) in set.iter().zip(fitted) {
             weights[*k] += (share * weight) as f32;
         }
     }
@@ -197,20 +198,26 @@ pub fn fitted(levels: Levels, roughness: f64) -> [f32; WEIGHTS] {
     weights
 }
 
-/// The weights of the functions in `set` that fit a lobe of integral 1, a multiplier holding theirs there:
-/// `products` are the normal equations of all, the right sides in the last column.
-fn held_at_one(products: &[[f64; LOBE + 1]; LOBE], set: &[usize]) -> Vec<f64> {
-    let count = set.len();
+/// The weights that solve normal equations of `count` functions, whose products are `product(j, k)` and with
+/// what they fit `right(j)`: of those that have an integral it is held at `total` by a multiplier.
+pub(super) fn held_at(
+    total: f64,
+    count: usize,
+    product: impl Fn(usize, usize) -> f64,
+    right: impl Fn(usize) -> f64,
+    has_integral: impl Fn(usize) -> bool,
+) -> Vec<f64> {
     let mut system = vec![vec![0.0; count + 2]; count + 1];
-    for (row, k) in system.iter_mut().zip(set) {
-        row.iter_mut().zip(set).for_each(|(value, other)| *value = products[*k][*other]);
-        row[count] = f64::from(u8::from(*k <= ORDERS));
-        row[count + 1] = products[*k][LOBE];
+    for j in 0..count {
+        for k in 0..count {
+            system[j][k] = product(j, k);
+        }
+        let integral = f64::from(u8::from(has_integral(j)));
+        system[j][count] = integral;
+        system[count][j] = integral;
+        system[j][count + 1] = right(j);
     }
-    for place in 0..count {
-        system[count][place] = system[place][count];
-    }
-    system[count][count + 1] = 1.0;
+    system[count][count + 1] = total;
     solved(system)
 }
 
@@ -244,7 +251,7 @@ fn lobe_points(alpha: f64, finest: f64) -> Vec<LobePoint> {
 }
 
 /// The solution of linear equations, the right sides in the last column, by elimination with pivots.
-pub(super) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
+fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     let count = rows.len();
     for k in 0..count {
         let pivot = (k..count).max_by(|a, b| rows[*a][k].abs().total_cmp(&rows[*b][k].abs()));

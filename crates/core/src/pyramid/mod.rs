@@ -82,7 +82,10 @@ pub struct Levels {
 
 impl Levels {
     /// Sizes of maps.
-    pub const SIZES: usize = 7;
+    const SIZES: usize = 7;
+
+    /// Levels of all sizes, of squares and of cubes.
+    pub(super) const ALL: usize = 2 * Self::SIZES;
 
     /// Texels along an edge of the largest map.
     pub const LARGEST: u32 = SMALLEST << (Self::SIZES - 1);
@@ -128,9 +131,9 @@ impl Levels {
         self.is_cube
     }
 
-    /// Their place among those of all sizes.
-    pub(super) const fn size_index(self) -> usize {
-        (self.inner / SMALLEST).ilog2() as usize
+    /// Their place among [`Self::ALL`].
+    pub(super) const fn index(self) -> usize {
+        2 * (self.inner / SMALLEST).ilog2() as usize + self.is_cube as usize
     }
 
     /// The number of maps: the mirror, and Gaussians.

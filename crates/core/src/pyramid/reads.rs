@@ -8,7 +8,7 @@
 
 use super::Levels;
 use super::brdf::Brdf;
-use super::fit::{gaussian, smooth, solved};
+use super::fit::{gaussian, held_at, smooth};
 use super::places::{READS, places};
 use crate::common::frame::LEAST_COSINE;
 use crate::common::once::Once;
@@ -67,11 +67,10 @@ pub(super) fn level_of(levels: Levels, width: f64) -> f64 {
     (1.0 + (width / sharp).log2() / levels.octaves()).min(f64::from(levels.count() - 1))
 }
 
-/// The nodes over the levels of `levels`, fitted at the first call: those of the least roughness first.
+/// The nodes over `levels`, fitted at the first call: those of the least roughness first.
 pub fn table(levels: Levels) -> &'static [Node] {
-    static FITTED: [[Once<Vec<Node>>; 2]; Levels::SIZES] =
-        [const { [const { Once::new() }; 2] }; Levels::SIZES];
-    FITTED[levels.size_index()][usize::from(levels.is_cube())].get_or_make(|| {
+    static FITTED: [Once<Vec<Node>>; Levels::ALL] = [const { Once::new() }; Levels::ALL];
+    FITTED[levels.index()].get_or_make(|| {
         let [across, _] = NODES;
         let nodes = 0..across * NODES[1];
         parallel::map(nodes, |k| fitted(levels, roughness_of(k % across), cosine_of(k / across)))
@@ -236,7 +235,7 @@ pub(super) fn weights<const N: usize>(
     let [mean, square] = moments(points);
     // The normal equations, and a multiplier that holds the lobe's integral at the albedo.
     let mut products = [[0.0; N]; N];
-    let mut right = vec![[0.0; 2]; used + 1];
+    let mut right = vec![[0.0; 2]; used];
     for point in points {
         let weight = point.weight(mean, square);
         let values = functions(point.light);
@@ -250,26 +249,12 @@ pub(super) fn weights<const N: usize>(
             }
         }
     }
-    let mut system = vec![vec![0.0; used + 2]; used + 1];
-    for j in 0..used {
-        for k in 0..used {
-            system[j][k] = products[j.max(k)][j.min(k)];
-        }
-        system[j][j] += ridge[j];
-        // Harmonics of order 0 have an integral, the others none.
-        let integral = if j <= reads + 1 { 1.0 } else { 0.0 };
-        system[j][used] = integral;
-        system[used][j] = integral;
-    }
+    let product = |j: usize, k: usize| products[j.max(k)][j.min(k)] + if j == k { ridge[j] } else { 0.0 };
+    // Harmonics of order 0 have an integral, the others none.
+    let has_integral = |j: usize| j <= reads + 1;
     let [scale, bias] = albedo;
-    let [all, grazing] = [0, 1].map(|side| {
-        let mut system = system.clone();
-        for (row, right) in system.iter_mut().zip(&right) {
-            row[used + 1] = right[side];
-        }
-        system[used][used + 1] = [scale + bias, bias][side] / mean;
-        solved(system)
-    });
+    let [all, grazing] = [(0, scale + bias), (1, bias)]
+        .map(|(side, total)| held_at(total / mean, used, product, |j| right[j][side], has_integral));
     let pair = |k: usize| [(all[k] - grazing[k]) * mean, grazing[k] * mean].map(|weight| weight as f32);
     (0..used).map(pair).collect()
 }

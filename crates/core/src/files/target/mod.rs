@@ -633,10 +633,11 @@ impl TargetPlan {
             )),
             PyramidLight => {
                 pyramid_write::check_size(size)?;
-                match size.ilog2() + 1 - SMALLEST.ilog2() {
-                    own if own == levels => Ok(()),
-                    _ => wrong(format!("a pyramid has levels of its own, not {levels}; omit `levels`")),
+                // A plan counts the octaves of its map.
+                if levels == size.ilog2() + 1 - SMALLEST.ilog2() {
+                    return Ok(());
                 }
+                wrong(format!("a pyramid has levels of its own, not {levels}; omit `levels`"))
             }
             _ => Ok(()),
         })
