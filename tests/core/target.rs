@@ -606,9 +606,8 @@ fn beside<'a>(plan: &TargetPlan, bake: &'a Bake) -> Vec<Stored<'a>> {
     }
     let levels = bake.chain.levels.iter().zip(stored_levels(plan, &made));
     let beside = |(level, stored): (&'a octagloss_core::light::chain::Level, Vec<Rgb>)| {
-        let stored =
-            flipped(&octagloss_core::light::chain::Level { texels: stored, ..level.clone() }, plan.flip)
-                .texels;
+        let stored = [octagloss_core::light::chain::Level { texels: stored, ..level.clone() }];
+        let stored = flipped(&stored, plan.flip).into_owned().swap_remove(0).texels;
         let n = level.size();
         let direction =
             move |at: u32| direction_from_texel(Face::ALL[(at / (n * n)) as usize], n, at % n, at / n % n);

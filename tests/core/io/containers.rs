@@ -170,17 +170,17 @@ fn ktx1_and_dds_hold_every_level_by_their_specifications() {
         let chain = chain(size, size.ilog2() + 1, false);
         for pixel in PLAIN {
             let pairs = vec![("sh".to_owned(), "1 2 3\n".to_owned()), ("a".to_owned(), String::new())];
-            let ktx = cube_bytes(Container::Ktx1, &chain, pixel, &pairs).unwrap();
+            let ktx = cube_bytes(Container::Ktx1, &chain.levels, pixel, &pairs).unwrap();
             let found = parse_ktx1(&ktx, pixel).unwrap();
             // The roughness follows.
             assert_eq!(found.pairs[..2], pairs);
             assert_eq!((found.pairs.len(), found.pairs[2].0.as_str()), (3, "octaglossRoughness"));
             same(&found, &chain, pixel);
-            let dds = cube_bytes(Container::Dds, &chain, pixel, &pairs).unwrap();
+            let dds = cube_bytes(Container::Dds, &chain.levels, pixel, &pairs).unwrap();
             same(&parse_dds(&dds, pixel).unwrap(), &chain, pixel);
             assert!(chain.levels.iter().all(|level| pixel.clamped(&level.texels) == 0));
         }
-        let dds = cube_bytes(Container::Dds, &chain, Pixel::Bc6h, &[]).unwrap();
+        let dds = cube_bytes(Container::Dds, &chain.levels, Pixel::Bc6h, &[]).unwrap();
         parse_dds(&dds, Pixel::Bc6h).unwrap();
     }
 }
@@ -189,7 +189,7 @@ fn ktx1_and_dds_hold_every_level_by_their_specifications() {
 fn the_program_reads_the_dds_that_it_writes() {
     let chain = chain(16, 5, false);
     for pixel in PLAIN {
-        let dds = cube_bytes(Container::Dds, &chain, pixel, &[]).unwrap();
+        let dds = cube_bytes(Container::Dds, &chain.levels, pixel, &[]).unwrap();
         let read = |bytes: &[u8]| read_from_memory(Path::new("a.dds"), bytes, &ReadOptions::default());
         let loaded = read(&dds).unwrap();
         let expected: Vec<Rgb> = chain.levels[0].texels.iter().map(|t| stored(pixel, *t)).collect();
@@ -210,8 +210,8 @@ fn the_program_reads_the_bc6h_and_r11g11b10f_that_it_writes() {
     for size in [8, 5] {
         let chain = chain(size, 3, false);
         for pixel in [Pixel::Bc6h, Pixel::R11g11b10] {
-            let dds = cube_bytes(Container::Dds, &chain, pixel, &[]).unwrap();
-            let ktx2 = cube_bytes(Container::Ktx2, &chain, pixel, &[]).unwrap();
+            let dds = cube_bytes(Container::Dds, &chain.levels, pixel, &[]).unwrap();
+            let ktx2 = cube_bytes(Container::Ktx2, &chain.levels, pixel, &[]).unwrap();
             let expected = parse_dds(&dds, pixel).unwrap().levels;
             for (name, bytes) in [("a.dds", &dds), ("a.ktx2", &ktx2)] {
                 let loaded = read_from_memory(Path::new(name), bytes, &ReadOptions::default()).unwrap();
@@ -284,13 +284,13 @@ fn rgbd_keeps_radiance_within_what_eight_bits_of_gamma_hold() {
 #[test]
 fn the_parsers_detect_faults() {
     let chain = chain(8, 4, false);
-    let ktx = cube_bytes(Container::Ktx1, &chain, Pixel::R11g11b10, &[]).unwrap();
+    let ktx = cube_bytes(Container::Ktx1, &chain.levels, Pixel::R11g11b10, &[]).unwrap();
     for (at, what) in [(0, "identifier"), (12, "endianness"), (16, "formats"), (52, "six faces")] {
         let mut bad = ktx.clone();
         bad[at] ^= 1;
         assert_eq!(parse_ktx1(&bad, Pixel::R11g11b10).err().as_deref(), Some(what));
     }
-    let dds = cube_bytes(Container::Dds, &chain, Pixel::F16, &[]).unwrap();
+    let dds = cube_bytes(Container::Dds, &chain.levels, Pixel::F16, &[]).unwrap();
     for (at, what) in [(4, "magic and header size"), (128, "DXGI format"), (136, "2D, a cube, one of it")] {
         let mut bad = dds.clone();
         bad[at] ^= 1;
@@ -298,7 +298,7 @@ fn the_parsers_detect_faults() {
     }
     let mut swapped = chain.clone();
     swapped.levels[0].texels.swap(3, 64 + 3);
-    let bytes = cube_bytes(Container::Dds, &swapped, Pixel::F32, &[]).unwrap();
+    let bytes = cube_bytes(Container::Dds, &swapped.levels, Pixel::F32, &[]).unwrap();
     let found = parse_dds(&bytes, Pixel::F32).unwrap();
     assert_eq!(first_difference(&found.levels[0], &chain.levels[0].texels), Some(3));
 }
@@ -307,15 +307,15 @@ fn the_parsers_detect_faults() {
 fn impossible_requests_are_refused() {
     let good = chain(4, 2, false);
     let words = |result: octagloss_core::common::error::Result<Vec<u8>>| result.unwrap_err().to_string();
-    assert!(words(cube_bytes(Container::Ktx1, &good, Pixel::Bc6h, &[])).contains("bc6h"));
+    assert!(words(cube_bytes(Container::Ktx1, &good.levels, Pixel::Bc6h, &[])).contains("bc6h"));
     assert!(!Container::Ktx1.holds(Pixel::Bc6h) && Container::Dds.holds(Pixel::Bc6h));
     let twice = vec![("sh".to_owned(), String::new()); 2];
-    assert!(words(cube_bytes(Container::Ktx1, &good, Pixel::F16, &twice)).contains("twice"));
+    assert!(words(cube_bytes(Container::Ktx1, &good.levels, Pixel::F16, &twice)).contains("twice"));
     let mut uneven = good.clone();
     uneven.levels[1] = uneven.levels[0].clone();
     for container in [Container::Ktx1, Container::Dds, Container::Ktx2] {
-        assert!(words(cube_bytes(container, &uneven, Pixel::F16, &[])).contains("level 1"));
+        assert!(words(cube_bytes(container, &uneven.levels, Pixel::F16, &[])).contains("level 1"));
         let none = Chain { levels: vec![] };
-        assert!(words(cube_bytes(container, &none, Pixel::F16, &[])).contains("at least one level"));
+        assert!(words(cube_bytes(container, &none.levels, Pixel::F16, &[])).contains("at least one level"));
     }
 }

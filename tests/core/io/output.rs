@@ -115,7 +115,7 @@ fn outputs_in_impossible_places_are_errors_that_name_them() {
     fs::write(&file, "").unwrap();
     let inside_nothing = folder.path().join("missing").join("out.ktx2");
     let inside_file = file.join("out.ktx2");
-    let bytes = ktx2_bytes(&chain(2, 1, false), Pixel::F16, &[]).unwrap();
+    let bytes = ktx2_bytes(&chain(2, 1, false).levels, Pixel::F16, &[]).unwrap();
     for path in [&inside_nothing, &inside_file, folder.path(), Path::new("/dev/null"), Path::new("/")] {
         for existing in [Existing::Keep, Existing::Replace] {
             let message = write_file(path, existing, |file| file.write_all(&bytes)).unwrap_err().to_string();

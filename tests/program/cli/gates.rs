@@ -48,7 +48,7 @@ fn damage(path: &Path, level: usize, change: impl Fn(Rgb) -> Rgb) {
     } else {
         let record = serde_json::to_string(&bake.provenance).expect("a record");
         let pairs = [("octaglossRecipe".to_owned(), record)];
-        let bytes = ktx2_bytes(&bake.chain, Pixel::F32, &pairs).expect("valid");
+        let bytes = ktx2_bytes(&bake.chain.levels, Pixel::F32, &pairs).expect("valid");
         fs::write(path, bytes).expect("writable");
     }
 }

@@ -10,20 +10,20 @@ use crate::common::parallel;
 use crate::files::format::container::ENV_MAGIC;
 use crate::files::format::rgbd::rgbd_png_bytes;
 use crate::files::target::Flip;
-use crate::light::chain::Chain;
+use crate::light::chain::Level;
 use crate::light::sh::scale::{ShScale, scaled};
 use crate::sphere::cube::Face;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// Encodes an `.env` of `chain`, already flipped by `flip`, and the harmonics `sh` of the environment's
+/// Encodes an `.env` of `levels`, already flipped by `flip`, and the harmonics `sh` of the environment's
 /// radiance.
 ///
 /// # Errors
 /// [`crate::common::error::Error::Parameter`] for faces that PNG cannot hold.
-pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<Vec<u8>> {
-    let size = chain.levels.first().map_or(0, |level| level.size());
-    let images = png_faces(chain)?;
+pub(crate) fn env_bytes(levels: &[Level], sh: &[[f64; 3]], flip: Flip) -> Result<Vec<u8>> {
+    let size = levels.first().map_or(0, |level| level.size());
+    let images = png_faces(levels)?;
     let mut position = 0;
     let mipmaps: Vec<Value> = images
         .iter()
@@ -47,8 +47,8 @@ pub(crate) fn env_bytes(chain: &Chain, sh: &[[f64; 3]], flip: Flip) -> Result<Ve
 }
 
 /// Encodes every face of every level as PNG, rows upwards.
-pub(crate) fn png_faces(chain: &Chain) -> Result<Vec<Vec<u8>>> {
-    let faces = chain.levels.iter().flat_map(|level| Face::ALL.map(|face| (level.size(), level.face(face))));
+pub(crate) fn png_faces(levels: &[Level]) -> Result<Vec<Vec<u8>>> {
+    let faces = levels.iter().flat_map(|level| Face::ALL.map(|face| (level.size(), level.face(face))));
     let png = |(size, texels): (u32, &[[f32; 3]])| {
         let texels: Vec<_> = texels.chunks_exact(size as usize).rev().flatten().copied().collect();
         rgbd_png_bytes(size, &texels)

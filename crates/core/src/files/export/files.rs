@@ -17,8 +17,8 @@ use crate::files::io::provenance::{IRRADIANCE, RECIPE_KEY, TakenSun};
 use crate::files::io::pyramid_write::{cubes_bytes, squares_bytes, tables_bytes};
 use crate::files::recipe::source::SunReport;
 use crate::files::recipe::{Recipe, fields};
-use crate::files::target::{Content, TargetPlan, flipped, flipped_chain};
-use crate::light::chain::{Chain, ChainKind, Level};
+use crate::files::target::{Content, TargetPlan, flipped};
+use crate::light::chain::{ChainKind, Level};
 use crate::light::environment::Rgb;
 use crate::light::sh::scale::{ShScale, scaled};
 use crate::light::sh::{name, order_text};
@@ -27,6 +27,7 @@ use crate::pyramid::BakedPyramid;
 use crate::sphere::cube::Face;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
+use std::slice::from_ref;
 
 /// A file in memory.
 #[derive(Clone, Debug)]
@@ -85,7 +86,7 @@ fn file_of(
     let container =
         if plan.target.has_container() { plan.container } else { own().unwrap_or(plan.container) };
     let pixel = if container.holds(plan.pixel) { plan.pixel } else { Pixel::F16 };
-    let flipped_cube = |chain: &Chain, sh: bool| {
+    let cube = |levels: &[Level], sh: bool| {
         let own = match content {
             Content::Sheen => vec![("lobe", json!(Lobe::Charlie)), ("chain", json!(ChainKind::Sampled))],
             Content::Skybox if bake.skybox.is_some() => mirror(),
@@ -100,10 +101,9 @@ fn file_of(
             pairs.push(("sh".to_owned(), lines));
         }
         pairs.extend(of_target(plan, &recorded(metadata, &own)));
-        Ok((cube_bytes(container, chain, pixel, &pairs)?, clamped(&chain.levels, pixel)))
+        let bytes = cube_bytes(container, &flipped(levels, plan.flip), pixel, &pairs)?;
+        Ok((bytes, clamped(levels, pixel)))
     };
-    let cubes = |chain: &Chain, sh: bool| flipped_cube(&flipped_chain(chain, plan.flip), sh);
-    let cube = |level: &Level| flipped_cube(&Chain { levels: vec![flipped(level, plan.flip)] }, false);
     let levels = &bake.chain.levels[..];
     let plain = |bytes: Vec<u8>| (bytes, Vec::new());
     let text = |text: String| plain(text.into_bytes());
@@ -111,14 +111,14 @@ fn file_of(
     Ok(match content {
         Content::ShJson => text(sh_json(plan, bake)),
         Content::ShText => text(sh_text(bake)),
-        Content::Specular => cubes(&bake.chain, plan.diffuse.has_sh())?,
-        Content::Skybox => cube(skybox(bake)?)?,
+        Content::Specular => cube(levels, plan.diffuse.has_sh())?,
+        Content::Skybox => cube(from_ref(skybox(bake)?), false)?,
         Content::SkyboxPanorama => plain(panorama(plan, skybox(bake)?, path, metadata)?),
         Content::Sheen => {
             let sheen = bake.sheen.as_ref().ok_or_else(|| missing("a sheen cube"))?;
-            cubes(sheen, false)?
+            cube(&sheen.levels, false)?
         }
-        Content::Irradiance => cube(irradiance(bake)?)?,
+        Content::Irradiance => cube(from_ref(irradiance(bake)?), false)?,
         Content::Oem => whole(oem_bytes(plan.container, levels, plan.pixel, &of_target(plan, metadata))?),
         Content::Pyramid | Content::PyramidCube => {
             let baked = baked_pyramid(bake)?;
@@ -133,13 +133,11 @@ fn file_of(
             let level = levels.first().ok_or_else(|| missing("a panorama"))?;
             plain(panorama(plan, level, path, metadata)?)
         }
-        Content::Env => {
-            whole(babylon::env_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, plan.flip)?)
-        }
-        Content::Glb => whole(gltf::glb_bytes(&flipped_chain(&bake.chain, plan.flip), &bake.sh, name)?),
+        Content::Env => whole(babylon::env_bytes(&flipped(levels, plan.flip), &bake.sh, plan.flip)?),
+        Content::Glb => whole(gltf::glb_bytes(&flipped(levels, plan.flip), &bake.sh, name)?),
         Content::Atlas => whole(playcanvas::atlas_bytes(
-            &flipped_chain(&bake.chain, plan.flip),
-            &flipped(irradiance(bake)?, plan.flip),
+            &flipped(levels, plan.flip),
+            &flipped(from_ref(irradiance(bake)?), plan.flip)[0],
         )?),
         Content::Mips => whole(mips_bytes(levels, plan.pixel, metadata)?),
         Content::Image(image) => image_file(plan, bake, metadata, image)?,

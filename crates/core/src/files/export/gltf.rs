@@ -11,7 +11,7 @@
 use super::babylon::png_faces;
 use crate::common::error::{Error, Result};
 use crate::files::io::exr::write::SOFTWARE;
-use crate::light::chain::Chain;
+use crate::light::chain::Level;
 use crate::light::sh::scale::{ShScale, scaled};
 use serde_json::{Value, json};
 
@@ -19,13 +19,13 @@ use serde_json::{Value, json};
 const NINE: usize = 9;
 
 pub(crate) const EXTENSION: &str = "EXT_lights_image_based";
-/// Encodes a `.glb` with a scene lit by `chain` and the harmonics `sh` of the environment's radiance.
+/// Encodes a `.glb` with a scene lit by `levels` and the harmonics `sh` of the environment's radiance.
 ///
 /// # Errors
 /// [`Error::Parameter`] for more than 4 GiB.
-pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<Vec<u8>> {
-    let size = chain.levels.first().map_or(0, |level| level.size());
-    let images = png_faces(chain)?;
+pub(crate) fn glb_bytes(levels: &[Level], sh: &[[f64; 3]], name: &str) -> Result<Vec<u8>> {
+    let size = levels.first().map_or(0, |level| level.size());
+    let images = png_faces(levels)?;
     let mut binary = Vec::new();
     let mut views = Vec::new();
     for image in &images {
@@ -34,7 +34,7 @@ pub(crate) fn glb_bytes(chain: &Chain, sh: &[[f64; 3]], name: &str) -> Result<Ve
         binary.resize(binary.len().next_multiple_of(4), 0);
     }
     let levels: Vec<Vec<usize>> =
-        (0..chain.levels.len()).map(|level| (6 * level..6 * level + 6).collect()).collect();
+        (0..levels.len()).map(|level| (6 * level..6 * level + 6).collect()).collect();
     let light = json!({
         "name": name,
         "intensity": 1.0,

@@ -10,7 +10,7 @@ use crate::common::error::Result;
 use crate::common::parallel;
 use crate::files::format::rgbd::png_bytes;
 use crate::files::format::rgbp::rgbp_from_rgb;
-use crate::light::chain::{Chain, Level};
+use crate::light::chain::Level;
 use crate::light::chain_lookup::SeamlessLevel;
 use crate::light::environment::Rgb;
 use glam::DVec3;
@@ -43,20 +43,20 @@ const AMBIENT: Rect = Rect { x: 128, y: 384, width: 64 };
 /// Mipmaps of the mirror that look-ups reach.
 const SHINY: u32 = 6;
 
-/// Encodes the atlas of `chain` and `irradiance`, cubes flipped for the reader, of a size and a number of
+/// Encodes the atlas of `levels` and `irradiance`, cubes flipped for the reader, of a size and a number of
 /// levels that [`crate::files::target::TargetPlan::check_levels`] takes.
 ///
 /// # Errors
 /// [`crate::common::error::Error::Parameter`] for an atlas that PNG cannot hold.
-pub(crate) fn atlas_bytes(chain: &Chain, irradiance: &Level) -> Result<Vec<u8>> {
-    let size = chain.levels.first().map_or(0, Level::size);
+pub(crate) fn atlas_bytes(levels: &[Level], irradiance: &Level) -> Result<Vec<u8>> {
+    let size = levels.first().map_or(0, Level::size);
     let mut atlas = AtlasImage { edge: 2 * size, texels: vec![[0.0; 3]; (4 * size * size) as usize] };
-    for (level, number) in chain.levels.iter().zip(0..).skip(1) {
+    for (level, number) in levels.iter().zip(0..).skip(1) {
         atlas.draw(Rect::rough(number), level, 1);
     }
     for number in 0..SHINY {
         // The cube has twice the texels of the panorama, and the smaller ones average its area.
-        atlas.draw(Rect::shiny(number), &chain.levels[0], 2 << number);
+        atlas.draw(Rect::shiny(number), &levels[0], 2 << number);
     }
     atlas.draw(AMBIENT, irradiance, 1);
     let codes: Vec<[u8; 4]> = atlas.texels.iter().map(|texel| rgbp_from_rgb(*texel)).collect();

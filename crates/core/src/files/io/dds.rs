@@ -12,7 +12,7 @@ use crate::files::io::picture::{Source, TEXEL_BYTES};
 use crate::files::io::provenance::FLIP_KEY;
 use crate::files::io::texture::{READABLE, Texture, image_bytes};
 use crate::files::target::Flip;
-use crate::light::chain::Chain;
+use crate::light::chain::Level;
 use ddsfile::{AlphaMode, Caps2, D3D10ResourceDimension, Dds, DxgiFormat, MiscFlag, NewDxgiParams};
 
 /// Decodes every level of a cube. The file does not store their `roughness`.
@@ -94,12 +94,12 @@ pub(super) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
     })
 }
 
-/// A DDS cube map of `chain`, flipped by `flip`: RGBA16F, RGBA32F, RGB9E5, R11G11B10F or BC6H (unsigned).
+/// A DDS cube map of `levels`, flipped by `flip`: RGBA16F, RGBA32F, RGB9E5, R11G11B10F or BC6H (unsigned).
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve.
-pub(super) fn dds_bytes(chain: &Chain, pixel: Pixel, flip: Flip) -> Result<Vec<u8>> {
-    let size = check_sizes("DDS", chain)?;
+pub(super) fn dds_bytes(levels: &[Level], pixel: Pixel, flip: Flip) -> Result<Vec<u8>> {
+    let size = check_sizes("DDS", levels)?;
     let Some(format) = pixel.in_textures().map(|own| own.dxgi) else {
         return wrong(format!("dds files cannot hold {}", pixel.name()));
     };
@@ -109,7 +109,7 @@ pub(super) fn dds_bytes(chain: &Chain, pixel: Pixel, flip: Flip) -> Result<Vec<u
         width: size,
         depth: None,
         format,
-        mipmap_levels: Some(chain.levels.len() as u32),
+        mipmap_levels: Some(levels.len() as u32),
         array_layers: Some(6),
         // The crate sets only the DX10 header's flag; older readers use these.
         caps2: Some(Caps2::CUBEMAP | Caps2::CUBEMAP_ALLFACES),
@@ -119,7 +119,7 @@ pub(super) fn dds_bytes(chain: &Chain, pixel: Pixel, flip: Flip) -> Result<Vec<u
     })
     .map_err(failed)?;
     let levels: Vec<Vec<u8>> =
-        chain.levels.iter().map(|level| texel_bytes(level.size(), &level.texels, pixel)).collect();
+        levels.iter().map(|level| texel_bytes(level.size(), &level.texels, pixel)).collect();
     dds.data.clear();
     for face in 0..6 {
         for level in &levels {

@@ -14,7 +14,7 @@ use crate::files::io::ktx2::write::{ROUGHNESS_KEY, roughness_text};
 use crate::files::io::picture::{Source, TEXEL_BYTES};
 use crate::files::io::texture::{Texture, image_bytes};
 use crate::files::io::{LoadedChain, cmgen};
-use crate::light::chain::Chain;
+use crate::light::chain::Level;
 
 /// Key of the harmonics that cmgen writes.
 const CMGEN_KEY: &str = "sh";
@@ -145,25 +145,27 @@ fn pairs_of<'a>(source: &Source<'a>, bytes: &'a [u8]) -> Result<Vec<(String, Str
 /// Magic number.
 pub(super) const MAGIC: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
 
-/// Encodes `chain` as a KTX 1 cube map: R11G11B10F, RGB9E5, RGBA16F or RGBA32F. `metadata` are text key/value
+/// Encodes `levels` as a KTX 1 cube map: R11G11B10F, RGB9E5, RGBA16F or RGBA32F. `metadata` are text key/value
 /// pairs.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, for BC6H, and for keys that
 /// are empty, duplicated or contain a NUL.
-pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
-    let size = check_sizes("KTX", chain)?;
+pub fn ktx1_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
+    let size = check_sizes("KTX", levels)?;
     let Some(gl) = pixel.gl() else {
         return wrong(format!(
             "KTX 1 does not support {}; use ktx2 or dds, or r11g11b10f, rgb9e5, f16 or f32",
             pixel.name()
         ));
     };
-    let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
+    let roughness = roughness_text(levels.iter().map(|level| level.roughness));
     let metadata = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
     let pairs: Vec<_> = metadata.chain([(ROUGHNESS_KEY, roughness.as_str())]).collect();
     let pairs = key_value_bytes("KTX", &pairs)?;
-    let mut bytes = MAGIC.to_vec();
+    let faces = levels.iter().map(|level| 6 * image_bytes(pixel, level.size(), level.size()));
+    let mut bytes = Vec::with_capacity(faces.sum::<usize>() + pairs.len() + 256);
+    bytes.extend(MAGIC);
     let header = [
         0x0403_0201, // little endian
         gl.kind,
@@ -176,12 +178,12 @@ pub fn ktx1_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) ->
         0, // depth
         0, // array elements: not an array
         6,
-        chain.levels.len() as u32,
+        levels.len() as u32,
         pairs.len() as u32,
     ];
     bytes.extend(header.iter().flat_map(|word: &u32| word.to_le_bytes()));
     bytes.extend(pairs);
-    for (index, level) in chain.levels.iter().enumerate() {
+    for (index, level) in levels.iter().enumerate() {
         let texels = texel_bytes(level.size(), &level.texels, pixel);
         // For a non-array cube imageSize is that of one face. Texels are multiples of four bytes, so there is
         // no padding.

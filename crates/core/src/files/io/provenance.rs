@@ -18,7 +18,7 @@
 
 use super::key_values::value_of;
 use super::pad::Pad;
-use crate::files::target::{Flip, flipped, flipped_chain};
+use crate::files::target::{Flip, flipped};
 use crate::light::chain::{Chain, ChainKind, Level};
 use crate::light::environment::{Layout, Rgb};
 use crate::lobe::Lobe;
@@ -184,7 +184,10 @@ impl Provenance {
         let flip = self.flip.unwrap_or_default();
         Ok(match (flip, layout) {
             (Flip::None, _) => texels,
-            (_, Layout::Cube { size }) => flipped(&Level::cube(size, 0.0, texels), flip).texels,
+            (_, Layout::Cube { size }) => {
+                let levels = [Level::cube(size, 0.0, texels)];
+                flipped(&levels, flip).into_owned().swap_remove(0).texels
+            }
             // Azimuths run from -Z over +X and +Z, so that -z reverses the columns.
             (Flip::Z, Layout::Panorama { width, .. }) => rows(texels, width, <[Rgb]>::reverse),
             (Flip::X, Layout::Panorama { width, .. }) => {
@@ -227,7 +230,7 @@ impl Provenance {
             _ if !chain.levels.iter().all(|level| matches!(level.layout, Layout::Cube { .. })) => {
                 return Err("a flip is for cubes; bake it again".to_owned());
             }
-            flip => flipped_chain(&chain, flip).into_owned(),
+            flip => Chain { levels: flipped(&chain.levels, flip).into_owned() },
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Flipped cubes, for engines that negate a coordinate at cube look-ups.
 
 use crate::common::names::named;
-use crate::light::chain::{Chain, Level};
+use crate::light::chain::Level;
 use crate::sphere::cube::{Face, cube_from_direction, cube_point};
 use glam::DVec3;
 use std::borrow::Cow;
@@ -33,18 +33,19 @@ impl Flip {
     }
 }
 
-/// Flips `level`: its content at a direction moves to the flipped direction. Texels are permuted, not
+/// Flips `levels`: their content at a direction moves to the flipped direction. Texels are permuted, not
 /// resampled.
-pub fn flipped(level: &Level, flip: Flip) -> Level {
+pub fn flipped(levels: &[Level], flip: Flip) -> Cow<'_, [Level]> {
     if flip == Flip::None {
-        return level.clone();
+        return Cow::Borrowed(levels);
     }
-    Level {
+    let flipped = |level: &Level| Level {
         layout: level.layout,
         roughness: level.roughness,
         texels: permuted(&level.texels, level.size(), flip),
         bounds: level.bounds.as_ref().map(|bounds| permuted(bounds, level.size(), flip)),
-    }
+    };
+    Cow::Owned(levels.iter().map(flipped).collect())
 }
 
 /// The `values` of a cube's texels, flipped: a face maps to one face, and rows and columns to rows and
@@ -63,14 +64,6 @@ fn permuted<T: Copy>(values: &[T], size: u32, flip: Flip) -> Vec<T> {
     permuted
 }
 
-/// Flips every level of `chain`.
-pub fn flipped_chain(chain: &Chain, flip: Flip) -> Cow<'_, Chain> {
-    if flip == Flip::None {
-        return Cow::Borrowed(chain);
-    }
-    Cow::Owned(Chain { levels: chain.levels.iter().map(|level| flipped(level, flip)).collect() })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,17 +76,17 @@ mod tests {
                 direction_from_texel(Face::ALL[(k / (size * size)) as usize], size, k % size, k / size % size)
             };
             let texels = (0..6 * size * size).map(|k| direction(k).as_vec3().to_array()).collect();
-            let level = Level::cube(size, 0.0, texels);
+            let levels = [Level::cube(size, 0.0, texels)];
             for flip in [Flip::None, Flip::X, Flip::Z] {
-                let flipped = flipped(&level, flip);
-                for (k, texel) in (0..).zip(&flipped.texels) {
+                let flipped = flipped(&levels, flip);
+                for (k, texel) in (0..).zip(&flipped[0].texels) {
                     let expected = flip.apply(direction(k)).as_vec3();
                     assert!(
                         (glam::Vec3::from_array(*texel) - expected).length() < 1e-6,
                         "{flip:?} {size} {k}"
                     );
                 }
-                assert_eq!(self::flipped(&flipped, flip), level, "twice is none");
+                assert_eq!(self::flipped(&flipped, flip)[..], levels, "twice is none");
             }
         }
     }

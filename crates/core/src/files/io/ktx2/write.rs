@@ -10,28 +10,28 @@ use crate::files::format::{Pixel, push_halves};
 use crate::files::io::cube_write::check_sizes;
 use crate::files::io::exr::write::SOFTWARE;
 use crate::files::io::key_values::key_value_bytes;
-use crate::light::chain::Chain;
+use crate::light::chain::Level;
 use ktx2::dfd::{Basic, Block};
 use ktx2::{Format, Header, Index, LevelIndex, SupercompressionScheme};
 
 /// Key of each level's roughness, comma-separated, level 0 first.
 pub const ROUGHNESS_KEY: &str = "octaglossRoughness";
 
-/// Encodes `chain` as a KTX2 cube map: RGBA16F, RGBA32F (alpha 1), RGB9E5, R11G11B10F or BC6H. `metadata` are
-/// further text key/value pairs.
+/// Encodes `levels` as a KTX2 cube map: RGBA16F, RGBA32F (alpha 1), RGB9E5, R11G11B10F or BC6H. `metadata`
+/// are further text key/value pairs.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, and for keys that are empty,
 /// duplicated, contain a NUL, or are reserved ("KTX", "ktx").
-pub fn ktx2_bytes(chain: &Chain, pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
-    let size = check_sizes("KTX2", chain)?;
-    let roughness = roughness_text(chain.levels.iter().map(|level| level.roughness));
+pub fn ktx2_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
+    let size = check_sizes("KTX2", levels)?;
+    let roughness = roughness_text(levels.iter().map(|level| level.roughness));
     let mut pairs = vec![(ROUGHNESS_KEY, roughness.as_str())];
     pairs.extend(metadata.iter().map(|(key, value)| (key.as_str(), value.as_str())));
-    let flat = TextureShape::flat(format_of(pixel)?, [size; 2], chain.levels.len());
+    let flat = TextureShape::flat(format_of(pixel)?, [size; 2], levels.len());
     let shape = TextureShape { faces: 6, ..flat };
     ktx2_file(&shape, &pairs, |index| {
-        let level = &chain.levels[index];
+        let level = &levels[index];
         texel_bytes(level.size(), &level.texels, pixel)
     })
 }
