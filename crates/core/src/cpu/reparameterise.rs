@@ -3,7 +3,7 @@
 
 use crate::common::error::Result;
 use crate::common::parallel;
-use crate::geometry::overlap::{Target, mean_radiances, surely_fits};
+use crate::geometry::overlap::{Target, of_mean_radiances, surely_fits};
 use crate::geometry::solid_angles::solid_angles;
 use crate::light::environment::{Environment, Layout, Rgb};
 use crate::light::oem::{Oem, OemSize};
@@ -21,20 +21,16 @@ pub(crate) fn is_infallible(layout: Layout, size: OemSize) -> bool {
 pub fn oem_from_environment(environment: &Environment, size: OemSize) -> Result<Oem> {
     let n = size.inner;
     let weights = solid_angles(n);
-    let means;
-    let texels = if environment.layout() == (Layout::Octahedral { size: n }) {
-        environment.texels()
-    } else {
-        means = mean_radiances(environment, DMat3::IDENTITY, Target::Octahedral(n))?;
-        &means
-    };
-    let square = parallel::values(texels.len(), |k| {
+    let energy = |k: usize, [r, g, b]: Rgb| {
         let (x, y) = (k % n as usize, k / n as usize);
-        energy(texels[k], weights.at(x as u32, y as u32))
-    });
+        let solid_angle = weights.at(x as u32, y as u32);
+        [r * solid_angle, g * solid_angle, b * solid_angle, solid_angle]
+    };
+    let square = if environment.layout() == (Layout::Octahedral { size: n }) {
+        let texels = environment.texels();
+        parallel::values(texels.len(), |k| energy(k, texels[k]))
+    } else {
+        of_mean_radiances(environment, DMat3::IDENTITY, Target::Octahedral(n), energy)?
+    };
     Ok(Oem::from_square(size, square))
-}
-
-fn energy([r, g, b]: Rgb, solid_angle: f32) -> [f32; 4] {
-    [r * solid_angle, g * solid_angle, b * solid_angle, solid_angle]
 }

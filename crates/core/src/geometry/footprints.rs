@@ -1,7 +1,7 @@
 //! Mean radiances over the texels of a map.
 
 use crate::common::error::Result;
-use crate::geometry::overlap::{Target, mean_radiances, panorama_mean_radiances};
+use crate::geometry::overlap::{Target, of_mean_radiances, panorama_mean_radiances};
 use crate::light::environment::{Environment, Layout, Rgb};
 
 /// The mean radiances over the texels of `layout`, in the world.
@@ -14,5 +14,5 @@ pub fn footprints_over(environment: &Environment, layout: Layout) -> Result<Vec<
         Layout::Octahedral { size } => Target::Octahedral(size),
         Layout::Panorama { width, height } => return panorama_mean_radiances(environment, width, height),
     };
-    mean_radiances(environment, environment.source_from_world().transpose(), target)
+    of_mean_radiances(environment, environment.source_from_world().transpose(), target, |_, mean| mean)
 }

@@ -59,20 +59,25 @@ impl<P> Chords<P> {
     }
 }
 
-/// The mean radiance of `environment`, turned by `turn`, over every texel of `target`.
+/// What `make` makes of every texel of `target` and the mean radiance over it of `environment`, turned by
+/// `turn`.
 ///
 /// # Errors
 /// [`Error::Limit`] if the overlaps do not fit.
-pub(crate) fn mean_radiances(environment: &Environment, turn: DMat3, target: Target) -> Result<Vec<Rgb>> {
+pub(crate) fn of_mean_radiances<T: Copy + Default + Send>(
+    environment: &Environment,
+    turn: DMat3,
+    target: Target,
+    make: impl Fn(usize, Rgb) -> T + Sync,
+) -> Result<Vec<T>> {
     if is_symmetric(environment.layout(), turn, target)
-        && let Some(means) = sweep::mean_radiances(environment, target)
+        && let Some(made) = sweep::of_mean_radiances(environment, target, &make)
     {
-        return Ok(means);
+        return Ok(made);
     }
     let overlaps = Overlaps::new(environment.layout(), turn, target)?;
     let texels = environment.texels();
-    let mean = |texel| overlaps.mean_radiance(texel, texels);
-    Ok(parallel::values(target.texel_count(), mean))
+    Ok(parallel::values(target.texel_count(), |texel| make(texel, overlaps.mean_radiance(texel, texels))))
 }
 
 /// Whether unrotated sources of `layout` are resampled to `target` without a matrix.

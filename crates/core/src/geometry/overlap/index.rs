@@ -5,7 +5,6 @@
 //! mirroring takes cell c to n - 1 - c, for odd n too.
 
 use crate::light::environment::Layout;
-use crate::sphere::cube::{Face, cube_point};
 use glam::DVec3;
 
 /// Target grid of the energy.
@@ -213,13 +212,16 @@ pub(super) fn octants_of_texel(target: Target, texel: usize) -> [Option<(usize, 
                 (x + y + 1 >= half).then_some((upper | 2, lower_row)),
             ]
         }
-        Target::Cube(n32) => {
+        Target::Cube(_) => {
             let (face, j, i) = (texel / (n * n), texel / n % n, texel % n);
-            let centre = |k: usize| (k as f64 + 0.5) / f64::from(n32) * 2.0 - 1.0;
-            let point = cube_point(Face::ALL[face], centre(i), centre(j));
-            let octant = usize::from(point.x < 0.0)
-                | usize::from(point.y < 0.0) << 1
-                | usize::from(point.z < 0.0) << 2;
+            // The inverse of `cube_texel`: a face's own axis, and where s and t grow along theirs.
+            let (negative, left, above) = (face & 1 == 1, i < half, j < half);
+            let signs = match face / 2 {
+                0 => [negative, !above, negative != !left],
+                1 => [left, negative, negative != above],
+                _ => [negative != left, !above, negative],
+            };
+            let octant = signs.iter().rev().fold(0, |octant, sign| octant << 1 | usize::from(*sign));
             let fold = |k: usize| if k >= half { k - half } else { half - 1 - k };
             [Some((octant, ((face / 2) * half + fold(j)) * half + fold(i))), None]
         }
@@ -229,7 +231,20 @@ pub(super) fn octants_of_texel(target: Target, texel: usize) -> [Option<(usize, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sphere::cube::cube_from_direction;
+    use crate::sphere::cube::{Face, cube_from_direction, direction_from_texel};
+
+    #[test]
+    fn texels_of_a_cube_lie_in_their_octants() {
+        let n = 6;
+        for texel in 0..Target::Cube(n).texel_count() {
+            let (face, at) = (texel / 36, texel as u32 % 36);
+            let direction = direction_from_texel(Face::ALL[face], n, at % n, at / n);
+            let [Some((octant, _)), None] = octants_of_texel(Target::Cube(n), texel) else {
+                panic!("texel {texel} is not in one octant");
+            };
+            assert!((direction * octant_signs(octant)).min_element() > 0.0, "texel {texel}: octant {octant}");
+        }
+    }
 
     #[test]
     fn quarter_faces_agree_with_the_face_table() {

@@ -40,9 +40,13 @@ pub(super) fn serves(layout: Layout, target: Target) -> bool {
         && target.texel_count() <= layout.texel_count()
 }
 
-/// Mean radiance over every texel of `target`; `None` unless `environment` is a fine panorama with more
-/// texels than `target`. Both must be symmetric.
-pub(super) fn mean_radiances(environment: &Environment, target: Target) -> Option<Vec<Rgb>> {
+/// What `make` makes of every texel of `target` and the mean radiance over it; `None` unless `environment` is
+/// a fine panorama with more texels than `target`. Both must be symmetric.
+pub(super) fn of_mean_radiances<T: Copy + Default + Send>(
+    environment: &Environment,
+    target: Target,
+    make: &(impl Fn(usize, Rgb) -> T + Sync),
+) -> Option<Vec<T>> {
     let Layout::Panorama { width, height } = environment.layout() else { return None };
     if !serves(environment.layout(), target) {
         return None;
@@ -69,7 +73,7 @@ pub(super) fn mean_radiances(environment: &Environment, target: Target) -> Optio
         }
         [one, other] => one.or(other).map_or([0.0; 3], |(octant, row)| octants[row][octant]),
     };
-    Some(parallel::values(target.texel_count(), mean))
+    Some(parallel::values(target.texel_count(), |texel| make(texel, mean(texel))))
 }
 
 /// One octant of a target over the grid of a panorama.
@@ -363,7 +367,8 @@ mod tests {
                 .into_iter()
                 .chain([2, 6, 34, 128].map(Target::Cube))
             {
-                let means = mean_radiances(&environment, target).expect("a fine panorama");
+                let means =
+                    of_mean_radiances(&environment, target, &|_, mean| mean).expect("a fine panorama");
                 // Each of four sides misplaces its share, among texels that differ by a factor of ten.
                 let error = off(&environment, target, &means);
                 assert!(error < 40.0 * MISPLACED as f32, "{width}x{height} to {target:?}: {error:e}");
