@@ -225,6 +225,13 @@ impl Place {
         }
     }
 
+    /// Mirrored: `signs` are 1 or -1.
+    pub(super) fn mirrored(mut self, signs: Vec3) -> Self {
+        self.direction *= signs;
+        self.axes.iter_mut().for_each(|axis| *axis *= signs);
+        self
+    }
+
     /// Texels that a Gaussian of standard deviation 1 reaches along u and v.
     pub(super) fn reach(&self) -> Vec2 {
         let [long, shear, wide] = self.steps;

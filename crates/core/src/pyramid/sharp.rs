@@ -5,7 +5,7 @@ use super::suns;
 use crate::common::parallel;
 use crate::common::vector::{Arch, Fused as _};
 use crate::sphere::octahedral::{direction_from_oct, solid_angle_density, texel_centre, wrap_texel};
-use glam::Vec3A;
+use glam::{Vec3, Vec3A};
 use std::ops::Range;
 
 /// The Gaussian ends at so many standard deviations.
@@ -26,65 +26,82 @@ const TOGETHER: usize = 16;
 /// Texels of the unfolded plane around the square, for windows across its edges.
 const BORDER: u32 = 48;
 
-/// Planes of a row: x, y and z of directions, solid angle densities; red, green and blue.
-const ROW_PLANES: usize = 7;
-
 /// Bytes that building the sharp level of `inner` texels along an edge takes.
 pub(crate) const fn bytes(inner: u32) -> u64 {
-    let side = (inner + 2 * BORDER) as u64;
-    4 * ROW_PLANES as u64 * side * side
+    let [quarter, whole] = [(inner / 2 + 2 * BORDER) as u64, (inner + 2 * BORDER) as u64];
+    4 * (4 * quarter * quarter + 3 * whole * whole)
+}
+
+/// Planes of a square with [`BORDER`] texels around it, row by row those of each.
+struct Planes<const COUNT: usize> {
+    stride: usize,
+    rows: Vec<f32>,
+}
+
+impl<const COUNT: usize> Planes<COUNT> {
+    /// Of `columns` texels along an edge: `values(x, y)` from -[`BORDER`] on.
+    fn new(columns: u32, values: impl Fn(i64, i64) -> [f32; COUNT] + Sync) -> Self {
+        let stride = (columns + 2 * BORDER) as usize;
+        let mut rows = vec![0.0; stride * stride * COUNT];
+        let border = i64::from(BORDER);
+        parallel::for_each(rows.chunks_exact_mut(stride * COUNT).zip(-border..), |(row, y)| {
+            for x in 0..stride {
+                let places = row[x..].iter_mut().step_by(stride);
+                places.zip(values(x as i64 - border, y)).for_each(|(place, value)| *place = value);
+            }
+        });
+        Self { stride, rows }
+    }
+
+    /// `LANES` texels' values of a plane, from (`x`, `y`) on.
+    #[inline(always)]
+    fn lanes<const LANES: usize>(&self, plane: usize, y: i32, x: i32) -> [f32; LANES] {
+        let [x, y] = [x, y].map(|at| (at + BORDER as i32) as usize);
+        lanes(&self.rows, (y * COUNT + plane) * self.stride + x)
+    }
 }
 
 /// The texels of a mirror, clamped.
 pub(super) struct Texels {
     inner: u32,
-    /// Row by row, the planes of each.
-    rows: Vec<f32>,
+    /// Red, green and blue.
+    light: Planes<3>,
+    /// x, y and z of directions, and solid angle densities, in the first quarter and beside it.
+    places: Planes<4>,
     arch: Arch,
 }
 
 impl Texels {
     pub(super) fn new(mirror: &Map, clamp: f32) -> Self {
         let inner = mirror.inner();
-        let stride = (inner + 2 * BORDER) as usize;
-        let mut rows = vec![0.0; stride * stride * ROW_PLANES];
-        let light = |x: u32, y: u32| {
+        let light = |x, y| {
+            let (x, y) = wrap_texel(inner, x, y);
             let own = mirror.texel(x as i32, y as i32);
             (own * suns::kept(own.max_element(), clamp)).to_array()
         };
-        parallel::for_each(rows.chunks_exact_mut(stride * ROW_PLANES).zip(0_i64..), |(row, y)| {
-            for x in 0..stride {
-                let (u, v) = wrap_texel(inner, x as i64 - i64::from(BORDER), y - i64::from(BORDER));
-                let uv = texel_centre(inner, u, v);
-                let direction = direction_from_oct(uv).as_vec3().extend(solid_angle_density(uv) as f32);
-                let values = direction.to_array().into_iter().chain(light(u, v));
-                row[x..].iter_mut().step_by(stride).zip(values).for_each(|(place, value)| *place = value);
-            }
-        });
-        Self { inner, rows, arch: Arch::new() }
-    }
-
-    /// `COUNT` texels' values of a plane, from (`x`, `y`) on.
-    #[inline(always)]
-    fn lanes<const COUNT: usize>(&self, plane: usize, y: i32, x: i32) -> [f32; COUNT] {
-        let stride = (self.inner + 2 * BORDER) as usize;
-        let [x, y] = [x, y].map(|at| (at + BORDER as i32) as usize);
-        lanes(&self.rows, (y * ROW_PLANES + plane) * stride + x)
+        let place = |x, y| {
+            let (x, y) = wrap_texel(inner, x, y);
+            place_of_texel(inner, x, y)
+        };
+        let (light, places) = (Planes::new(inner, light), Planes::new(inner / 2, place));
+        Self { inner, light, places, arch: Arch::new() }
     }
 
     /// Their light under a Gaussian of about `width` at `place` of another map.
     pub(super) fn under(&self, place: Place, width: f64) -> Vec3A {
+        let signs = Vec3::new(-place.direction.x.signum(), 1.0, -place.direction.z.signum());
+        let place = place.mirrored(signs);
         let uv = (oct_from(place.direction) + 1.0) * (0.5 * self.inner as f32);
-        let centre = uv.to_array().map(|at| (at as u32).min(self.inner - 1));
+        let centre = uv.to_array().map(|at| (at as u32).min(self.inner / 2 - 1));
         // Directions lie up to half a texel beside its centre.
         let reach = reach_of(&Place::new(self.inner, centre[0], centre[1], 1.0, READ), width)
             .map(|texels| texels + 1);
-        let [sum, ..] = self.mirrored(&place.of_points(self.inner), centre, reach, None);
-        sum
+        let sums = self.mirrored(&place.of_points(self.inner), centre, reach, None);
+        sums[usize::from(signs.x < 0.0) + 2 * usize::from(signs.z < 0.0)]
     }
 
-    /// Their light under the Gaussian at `place`, and at its places mirrored along u, along v, and along
-    /// both, from those within `reach` of texel `centre`.
+    /// Their light under the Gaussian at `place` of the first quarter, and at its places mirrored along u,
+    /// along v, and along both, from those within `reach` of texel `centre`.
     fn mirrored(
         &self,
         place: &Place,
@@ -95,6 +112,12 @@ impl Texels {
         let bell = Bell::new(place);
         self.arch.dispatch(Window { texels: self, bell, centre, reach, ellipse })
     }
+}
+
+/// The direction and the solid angle density of texel (`x`, `y`) of a map of `inner` texels.
+fn place_of_texel(inner: u32, x: u32, y: u32) -> [f32; 4] {
+    let uv = texel_centre(inner, x, y);
+    direction_from_oct(uv).as_vec3().extend(solid_angle_density(uv) as f32).to_array()
 }
 
 /// Texels along u and v that a Gaussian of `width` at `place` of their map reaches.
@@ -212,7 +235,7 @@ impl pulp::NullaryFnOnce for Window<'_> {
         if let Some(ellipse) = ellipse {
             for row in -down..=down {
                 for column in ellipse.columns(row).step_by(TOGETHER) {
-                    sums.add::<TOGETHER>(texels, &bell, y + row, x + column);
+                    sums.add_row(texels, &bell, [y + row, x + column]);
                 }
             }
             return sums.means();
@@ -231,7 +254,7 @@ impl pulp::NullaryFnOnce for Window<'_> {
         if ranges.into_iter().all(|(along, other)| lies_in_planes(along) && is_once(along, other)) {
             for row in rows {
                 for column in columns.clone().step_by(TOGETHER) {
-                    sums.add::<TOGETHER>(texels, &bell, row, column);
+                    sums.add_row(texels, &bell, [row, column]);
                 }
             }
         } else {
@@ -240,7 +263,8 @@ impl pulp::NullaryFnOnce for Window<'_> {
                     let own = wrap_texel(texels.inner, column.into(), row.into());
                     let (u, v) = (own.0 as i32, own.1 as i32);
                     if (u, v) == (column, row) || u.abs_diff(x) > reach[0] || v.abs_diff(y) > reach[1] {
-                        sums.add::<1>(texels, &bell, v, u);
+                        let place = place_of_texel(texels.inner, own.0, own.1);
+                        sums.add(texels, &bell, |plane| [place[plane]], [v, u]);
                     }
                 }
             }
@@ -258,11 +282,22 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds `COUNT` texels of row `y` from column `x` on.
+    /// Adds [`TOGETHER`] texels of row `y` from column `x` on, in the first quarter or beside it.
     #[inline(always)]
-    fn add<const COUNT: usize>(&mut self, texels: &Texels, bell: &Bell, y: i32, x: i32) {
-        let plane = |plane| texels.lanes::<COUNT>(plane, y, x);
-        let (dx, dy, dz, density) = (plane(0), plane(1), plane(2), plane(3));
+    fn add_row(&mut self, texels: &Texels, bell: &Bell, [y, x]: [i32; 2]) {
+        self.add::<TOGETHER>(texels, bell, |plane| texels.places.lanes(plane, y, x), [y, x]);
+    }
+
+    /// Adds `COUNT` texels of row `y` from column `x` on, whose directions and densities are `place`.
+    #[inline(always)]
+    fn add<const COUNT: usize>(
+        &mut self,
+        texels: &Texels,
+        bell: &Bell,
+        place: impl Fn(usize) -> [f32; COUNT],
+        [y, x]: [i32; 2],
+    ) {
+        let (dx, dy, dz, density) = (place(0), place(1), place(2), place(3));
         let (mut weights, mut own) = ([0.0; COUNT], lanes::<COUNT>(&self.weight, 0));
         let mut is_dark = true;
         for k in 0..COUNT {
@@ -278,8 +313,8 @@ impl Sums {
         let [below, aside] = [texels.inner as i32 - 1 - y, texels.inner as i32 - x - COUNT as i32];
         let places = [(weights, y, x), (reversed, y, aside), (weights, below, x), (reversed, below, aside)];
         for (sums, (weights, y, x)) in self.light.iter_mut().zip(places) {
-            for (sum, plane) in sums.iter_mut().zip(4..) {
-                let (light, mut own) = (texels.lanes::<COUNT>(plane, y, x), lanes::<COUNT>(sum, 0));
+            for (sum, plane) in sums.iter_mut().zip(0..) {
+                let (light, mut own) = (texels.light.lanes::<COUNT>(plane, y, x), lanes::<COUNT>(sum, 0));
                 for k in 0..COUNT {
                     own[k] = weights[k].times_plus(light[k], own[k]);
                 }
@@ -320,8 +355,6 @@ fn lanes<const COUNT: usize>(all: &[f32], first: usize) -> [f32; COUNT] {
 mod tests {
     use super::*;
     use crate::pyramid::Levels;
-    use crate::sphere::octahedral::direction_from_oct;
-    use glam::Vec3;
 
     /// Ellipses have every texel under the Gaussian, as narrower ones have not.
     #[test]
@@ -369,7 +402,6 @@ mod tests {
             let mirror = Map::new(inner, |x, y| {
                 Vec3A::new(light(x, y) as f32, light(y, x) as f32, light(x + 1, y + 2) as f32)
             });
-            let texels = Texels::new(&mirror, f32::INFINITY);
             let sharp = sharp(&mirror, f32::INFINITY, width);
             let of_row = |y: i32| {
                 let mut worst = (0.0, 0);
@@ -378,8 +410,7 @@ mod tests {
                     let bell = Bell::new(&place);
                     let (mut sum, mut total) = (Vec3A::ZERO, 0.0);
                     for (v, u) in (0..inner as i32).flat_map(|v| (0..inner as i32).map(move |u| (v, u))) {
-                        let [dx, dy, dz, density] =
-                            [0, 1, 2, 3].map(|plane| texels.lanes::<1>(plane, v, u)[0]);
+                        let [dx, dy, dz, density] = place_of_texel(inner, u as u32, v as u32);
                         // The plane that touches the sphere shows its other side, too.
                         let is_near = place.direction.dot(Vec3::new(dx, dy, dz)) > 0.0;
                         let weight = if is_near { density * bell.height(dx, dy, dz) } else { 0.0 };
