@@ -25,17 +25,16 @@ pub fn rgb_from_r11g11b10(packed: u32) -> Rgb {
     [channel(0, 6), channel(11, 6), channel(22, 5)]
 }
 
-/// 2^52.
-const WHOLE: f64 = (1_u64 << 52) as f64;
+/// 2^23: of numbers from there on, sums are rounded to integers, ties to even.
+const WHOLE: f32 = 8_388_608.0;
 
 /// Encodes `value` with five bits of exponent, bias 15, and `mantissa_bits`.
 fn small_float(value: f32, mantissa_bits: u32) -> u32 {
-    let value = f64::from(value.clamp(0.0, R11G11B10_MAX));
+    let value = value.clamp(0.0, R11G11B10_MAX);
     // floor(log2) from the bits; subnormal numbers share the spacing of the smallest normal number.
-    let exponent = ((value.to_bits() >> 52) as i32 - 1023).max(-14);
-    let scale = f64::from_bits(((1023 + mantissa_bits.cast_signed() - exponent) as u64) << 52);
-    // Of numbers from 2^52 on, sums are rounded to integers, ties to even.
-    let steps = (value * scale + WHOLE - WHOLE) as u32;
+    let exponent = ((value.to_bits() >> 23) as i32 - 127).max(-14);
+    let scale = f32::from_bits(((127 + mantissa_bits.cast_signed() - exponent) as u32) << 23);
+    let steps = (value * scale + WHOLE).to_bits() - WHOLE.to_bits();
     // A mantissa that rounds up to the next power of two carries into the exponent.
     ((exponent + 14) as u32 * (1 << mantissa_bits)) + steps
 }
