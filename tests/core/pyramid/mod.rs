@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 
 /// Squares, and cubes.
 fn ladders() -> impl Iterator<Item = Levels> {
-    let squares = [32, 128, 512, 1024].map(|size| Levels::over(size).expect("a size"));
+    let squares = [32, 128, 512, 1024, 2048].map(|size| Levels::over(size).expect("a size"));
     let cubes = [64, 512, 2048].map(|size| Levels::over(size).expect("a size").on_cubes());
     squares.into_iter().chain(cubes)
 }

@@ -36,7 +36,7 @@ pub(crate) const SPREAD: f64 = 30.0;
 
 /// Standard deviation of a level over the alpha at which it comes into use, on squares and on cubes. GGX is a
 /// mixture of Gaussians from half of alpha up.
-const WIDE: [f64; 2] = [10.5, 12.0];
+const WIDE: [f64; 2] = [9.6, 12.0];
 
 /// Alpha at which the cosine comes into use.
 const COSINE_FROM: f64 = 0.12;
@@ -45,9 +45,9 @@ const COSINE_FROM: f64 = 0.12;
 const NARROW: f64 = 5.0;
 
 /// Octaves of alpha over which a level comes into use, over which the finest goes for it, and between those.
-const ENTERS: f64 = 0.3;
-const LEAVES: f64 = 0.3;
-const APART: f64 = 0.06;
+const ENTERS: f64 = 0.26;
+const LEAVES: f64 = 0.15;
+const APART: f64 = 0.02;
 
 /// Octaves of alpha over which a level goes by itself.
 const FADES: f64 = 1.4;
