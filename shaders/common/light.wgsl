@@ -1,4 +1,4 @@
-// Per-environment data of a pyramid: `OctaglossLight` of crates/gpu/src/stages/pyramid.rs.
+// Per-environment data of a pyramid: `OctaglossLight` of crates/core/src/pyramid/light.rs.
 
 const SUNS = 8u;
 

@@ -7,9 +7,9 @@
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
 // reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a cb4cc3a5d17cf3fe.
+// Translated from pyramid_cube.wgsl, FNV-1a 90abfaef9077ba7c.
 #else
-// Translated from pyramid.wgsl, FNV-1a 85b3c13c2d941b24.
+// Translated from pyramid.wgsl, FNV-1a 8128468fb842f8da.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
