@@ -249,7 +249,7 @@ impl pulp::NullaryFnOnce for Window<'_> {
             is_inside || other.end <= inner / 2 || other.start >= inner / 2
         };
         let lies_in_planes =
-            |range: &Range<i32>| range.start >= -(BORDER as i32) && range.end <= inner + BORDER as i32;
+            |range: &Range<i32>| range.start >= -(BORDER as i32) && range.end <= inner / 2 + BORDER as i32;
         let ranges = [(&columns, &rows), (&rows, &columns)];
         if ranges.into_iter().all(|(along, other)| lies_in_planes(along) && is_once(along, other)) {
             for row in rows {
