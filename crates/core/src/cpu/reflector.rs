@@ -539,7 +539,7 @@ impl Lobes<'_> {
                 answers.extend(directions.iter().map(|d| unbounded(filter.radiance(source_from_world * *d))))
             }
             Evaluation::Pyramid(lobes) => {
-                answers.extend(directions.iter().map(|d| unbounded(lobes.radiance(source_from_world * *d))))
+                answers.extend(directions.iter().map(|d| unbounded(lobes.around(source_from_world * *d))))
             }
             Evaluation::Mirror(oem, least) => answers.extend(
                 directions.iter().map(|d| unbounded(mirror::radiance(oem, *least, source_from_world * *d))),

@@ -152,8 +152,11 @@ impl Map {
     /// Bilinear between four texels.
     #[inline(always)]
     pub(super) fn bilinear(&self, Corner { first, right, up }: Corner) -> Vec3A {
-        let texel = |at: usize| Vec4::from_array(self.texels[at]);
-        let row = |first: usize| texel(first).lerp(texel(first + 1), right);
+        let row = |first: usize| {
+            let texels: &[[f32; 4]; 2] = self.texels[first..].first_chunk().expect("two texels of a row");
+            let [own, next] = texels.map(Vec4::from_array);
+            own.lerp(next, right)
+        };
         Vec3A::from_vec4(row(first).lerp(row(first + self.inner as usize + 2), up))
     }
 }
@@ -235,7 +238,7 @@ impl Place {
     /// Texels that a Gaussian of standard deviation 1 reaches along u and v.
     pub(super) fn reach(&self) -> Vec2 {
         let [long, shear, wide] = self.steps;
-        Vec2::new(shear.hypot(wide), long) / (long * wide).abs()
+        Vec2::new(Vec2::new(shear, wide).length(), long) / (long * wide).abs()
     }
 
     /// Narrowed by what sums of points of another map, of `inner` texels, add.

@@ -323,7 +323,12 @@ pub struct PyramidLobes<'a> {
 impl PyramidLobes<'_> {
     /// Radiance of a reflection around `direction` (any length but zero, in the map's space).
     pub fn radiance(&self, direction: DVec3) -> Rgb {
-        self.arch.dispatch(LookUp { lobes: self, direction: direction.normalize() })
+        self.around(direction.normalize())
+    }
+
+    /// The same around a unit vector.
+    pub(crate) fn around(&self, direction: DVec3) -> Rgb {
+        self.arch.dispatch(LookUp { lobes: self, direction })
     }
 }
 

@@ -5,7 +5,7 @@ use super::suns;
 use crate::common::parallel;
 use crate::common::vector::{Arch, Fused as _};
 use crate::sphere::octahedral::{direction_from_oct, solid_angle_density, texel_centre, wrap_texel};
-use glam::{Vec3, Vec3A};
+use glam::{Vec2, Vec3, Vec3A};
 use std::ops::Range;
 
 /// The Gaussian ends at so many standard deviations.
@@ -24,7 +24,7 @@ pub(crate) const LARGE: u32 = 256;
 const TOGETHER: usize = 16;
 
 /// Texels of the unfolded plane around the square, for windows across its edges.
-const BORDER: u32 = 48;
+const BORDER: u32 = 32;
 
 /// Bytes that building the sharp level of `inner` texels along an edge takes.
 pub(crate) const fn bytes(inner: u32) -> u64 {
@@ -151,7 +151,7 @@ impl Ellipse {
         let [long, shear, wide] = place.steps;
         let reach = width * place.reach();
         // Along the sum of x and y, across the quarter's diagonal.
-        let reach_of_sum = width * (long - shear).hypot(wide) / (long * wide).abs();
+        let reach_of_sum = width * Vec2::new(long - shear, wide).length() / (long * wide).abs();
         let (half, [x, y]) = (inner as f32 / 2.0, [x, y].map(|at| at as f32));
         let is_inside = |at: f32, reach: f32| at >= reach.ceil() && at + reach.ceil() < half;
         let is_flat = inner >= LARGE
