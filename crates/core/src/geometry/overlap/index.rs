@@ -217,7 +217,7 @@ pub(super) fn octants_of_texel(target: Target, texel: usize) -> [Option<(usize, 
             // The inverse of `cube_texel`: a face's own axis, and where s and t grow along theirs.
             let (negative, left, above) = (face & 1 == 1, i < half, j < half);
             let signs = match face / 2 {
-                0 => [negative, !above, negative != !left],
+                0 => [negative, !above, negative == left],
                 1 => [left, negative, negative != above],
                 _ => [negative != left, !above, negative],
             };
