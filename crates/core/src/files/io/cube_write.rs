@@ -14,7 +14,7 @@ use crate::sphere::cube::Face;
 /// flip.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for a chain without levels or whose sizes do not halve, a pixel
+/// [`crate::common::error::Error::Parameter`] for no levels or sizes that do not halve, a pixel
 /// format that the container cannot hold ([`Container::holds`]), and for invalid keys.
 pub fn cube_bytes(
     container: Container,

@@ -97,7 +97,7 @@ pub(super) fn open<'a>(source: &Source<'a>) -> Result<Texture<'a>> {
 /// A DDS cube map of `levels`, flipped by `flip`: RGBA16F, RGBA32F, RGB9E5, R11G11B10F or BC6H (unsigned).
 ///
 /// # Errors
-/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve.
+/// [`Error::Parameter`] for no levels or sizes that do not halve.
 pub(super) fn dds_bytes(levels: &[Level], pixel: Pixel, flip: Flip) -> Result<Vec<u8>> {
     let size = check_sizes("DDS", levels)?;
     let Some(format) = pixel.in_textures().map(|own| own.dxgi) else {

@@ -145,11 +145,11 @@ fn pairs_of<'a>(source: &Source<'a>, bytes: &'a [u8]) -> Result<Vec<(String, Str
 /// Magic number.
 pub(super) const MAGIC: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
 
-/// Encodes `levels` as a KTX 1 cube map: R11G11B10F, RGB9E5, RGBA16F or RGBA32F. `metadata` are text key/value
-/// pairs.
+/// Encodes `levels` as a KTX 1 cube map: R11G11B10F, RGB9E5, RGBA16F or RGBA32F. `metadata` are text
+/// key/value pairs.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a chain without levels or whose sizes do not halve, for BC6H, and for keys that
+/// [`Error::Parameter`] for no levels or sizes that do not halve, for BC6H, and for keys that
 /// are empty, duplicated or contain a NUL.
 pub fn ktx1_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let size = check_sizes("KTX", levels)?;
