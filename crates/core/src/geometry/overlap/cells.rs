@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 
 /// Maximum distance of a chord from its parallel, in target texels: among texels that differ by a factor of
-/// ten, means are off by up to that, and by a hundredth of it in RMS.
+/// ten, means are off by less than twice that, and by a fortieth of it in RMS.
 const CHORD_SAG: f64 = 5e-5;
 
 /// A source texel or a piece of one: its polygon and the texel's index, packed for an octant or whole.
