@@ -37,11 +37,12 @@ impl BakedPyramid {
         let light =
             OctaglossLight::new(&pyramid, -scale.exponent(), environment.source_from_world().transpose());
         let is_finite = light.suns.iter().flat_map(|sun| sun.energy).all(f32::is_finite);
-        if exponent.abs() > MAX_EXPONENT || !is_finite {
+        let brightest = exponent + super::levels::BRIGHTEST;
+        // Pixels may round light up to the next power of two, and weights exceed 1.
+        if exponent.abs() > MAX_EXPONENT || brightest >= f32::MAX_EXP || !is_finite {
             return wrong(format!(
-                "light of about 2^{} is beyond what shaders multiply in float32; choose a `scale` that \
-                 brings it near 1",
-                exponent + super::levels::BRIGHTEST
+                "light of about 2^{brightest} is beyond what shaders multiply in float32; choose a `scale` \
+                 that brings it near 1"
             ));
         }
         Ok(Self { pyramid, light })
@@ -125,5 +126,27 @@ impl WorldLobes<'_> {
     /// Radiance of a reflection around `direction` (any length but zero).
     pub(crate) fn radiance(&self, direction: DVec3) -> Rgb {
         self.lobes.radiance(self.source_from_world * direction)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::environment::Layout;
+
+    #[test]
+    fn light_that_shaders_cannot_multiply_is_an_error() {
+        let constant = |light: f32| {
+            let texels = vec![[light; 3]; 32];
+            let environment = Environment::new(Layout::Panorama { width: 8, height: 4 }, texels);
+            BakedPyramid::new(&environment.expect("light"), 64)
+        };
+        for light in [1e-30, 1.0, 1.6e38] {
+            assert!(constant(light).is_ok(), "{light}");
+        }
+        for light in [1.8e38, f32::MAX] {
+            let error = constant(light).map(|_| ()).expect_err("light that pixels round up to infinity");
+            assert!(error.to_string().contains("choose a `scale`"), "{light}: {error}");
+        }
     }
 }
