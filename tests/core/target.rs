@@ -10,7 +10,7 @@ use octagloss_core::files::format::Pixel;
 use octagloss_core::files::format::container::Container;
 use octagloss_core::files::io::{ReadOptions, read_from_memory};
 use octagloss_core::files::target::{
-    Content, Diffuse, Flip, TARGETS, Target, TargetPlan, flipped, is_target_file,
+    Content, Diffuse, Flip, TARGETS, Target, TargetPlan, flipped_texels, is_target_file,
 };
 use octagloss_core::light::chain::ChainKind;
 use octagloss_core::light::environment::{Map, Rgb};
@@ -606,9 +606,8 @@ fn beside<'a>(plan: &TargetPlan, bake: &'a Bake) -> Vec<Stored<'a>> {
     }
     let levels = bake.chain.levels.iter().zip(stored_levels(plan, &made));
     let beside = |(level, stored): (&'a octagloss_core::light::chain::Level, Vec<Rgb>)| {
-        let stored = [octagloss_core::light::chain::Level { texels: stored, ..level.clone() }];
-        let stored = flipped(&stored, plan.flip).into_owned().swap_remove(0).texels;
         let n = level.size();
+        let stored = flipped_texels(&stored, n, plan.flip);
         let direction =
             move |at: u32| direction_from_texel(Face::ALL[(at / (n * n)) as usize], n, at % n, at / n % n);
         let (roughness, baked) = (level.roughness, &level.texels[..]);

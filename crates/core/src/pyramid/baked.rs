@@ -1,6 +1,6 @@
 //! A pyramid with what its files need besides.
 
-use super::levels::Map;
+use super::levels::{BRIGHTEST, Map};
 use super::light::OctaglossLight;
 use super::suns::{self, Sun, SunChannel, Suns};
 use super::{Levels, Pyramid, PyramidLobes};
@@ -37,9 +37,9 @@ impl BakedPyramid {
         let light =
             OctaglossLight::new(&pyramid, -scale.exponent(), environment.source_from_world().transpose());
         let is_finite = light.suns.iter().flat_map(|sun| sun.energy).all(f32::is_finite);
-        let brightest = exponent + super::levels::BRIGHTEST;
+        let brightest = exponent + BRIGHTEST;
         // Pixels may round light up to the next power of two, and weights exceed 1.
-        if exponent.abs() > MAX_EXPONENT || brightest >= f32::MAX_EXP || !is_finite {
+        if exponent < -MAX_EXPONENT || brightest >= f32::MAX_EXP || !is_finite {
             return wrong(format!(
                 "light of about 2^{brightest} is beyond what shaders multiply in float32; choose a `scale` \
                  that brings it near 1"

@@ -39,15 +39,17 @@ struct Planes<const COUNT: usize> {
 }
 
 impl<const COUNT: usize> Planes<COUNT> {
-    /// Of `columns` texels along an edge: `values(x, y)` from -[`BORDER`] on.
-    fn new(columns: u32, values: impl Fn(i64, i64) -> [f32; COUNT] + Sync) -> Self {
+    /// Of the first `columns` along each edge of a map of `inner` texels, and what lies beside them in the
+    /// unfolded plane: `values(x, y)` of the map's texels.
+    fn new(inner: u32, columns: u32, values: impl Fn(u32, u32) -> [f32; COUNT] + Sync) -> Self {
         let stride = (columns + 2 * BORDER) as usize;
         let mut rows = vec![0.0; stride * stride * COUNT];
         let border = i64::from(BORDER);
         parallel::for_each(rows.chunks_exact_mut(stride * COUNT).zip(-border..), |(row, y)| {
             for x in 0..stride {
+                let (u, v) = wrap_texel(inner, x as i64 - border, y);
                 let places = row[x..].iter_mut().step_by(stride);
-                places.zip(values(x as i64 - border, y)).for_each(|(place, value)| *place = value);
+                places.zip(values(u, v)).for_each(|(place, value)| *place = value);
             }
         });
         Self { stride, rows }
@@ -74,17 +76,16 @@ pub(super) struct Texels {
 impl Texels {
     pub(super) fn new(mirror: &Map, clamp: f32) -> Self {
         let inner = mirror.inner();
-        let light = |x, y| {
-            let (x, y) = wrap_texel(inner, x, y);
+        let light = |x: u32, y: u32| {
             let own = mirror.texel(x as i32, y as i32);
             (own * suns::kept(own.max_element(), clamp)).to_array()
         };
-        let place = |x, y| {
-            let (x, y) = wrap_texel(inner, x, y);
-            place_of_texel(inner, x, y)
-        };
-        let (light, places) = (Planes::new(inner, light), Planes::new(inner / 2, place));
-        Self { inner, light, places, arch: Arch::new() }
+        Self {
+            inner,
+            light: Planes::new(inner, inner, light),
+            places: Planes::new(inner, inner / 2, |x, y| place_of_texel(inner, x, y)),
+            arch: Arch::new(),
+        }
     }
 
     /// Their light under a Gaussian of about `width` at `place` of another map.

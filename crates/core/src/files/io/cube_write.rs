@@ -14,8 +14,8 @@ use crate::sphere::cube::Face;
 /// flip.
 ///
 /// # Errors
-/// [`crate::common::error::Error::Parameter`] for no levels or sizes that do not halve, a pixel
-/// format that the container cannot hold ([`Container::holds`]), and for invalid keys.
+/// [`crate::common::error::Error::Parameter`] for no levels or sizes that do not halve, a pixel format that
+/// the container cannot hold ([`Container::holds`]), and for invalid keys.
 pub fn cube_bytes(
     container: Container,
     levels: &[Level],

@@ -149,8 +149,8 @@ pub(super) const MAGIC: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
 /// key/value pairs.
 ///
 /// # Errors
-/// [`Error::Parameter`] for no levels or sizes that do not halve, for BC6H, and for keys that
-/// are empty, duplicated or contain a NUL.
+/// [`Error::Parameter`] for no levels or sizes that do not halve, for BC6H, and for keys that are empty,
+/// duplicated or contain a NUL.
 pub fn ktx1_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let size = check_sizes("KTX", levels)?;
     let Some(gl) = pixel.gl() else {
@@ -163,8 +163,8 @@ pub fn ktx1_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)])
     let metadata = metadata.iter().map(|(key, value)| (key.as_str(), value.as_str()));
     let pairs: Vec<_> = metadata.chain([(ROUGHNESS_KEY, roughness.as_str())]).collect();
     let pairs = key_value_bytes("KTX", &pairs)?;
-    let faces = levels.iter().map(|level| 6 * image_bytes(pixel, level.size(), level.size()));
-    let mut bytes = Vec::with_capacity(faces.sum::<usize>() + pairs.len() + 256);
+    let images = levels.iter().map(|level| 4 + 6 * image_bytes(pixel, level.size(), level.size()));
+    let mut bytes = Vec::with_capacity(MAGIC.len() + 4 * WORDS + pairs.len() + images.sum::<usize>());
     bytes.extend(MAGIC);
     let header = [
         0x0403_0201, // little endian

@@ -18,8 +18,8 @@
 
 use super::key_values::value_of;
 use super::pad::Pad;
-use crate::files::target::{Flip, flipped};
-use crate::light::chain::{Chain, ChainKind, Level};
+use crate::files::target::{Flip, flipped, flipped_texels};
+use crate::light::chain::{Chain, ChainKind};
 use crate::light::environment::{Layout, Rgb};
 use crate::lobe::Lobe;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -184,10 +184,7 @@ impl Provenance {
         let flip = self.flip.unwrap_or_default();
         Ok(match (flip, layout) {
             (Flip::None, _) => texels,
-            (_, Layout::Cube { size }) => {
-                let levels = [Level::cube(size, 0.0, texels)];
-                flipped(&levels, flip).into_owned().swap_remove(0).texels
-            }
+            (_, Layout::Cube { size }) => flipped_texels(&texels, size, flip),
             // Azimuths run from -Z over +X and +Z, so that -z reverses the columns.
             (Flip::Z, Layout::Panorama { width, .. }) => rows(texels, width, <[Rgb]>::reverse),
             (Flip::X, Layout::Panorama { width, .. }) => {

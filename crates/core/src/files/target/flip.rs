@@ -42,15 +42,15 @@ pub fn flipped(levels: &[Level], flip: Flip) -> Cow<'_, [Level]> {
     let flipped = |level: &Level| Level {
         layout: level.layout,
         roughness: level.roughness,
-        texels: permuted(&level.texels, level.size(), flip),
-        bounds: level.bounds.as_ref().map(|bounds| permuted(bounds, level.size(), flip)),
+        texels: flipped_texels(&level.texels, level.size(), flip),
+        bounds: level.bounds.as_ref().map(|bounds| flipped_texels(bounds, level.size(), flip)),
     };
     Cow::Owned(levels.iter().map(flipped).collect())
 }
 
 /// The `values` of a cube's texels, flipped: a face maps to one face, and rows and columns to rows and
 /// columns.
-fn permuted<T: Copy>(values: &[T], size: u32, flip: Flip) -> Vec<T> {
+pub fn flipped_texels<T: Copy>(values: &[T], size: u32, flip: Flip) -> Vec<T> {
     let n = size as usize;
     let mut permuted = Vec::with_capacity(values.len());
     for face in Face::ALL {

@@ -4,7 +4,7 @@
 //! [`crate::files::export::files`] encodes its files from a bake.
 
 mod flip;
-pub use flip::{Flip, flipped};
+pub use flip::{Flip, flipped, flipped_texels};
 
 use crate::common::error::{Result, wrong};
 use crate::common::names::named;

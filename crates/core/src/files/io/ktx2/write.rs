@@ -21,8 +21,8 @@ pub const ROUGHNESS_KEY: &str = "octaglossRoughness";
 /// are further text key/value pairs.
 ///
 /// # Errors
-/// [`Error::Parameter`] for no levels or sizes that do not halve, and for keys that are empty,
-/// duplicated, contain a NUL, or are reserved ("KTX", "ktx").
+/// [`Error::Parameter`] for no levels or sizes that do not halve, and for keys that are empty, duplicated,
+/// contain a NUL, or are reserved ("KTX", "ktx").
 pub fn ktx2_bytes(levels: &[Level], pixel: Pixel, metadata: &[(String, String)]) -> Result<Vec<u8>> {
     let size = check_sizes("KTX2", levels)?;
     let roughness = roughness_text(levels.iter().map(|level| level.roughness));
