@@ -60,7 +60,7 @@ fn fit(levels: Levels, lobe: u32) -> Fit {
     let anisotropy = between(ANISOTROPY, d);
     let alpha = roughness * roughness;
     let along = alpha + (1.0 - alpha) * anisotropy * anisotropy;
-    Fit::new(levels, DVec2::new(along, alpha), cosine, FRAC_PI_2 * c)
+    Fit::new(levels, DVec2::new(along, alpha), cosine, FRAC_PI_2 * c).for_places()
 }
 
 fn main() {

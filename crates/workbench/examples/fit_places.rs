@@ -82,7 +82,7 @@ fn main() {
             let least = 1.6_f64.ln() / 11_f64.ln();
             let roughness = roughness_of(least + (1.0 - least) * x);
             let cosine = 0.05_f64.powf(0.98 * (1.0 - y)).min(0.995);
-            (Fit::new(levels, roughness, cosine), roughness, cosine)
+            (Fit::new(levels, roughness, cosine).for_places(), roughness, cosine)
         })
         .collect();
     let errors =

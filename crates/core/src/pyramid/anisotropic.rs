@@ -12,7 +12,8 @@ use super::Levels;
 use super::brdf::Brdf;
 use super::fit::smooth;
 use super::reads::{
-    AROUND, HARMONICS, HARMONICS_FROM, Point, RIDGE, Read, half_vectors, level_of, weights, wide_functions,
+    AROUND, HARMONICS, HARMONICS_FROM, Lobe, Point, RIDGE, Read, half_vectors, level_of, weights,
+    wide_functions,
 };
 use crate::common::frame::LEAST_COSINE;
 use crate::common::parallel;
@@ -444,7 +445,7 @@ pub struct Fit {
     levels: Levels,
     view: DVec3,
     pub(super) shape: Shape,
-    pub(super) points: Vec<Point>,
+    pub(super) lobe: Lobe,
     /// Scale and bias of f0.
     albedo: [f64; 2],
     /// Functions in use, and the ridge of each.
@@ -477,8 +478,7 @@ impl Fit {
                 let length = half.length();
                 Point::new(half / length, area / length.powi(3), seen, &brdf)
             })
-            .map(|point| Point { light: back(point.light), ..point })
-            .collect();
+            .map(|point| Point { light: back(point.light), ..point });
         // Lobes narrower than the mirror's texels are served by equal reads of it.
         let shape = Shape::new(alpha, tangent, cosine);
         let narrow = levels.width(0) / (2.0 * shape.ratio.max(NARROWEST) * shape.length.max(1e-6));
@@ -488,11 +488,16 @@ impl Fit {
             levels,
             view,
             shape,
-            points,
+            lobe: Lobe::new(points),
             albedo: albedo(seen, alpha),
             used: if use_harmonics > 0.0 { FUNCTIONS } else { READS },
             ridge,
         }
+    }
+
+    /// The same, with what counts for places.
+    pub fn for_places(self) -> Self {
+        Self { lobe: self.lobe.for_places(), ..self }
     }
 
     /// What the law goes by.
@@ -533,7 +538,7 @@ impl Fit {
 
     /// The weights for f0 and f90 with these `reads`.
     pub(super) fn weights(&self, reads: &[Read; READS]) -> Vec<[f32; 2]> {
-        weights(&self.points, READS, self.used, &self.ridge, self.albedo, Self::functions(reads))
+        weights(&self.lobe, READS, self.used, &self.ridge, self.albedo, Self::functions(reads))
     }
 }
 

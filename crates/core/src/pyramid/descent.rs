@@ -3,7 +3,7 @@
 
 use super::anisotropic::{self, Law, row};
 use super::places::{NUMBERS, READS};
-use super::reads::{Fit, Point, Read, moments};
+use super::reads::{Fit, Lobe, Point, Read};
 use glam::DVec3;
 
 /// Steps of slopes, of logarithms of widths, and of the law's numbers.
@@ -17,7 +17,7 @@ impl Fit {
         let moved = beside(places, |place| self.read(place).0);
         let weights = self.weights(&reads);
         let (error, [slopes, widths]) =
-            left(&self.points, &self.ridge, &weights, |light| Self::functions(&reads, light), &moved);
+            left(&self.lobe, &self.ridge, &weights, |light| Self::functions(&reads, light), &moved);
         let mut all = [0.0; NUMBERS];
         all[..READS].copy_from_slice(&slopes);
         all[READS..].copy_from_slice(&widths);
@@ -36,7 +36,7 @@ impl anisotropic::Fit {
         let moved = beside(&places, read);
         let weights = self.weights(&reads);
         let functions = Self::functions(&reads);
-        let (error, [slopes, widths]) = left(&self.points, &self.ridge, &weights, functions, &moved);
+        let (error, [slopes, widths]) = left(&self.lobe, &self.ridge, &weights, functions, &moved);
         let mut changes = [[0.0; anisotropic::TERMS]; anisotropic::NUMBERS];
         for (k, changes) in changes.iter_mut().enumerate() {
             let mut beside = numbers;
@@ -60,31 +60,35 @@ fn beside<const N: usize>(places: &[[f64; 2]; N], read: impl Fn([f64; 2]) -> Rea
     places.map(|[slope, width]| [[slope + STEP, width], [slope, width * STEP.exp()]].map(&read))
 }
 
-/// What a fit of `weights` for f0 and f90 leaves of the lobe of `points`, and how that changes with the slope
-/// of each read, and with the logarithm of its width: by the read's own part, for weights are at their best.
+/// What a fit of `weights` for f0 and f90 leaves of `lobe`, and how that changes with the slope of each read,
+/// and with the logarithm of its width: by the read's own part, for weights are at their best.
 /// `functions` and `ridge` begin with those of the reads.
 fn left<const N: usize, const FUNCTIONS: usize>(
-    points: &[Point],
+    lobe: &Lobe,
     ridge: &[f64; FUNCTIONS],
     weights: &[[f32; 2]],
     functions: impl Fn(DVec3) -> [f64; FUNCTIONS],
     moved: &[[Read; 2]; N],
 ) -> (f64, [[f64; N]; 2]) {
-    let [mean, square] = moments(points);
-    let weights: Vec<f64> = weights.iter().map(|[a, b]| f64::from(a + b) / mean).collect();
+    let weights: Vec<f64> = weights.iter().map(|[a, b]| f64::from(a + b) / lobe.mean).collect();
     let mut error: f64 = weights[..N].iter().zip(ridge).map(|(weight, ridge)| ridge * weight * weight).sum();
     let mut slopes = [[0.0; N]; 2];
-    for point in points {
+    let at = |point: &Point, numbers: &mut [f64]| {
         let values = functions(point.light);
         let found: f64 = weights.iter().zip(values).map(|(weight, value)| weight * value).sum();
-        let (left, count) = (point.lobe[0] / mean - found, point.weight(mean, square));
-        error += count * left * left;
-        for (k, moved) in moved.iter().enumerate() {
-            for (side, read) in moved.iter().enumerate() {
-                let change = (read.at(point.light) - values[k]) / STEP;
-                slopes[side][k] -= 2.0 * count * left * weights[k] * change;
+        numbers[0] = point.lobe[0] / lobe.mean - found;
+        for (side, changes) in numbers[1..].chunks_exact_mut(N).enumerate() {
+            for (k, change) in changes.iter_mut().enumerate() {
+                *change = weights[k] * (moved[k][side].at(point.light) - values[k]) / STEP;
             }
         }
-    }
+    };
+    lobe.each(1 + 2 * N, at, |count, numbers| {
+        let (left, changes) = (numbers[0], &numbers[1..]);
+        error += count * left * left;
+        for (slope, change) in slopes.as_flattened_mut().iter_mut().zip(changes) {
+            *slope -= 2.0 * count * left * change;
+        }
+    });
     (error, slopes)
 }

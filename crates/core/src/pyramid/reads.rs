@@ -16,6 +16,7 @@ use crate::common::parallel;
 use crate::lobe::{legendre, reflectance};
 use glam::{DVec2, DVec3};
 use half::f16;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Directions in the plane of incidence around which harmonics are zonal, as angles from the normal towards
@@ -45,9 +46,29 @@ const FUNCTIONS: usize = READS + 1 + HARMONICS;
 pub(super) const RIDGE: [f64; 2] = [1e-3, 5e-3];
 pub(super) const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
 
-/// Weight of the error over the lobe's square, which counts around lights, against that over the lobe; and
-/// the radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
-const PEAK: f64 = 3.0;
+/// What errors of a fit count.
+#[derive(Clone, Copy, Debug)]
+struct Counts {
+    /// Over the lobe, as errors show in the dark.
+    dark: f64,
+    /// Over its square, as around lights.
+    peak: f64,
+    /// Integrals over cells of the sphere.
+    coherent: f64,
+}
+
+/// What counts for weights. Radiance is alike over degrees: between directions .03 apart six of nine
+/// panoramas keep half of their variance, and more. So what cancels within a cell hardly shows, and what does
+/// not shows at once.
+const FOR_WEIGHTS: Counts = Counts { dark: 0.1, peak: 3.0, coherent: 12.0 };
+
+/// What counts for places: those that were found by cells, too, left more at r = .2 to .3.
+const FOR_PLACES: Counts = Counts { dark: 1.0, peak: 3.0, coherent: 0.0 };
+
+/// Edges of the cells, in units of the sphere's radius.
+const CELLS: [f64; 2] = [0.08, 0.32];
+
+/// The radiance of a lobe far away, in units of the mean, below which errors there count as much as here.
 const FLOOR: f64 = 1.0;
 
 /// Exponent from which on a Gaussian is dark: 1e-13 of its peak.
@@ -121,7 +142,7 @@ pub fn node_at(levels: Levels, roughness: f32, cosine: f32) -> Node {
 }
 
 /// A piece of the sphere of lights.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub(super) light: DVec3,
     pub(super) area: f64,
@@ -131,10 +152,8 @@ pub(super) struct Point {
 
 /// Pieces of one half of the sphere, dense around the lobe, which is symmetric about the plane of incidence:
 /// rings and spokes of half vectors. Areas are those of both halves.
-fn points(alpha: f64, view: DVec3, brdf: &Brdf) -> Vec<Point> {
-    half_vectors(alpha, FIT_GRID, PI)
-        .filter_map(|(half, area)| Point::new(half, 2.0 * area, view, brdf))
-        .collect()
+fn points(alpha: f64, view: DVec3, brdf: &Brdf) -> impl Iterator<Item = Point> {
+    half_vectors(alpha, FIT_GRID, PI).filter_map(move |(half, area)| Point::new(half, 2.0 * area, view, brdf))
 }
 
 /// Half vectors and their areas: rings, and spokes over an angle of `around`, dense at the scale of `alpha`.
@@ -167,17 +186,64 @@ impl Point {
         })
     }
 
-    /// What an error here counts, in a lobe of these [`moments`].
-    pub(super) fn weight(&self, mean: f64, square: f64) -> f64 {
-        self.area * (1.0 / (FLOOR / (4.0 * PI) + self.lobe[0] / mean) + PEAK * mean * mean / square)
+    /// Its cells, one of each size.
+    fn cells(&self) -> [(usize, [i64; 3]); CELLS.len()] {
+        let edges = CELLS.map(|edge| (self.light / edge).floor().to_array().map(|place| place as i64));
+        std::array::from_fn(|size| (size, edges[size]))
     }
 }
 
-/// The integrals of a lobe and of its square.
-pub(super) fn moments(points: &[Point]) -> [f64; 2] {
-    points.iter().fold([0.0; 2], |[mean, square], point| {
-        [mean + point.area * point.lobe[0], square + point.area * point.lobe[0] * point.lobe[0]]
-    })
+/// A lobe in pieces of the sphere, and what errors of a fit to it count.
+#[derive(Clone, Debug)]
+pub(super) struct Lobe {
+    pieces: Vec<(Point, [usize; CELLS.len()])>,
+    /// Cells of all sizes.
+    cells: usize,
+    /// Its integral, and that of its square.
+    pub(super) mean: f64,
+    square: f64,
+    counts: Counts,
+}
+
+impl Lobe {
+    pub(super) fn new(points: impl Iterator<Item = Point>) -> Self {
+        let mut numbers = BTreeMap::new();
+        let mut number = |cell| {
+            let next = numbers.len();
+            *numbers.entry(cell).or_insert(next)
+        };
+        let pieces: Vec<_> = points.map(|point| (point, point.cells().map(&mut number))).collect();
+        let integral = |power| pieces.iter().map(|(point, _)| point.area * point.lobe[0].powi(power)).sum();
+        Self { mean: integral(1), square: integral(2), cells: numbers.len(), pieces, counts: FOR_WEIGHTS }
+    }
+
+    /// The same, with what counts for places.
+    pub(super) fn for_places(self) -> Self {
+        Self { counts: FOR_PLACES, ..self }
+    }
+
+    /// Calls `count` for everything whose square counts, with how much it does: `at` gives the `width`
+    /// numbers of a piece; those of a cell are their integrals over it.
+    pub(super) fn each(
+        &self,
+        width: usize,
+        at: impl Fn(&Point, &mut [f64]),
+        mut count: impl FnMut(f64, &[f64]),
+    ) {
+        let counts = self.counts;
+        let mut cells = vec![0.0; self.cells * width];
+        let mut values = vec![0.0; width];
+        for (point, own) in &self.pieces {
+            at(point, &mut values);
+            for cell in own {
+                let sums = &mut cells[cell * width..(cell + 1) * width];
+                sums.iter_mut().zip(&values).for_each(|(sum, value)| *sum += point.area * value);
+            }
+            let dark = counts.dark / (FLOOR / (4.0 * PI) + point.lobe[0] / self.mean);
+            count(point.area * (dark + counts.peak * self.mean * self.mean / self.square), &values);
+        }
+        cells.chunks_exact(width).for_each(|values| count(counts.coherent, values));
+    }
 }
 
 /// A trilinear read of the levels: two Gaussians around a direction.
@@ -221,34 +287,37 @@ pub(super) fn wide_functions(values: &mut [f64], around: &[DVec3; 5], light: DVe
     }
 }
 
-/// The weights for f0 and f90 of the first `used` functions that fit the lobe of `points`, under their
-/// `ridge`. Its integral is held at `albedo`, scale and bias of f0. `functions` are `reads` of integral 1, a
-/// cosine and harmonics.
+/// The weights for f0 and f90 of the first `used` functions that fit `lobe`, under their `ridge`. Its
+/// integral is held at `albedo`, scale and bias of f0. `functions` are `reads` of integral 1, a cosine and
+/// harmonics.
 pub(super) fn weights<const N: usize>(
-    points: &[Point],
+    lobe: &Lobe,
     reads: usize,
     used: usize,
     ridge: &[f64; N],
     albedo: [f64; 2],
     functions: impl Fn(DVec3) -> [f64; N],
 ) -> Vec<[f32; 2]> {
-    let [mean, square] = moments(points);
+    let mean = lobe.mean;
     // The normal equations, and a multiplier that holds the lobe's integral at the albedo.
     let mut products = [[0.0; N]; N];
     let mut right = vec![[0.0; 2]; used];
-    for point in points {
-        let weight = point.weight(mean, square);
-        let values = functions(point.light);
+    let at = |point: &Point, values: &mut [f64]| {
+        values[..N].copy_from_slice(&functions(point.light));
+        values[N..].copy_from_slice(&point.lobe.map(|value| value / mean));
+    };
+    lobe.each(N + 2, at, |weight, values| {
+        let (values, lobe) = values.split_at(N);
         for j in 0..used {
             let own = weight * values[j];
-            for (product, value) in products[j][..=j].iter_mut().zip(&values) {
+            for (product, value) in products[j][..=j].iter_mut().zip(values) {
                 *product += own * value;
             }
-            for (sum, lobe) in right[j].iter_mut().zip(point.lobe) {
-                *sum += own * lobe / mean;
+            for (sum, lobe) in right[j].iter_mut().zip(lobe) {
+                *sum += own * lobe;
             }
         }
-    }
+    });
     let product = |j: usize, k: usize| products[j.max(k)][j.min(k)] + if j == k { ridge[j] } else { 0.0 };
     // Harmonics of order 0 have an integral, the others none.
     let has_integral = |j: usize| j <= reads + 1;
@@ -265,7 +334,7 @@ pub struct Fit {
     levels: Levels,
     alpha: f64,
     view: DVec3,
-    pub(super) points: Vec<Point>,
+    pub(super) lobe: Lobe,
     /// Scale and bias of f0.
     albedo: [f64; 2],
     /// Functions in use, and the ridge of each.
@@ -289,11 +358,16 @@ impl Fit {
             levels,
             alpha: roughness * roughness,
             view,
-            points: points(served * served, view, &Brdf::new(view, served, 0.0)),
+            lobe: Lobe::new(points(served * served, view, &Brdf::new(view, served, 0.0))),
             albedo: reflectance::ggx_albedo(cosine, roughness),
             used: if use_harmonics > 0.0 { FUNCTIONS } else { READS },
             ridge,
         }
+    }
+
+    /// The same, with what counts for places.
+    pub fn for_places(self) -> Self {
+        Self { lobe: self.lobe.for_places(), ..self }
     }
 
     /// A read at the slope and of the width of `place`, both over alpha; its slope and level.
@@ -320,7 +394,7 @@ impl Fit {
     /// The weights for f0 and f90 with these `reads`.
     pub(super) fn weights(&self, reads: &[Read; READS]) -> Vec<[f32; 2]> {
         let functions = |light| Self::functions(reads, light);
-        weights(&self.points, READS, self.used, &self.ridge, self.albedo, functions)
+        weights(&self.lobe, READS, self.used, &self.ridge, self.albedo, functions)
     }
 }
 
