@@ -46,13 +46,11 @@ const FUNCTIONS: usize = READS + 1 + HARMONICS;
 pub(super) const RIDGE: [f64; 2] = [1e-3, 5e-3];
 pub(super) const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
 
-/// What errors of a fit count.
+/// What errors of a fit count, beside [`PEAK`].
 #[derive(Clone, Copy, Debug)]
 struct Counts {
     /// Over the lobe, as errors show in the dark.
     dark: f64,
-    /// Over its square, as around lights.
-    peak: f64,
     /// Integrals over cells of the sphere.
     coherent: f64,
 }
@@ -60,10 +58,13 @@ struct Counts {
 /// What counts for weights. Radiance is alike over degrees: between directions .03 apart six of nine
 /// panoramas keep half of their variance, and more. So what cancels within a cell hardly shows, and what does
 /// not shows at once.
-const FOR_WEIGHTS: Counts = Counts { dark: 0.1, peak: 3.0, coherent: 12.0 };
+const FOR_WEIGHTS: Counts = Counts { dark: 0.1, coherent: 12.0 };
 
 /// What counts for places: those that were found by cells, too, left more at r = .2 to .3.
-const FOR_PLACES: Counts = Counts { dark: 1.0, peak: 3.0, coherent: 0.0 };
+const FOR_PLACES: Counts = Counts { dark: 1.0, coherent: 0.0 };
+
+/// Weight of the error over the lobe's square, which counts around lights.
+const PEAK: f64 = 3.0;
 
 /// Edges of the cells, in units of the sphere's radius.
 const CELLS: [f64; 2] = [0.08, 0.32];
@@ -188,8 +189,8 @@ impl Point {
 
     /// Its cells, one of each size.
     fn cells(&self) -> [(usize, [i64; 3]); CELLS.len()] {
-        let edges = CELLS.map(|edge| (self.light / edge).floor().to_array().map(|place| place as i64));
-        std::array::from_fn(|size| (size, edges[size]))
+        let place = |edge: f64| (self.light / edge).floor().to_array().map(|place| place as i64);
+        std::array::from_fn(|size| (size, place(CELLS[size])))
     }
 }
 
@@ -240,7 +241,7 @@ impl Lobe {
                 sums.iter_mut().zip(&values).for_each(|(sum, value)| *sum += point.area * value);
             }
             let dark = counts.dark / (FLOOR / (4.0 * PI) + point.lobe[0] / self.mean);
-            count(point.area * (dark + counts.peak * self.mean * self.mean / self.square), &values);
+            count(point.area * (dark + PEAK * self.mean * self.mean / self.square), &values);
         }
         cells.chunks_exact(width).for_each(|values| count(counts.coherent, values));
     }
