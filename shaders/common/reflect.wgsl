@@ -1,10 +1,12 @@
 // Isotropic reflections of the true BRDF out of a pyramid: `Pyramid::isotropic` of
-// crates/core/src/pyramid/reflect.rs. Nine trilinear reads, one bilinear.
+// crates/core/src/pyramid/reflect.rs. Ten trilinear reads, or nine and a bilinear one.
 #include "common/pyramid.wgsl"
 
-const READS = 9u;
+const READS = 10u;
 // Texels of a node.
 const LAYERS = 18u;
+// Roughness from which on the cosine level is read in place of the last read.
+const COSINE_FROM = 0.435f;
 const NODES = vec2<f32>(46.0, 26.0);
 const LEAST_COSINE = 0.01f;
 
@@ -197,12 +199,21 @@ fn reflected_isotropic(
     // Offsets of reads have the length of its sine, so that nothing turns there.
     let along = surface.towards * surface.sine;
     let v = along + n * cosine;
-    let rest = reflection_node(READS, roughness, cosine).xy;
-    var sum = weighed(cosine_light(probe, n), rest);
-    var in_mirror = 0.0;
+    let pairs = array<vec4<f32>, 8>(
+        reflection_node(READS, roughness, cosine), reflection_node(READS + 1u, roughness, cosine),
+        reflection_node(READS + 2u, roughness, cosine), reflection_node(READS + 3u, roughness, cosine),
+        reflection_node(READS + 4u, roughness, cosine), reflection_node(READS + 5u, roughness, cosine),
+        reflection_node(READS + 6u, roughness, cosine), reflection_node(READS + 7u, roughness, cosine));
+    var sum = harmonics_reflected(probe, surface, pairs);
     // What the weights give of a white world: of the harmonics, the first.
-    var white = rest;
-    for (var k = 0u; k < READS; k++) {
+    var white = pairs[0].xy + pairs[7].zw;
+    var reads = READS;
+    if roughness > COSINE_FROM {
+        sum += weighed(cosine_light(probe, n), pairs[7].zw);
+        reads -= 1u;
+    }
+    var in_mirror = 0.0;
+    for (var k = 0u; k < reads; k++) {
         // Slope, level, weights of f0 and f90.
         let read = reflection_node(k, roughness, cosine);
         let half_vector = normalize(n + read.x * along);
@@ -211,13 +222,6 @@ fn reflected_isotropic(
         white += read.zw;
         in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
     }
-    let pairs = array<vec4<f32>, 8>(
-        reflection_node(READS + 1u, roughness, cosine), reflection_node(READS + 2u, roughness, cosine),
-        reflection_node(READS + 3u, roughness, cosine), reflection_node(READS + 4u, roughness, cosine),
-        reflection_node(READS + 5u, roughness, cosine), reflection_node(READS + 6u, roughness, cosine),
-        reflection_node(READS + 7u, roughness, cosine), reflection_node(READS + 8u, roughness, cosine));
-    sum += harmonics_reflected(probe, surface, pairs);
-    white += pairs[0].xy;
     let shares = albedo_share(round_albedo(cosine, roughness), white);
     let lit = max(f0 * shares.x * sum[0] + f90 * shares.y * sum[1], vec3<f32>())
         * octagloss_lights[probe].unscale;

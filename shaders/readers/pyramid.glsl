@@ -7,9 +7,9 @@
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
 // reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 90abfaef9077ba7c.
+// Translated from pyramid_cube.wgsl, FNV-1a 491291534a480053.
 #else
-// Translated from pyramid.wgsl, FNV-1a 8128468fb842f8da.
+// Translated from pyramid.wgsl, FNV-1a c5fa0f11cd1f6993.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -51,8 +51,9 @@ const uint octagloss_INTERVALS = 860u;
 #ifndef OCTAGLOSS_CUBE
 const uint octagloss_SQUARES = 3u;
 #endif
-const uint octagloss_READS = 9u;
+const uint octagloss_READS = 10u;
 const uint octagloss_LAYERS = 18u;
+const float octagloss_COSINE_FROM = 0.435;
 const vec2 octagloss_NODES = vec2(46.0, 26.0);
 const float octagloss_LEAST_COSINE = 0.01;
 const vec2 octagloss_ALBEDO_NODES = vec2(91.0, 75.0);
@@ -775,94 +776,96 @@ vec3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface
 vec3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_1, float f90_1) {
 #endif
     mat2x3 sum_3 = mat2x3(0.0);
-    float in_mirror = 0.0;
     vec2 white = vec2(0.0);
+    uint reads = octagloss_READS;
+    float in_mirror = 0.0;
     uint k_2 = 0u;
     vec3 n_2 = surface_2.normal;
     float cosine_12 = surface_2.cosine;
     vec3 along_3 = (surface_2.towards * surface_2.sine);
     vec3 v_1 = (along_3 + (n_2 * cosine_12));
     vec4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12);
-    vec2 rest_1 = _e13.xy;
+    vec4 _e15 = octagloss_reflection_node(11u, roughness_4, cosine_12);
+    vec4 _e17 = octagloss_reflection_node(12u, roughness_4, cosine_12);
+    vec4 _e19 = octagloss_reflection_node(13u, roughness_4, cosine_12);
+    vec4 _e21 = octagloss_reflection_node(14u, roughness_4, cosine_12);
+    vec4 _e23 = octagloss_reflection_node(15u, roughness_4, cosine_12);
+    vec4 _e25 = octagloss_reflection_node(16u, roughness_4, cosine_12);
+    vec4 _e27 = octagloss_reflection_node(17u, roughness_4, cosine_12);
+    vec4 pairs_1[8] = vec4[8](_e13, _e15, _e17, _e19, _e21, _e23, _e25, _e27);
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e15 = octagloss_cosine_light(probe_13, n_2);
+    mat2x3 _e29 = octagloss_harmonics_reflected(probe_13, surface_2, pairs_1);
 #else
-    vec3 _e15 = octagloss_cosine_light(probe_14, n_2);
+    mat2x3 _e29 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1);
 #endif
-    mat2x3 _e16 = octagloss_weighed(_e15, rest_1);
-    sum_3 = _e16;
-    white = rest_1;
+    sum_3 = _e29;
+    white = (pairs_1[0].xy + pairs_1[7].zw);
+    if ((roughness_4 > octagloss_COSINE_FROM)) {
+        mat2x3 _e41 = sum_3;
+#ifdef OCTAGLOSS_CUBE
+        vec3 _e42 = octagloss_cosine_light(probe_13, n_2);
+#else
+        vec3 _e42 = octagloss_cosine_light(probe_14, n_2);
+#endif
+        mat2x3 _e45 = octagloss_weighed(_e42, pairs_1[7].zw);
+        sum_3 = (_e41 + _e45);
+        uint _e47 = reads;
+        reads = (_e47 - 1u);
+    }
     bool loop_init_7 = true;
     while(true) {
         if (!loop_init_7) {
-            uint _e58 = k_2;
-            k_2 = (_e58 + 1u);
+            uint _e89 = k_2;
+            k_2 = (_e89 + 1u);
         }
         loop_init_7 = false;
-        uint _e23 = k_2;
-        if ((_e23 < octagloss_READS)) {
+        uint _e54 = k_2;
+        uint _e55 = reads;
+        if ((_e54 < _e55)) {
         } else {
             break;
         }
         {
-            uint _e26 = k_2;
-            vec4 _e27 = octagloss_reflection_node(_e26, roughness_4, cosine_12);
-            vec3 half_vector = normalize((n_2 + (_e27.x * along_3)));
+            uint _e57 = k_2;
+            vec4 _e58 = octagloss_reflection_node(_e57, roughness_4, cosine_12);
+            vec3 half_vector = normalize((n_2 + (_e58.x * along_3)));
             vec3 direction_5 = ((half_vector * (2.0 * dot(v_1, half_vector))) - v_1);
-            mat2x3 _e37 = sum_3;
+            mat2x3 _e68 = sum_3;
 #ifdef OCTAGLOSS_CUBE
-            vec3 _e39 = octagloss_between_levels(probe_13, direction_5, _e27.y);
+            vec3 _e70 = octagloss_between_levels(probe_13, direction_5, _e58.y);
 #else
-            vec3 _e39 = octagloss_between_levels(probe_14, direction_5, _e27.y);
+            vec3 _e70 = octagloss_between_levels(probe_14, direction_5, _e58.y);
 #endif
-            mat2x3 _e41 = octagloss_weighed(_e39, _e27.zw);
-            sum_3 = (_e37 + _e41);
-            vec2 _e43 = white;
-            white = (_e43 + _e27.zw);
-            float _e46 = in_mirror;
-            in_mirror = (_e46 + ((_e27.z + _e27.w) * max((1.0 - _e27.y), 0.0)));
+            mat2x3 _e72 = octagloss_weighed(_e70, _e58.zw);
+            sum_3 = (_e68 + _e72);
+            vec2 _e74 = white;
+            white = (_e74 + _e58.zw);
+            float _e77 = in_mirror;
+            in_mirror = (_e77 + ((_e58.z + _e58.w) * max((1.0 - _e58.y), 0.0)));
         }
     }
-    vec4 _e61 = octagloss_reflection_node(10u, roughness_4, cosine_12);
-    vec4 _e63 = octagloss_reflection_node(11u, roughness_4, cosine_12);
-    vec4 _e65 = octagloss_reflection_node(12u, roughness_4, cosine_12);
-    vec4 _e67 = octagloss_reflection_node(13u, roughness_4, cosine_12);
-    vec4 _e69 = octagloss_reflection_node(14u, roughness_4, cosine_12);
-    vec4 _e71 = octagloss_reflection_node(15u, roughness_4, cosine_12);
-    vec4 _e73 = octagloss_reflection_node(16u, roughness_4, cosine_12);
-    vec4 _e75 = octagloss_reflection_node(17u, roughness_4, cosine_12);
-    vec4 pairs_1[8] = vec4[8](_e61, _e63, _e65, _e67, _e69, _e71, _e73, _e75);
-    mat2x3 _e77 = sum_3;
+    vec2 _e91 = octagloss_round_albedo(cosine_12, roughness_4);
+    vec2 _e92 = white;
+    vec2 _e93 = octagloss_albedo_share(_e91, _e92);
+    vec3 _e97 = sum_3[0];
+    vec3 _e102 = sum_3[1];
 #ifdef OCTAGLOSS_CUBE
-    mat2x3 _e78 = octagloss_harmonics_reflected(probe_13, surface_2, pairs_1);
+    float _e110 = octagloss_lights[probe_13].unscale;
 #else
-    mat2x3 _e78 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1);
+    float _e110 = octagloss_lights[probe_14].unscale;
 #endif
-    sum_3 = (_e77 + _e78);
-    vec2 _e80 = white;
-    white = (_e80 + pairs_1[0].xy);
-    vec2 _e84 = octagloss_round_albedo(cosine_12, roughness_4);
-    vec2 _e85 = white;
-    vec2 _e86 = octagloss_albedo_share(_e84, _e85);
-    vec3 _e90 = sum_3[0];
-    vec3 _e95 = sum_3[1];
-#ifdef OCTAGLOSS_CUBE
-    float _e103 = octagloss_lights[probe_13].unscale;
-#else
-    float _e103 = octagloss_lights[probe_14].unscale;
-#endif
-    vec3 lit_1 = (max((((f0_1 * _e86.x) * _e90) + ((f90_1 * _e86.y) * _e95)), vec3(0.0)) * _e103);
-    float _e105 = in_mirror;
-    float _e107 = white.x;
-    float _e109 = white.y;
-    float share_4 = max((1.0 - (_e105 / (_e107 + _e109))), 0.0);
+    vec3 lit_1 = (max((((f0_1 * _e93.x) * _e97) + ((f90_1 * _e93.y) * _e102)), vec3(0.0)) * _e110);
+    float _e112 = in_mirror;
+    float _e114 = white.x;
+    float _e116 = white.y;
+    float share_4 = max((1.0 - (_e112 / (_e114 + _e116))), 0.0);
     vec2 alpha_11 = vec2((roughness_4 * roughness_4));
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e121 = octagloss_suns_reflected(probe_13, surface_2, vec2(1.0, 0.0), alpha_11, f0_1, f90_1);
+    vec3 _e128 = octagloss_suns_reflected(probe_13, surface_2, vec2(1.0, 0.0), alpha_11, f0_1, f90_1);
 #else
-    vec3 _e121 = octagloss_suns_reflected(probe_14, surface_2, vec2(1.0, 0.0), alpha_11, f0_1, f90_1);
+    vec3 _e128 = octagloss_suns_reflected(probe_14, surface_2, vec2(1.0, 0.0), alpha_11, f0_1, f90_1);
 #endif
-    return (lit_1 + (share_4 * _e121));
+    return (lit_1 + (share_4 * _e128));
 }
 
 #ifdef OCTAGLOSS_CUBE

@@ -32,6 +32,7 @@ const RENAMED: &[(&str, &str, &str)] = &[
     ("common/anisotropic.wgsl", "SKEWED", "anisotropic::SKEWED"),
     ("common/anisotropic.wgsl", "TILTED", "anisotropic::TILTED"),
     ("common/reflect.wgsl", "ALBEDO_NODES", "albedo::NODES"),
+    ("common/reflect.wgsl", "COSINE_FROM", "reads::COSINE_FROM"),
     ("common/reflect.wgsl", "DIP", "albedo::DIP"),
     ("common/reflect.wgsl", "LEAST_ALPHA", "albedo::LEAST_ALPHA"),
     ("common/reflect.wgsl", "LAYERS", "reads::LAYERS"),

@@ -1,19 +1,20 @@
-//! Finds where the reads of isotropic reflections stand and how wide they are: writes
+//! Finds where the reads of isotropic reflections stand and how wide they are: improves
 //! `crates/core/src/pyramid/places/table.rs`.
 //!
 //! ```text
 //! cargo run --release -p octagloss-workbench --example fit_places [STEPS]
 //! ```
 //!
-//! 1500 steps by default: 80 s on two cores. It lowers the sum over views of the logarithm of what a node's
-//! fit leaves (`Fit` of `crates/core/src/pyramid/reads.rs`), by Adam (Kingma and Ba 2015).
+//! 400 steps by default: 45 s on two cores. It lowers the sum over views of the logarithm of what a node's
+//! fit leaves (`Fit` of `crates/core/src/pyramid/reads.rs`), by Adam (Kingma and Ba 2015), from the table
+//! that is there.
 
 #[path = "common/descent.rs"]
 mod descent;
 
 use descent::Descent;
 use octagloss_core::pyramid::Levels;
-use octagloss_core::pyramid::places::{CONTROLS, NUMBERS, READS, UNITS, from_controls, places, shares};
+use octagloss_core::pyramid::places::{CONTROLS, NUMBERS, TABLE, UNITS, from_controls, places, shares};
 use octagloss_core::pyramid::reads::Fit;
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -26,18 +27,6 @@ const VIEWS: [u32; 2] = [32, 16];
 /// by up to three times what nodes are. Sharp lobes have no such choice.
 const STIFFNESS: f64 = 0.4;
 const LEAST_SQUARE: f64 = 8e-4;
-
-/// Where descent begins: a row of reads, its shift, and logarithms of its step over its least width, of its
-/// bend, of the least width, of how widths grow with the slope, and of how they alternate; as sums of these
-/// numbers times 1, x, x^2, y, x y and y^2, x = ln n.v, y = ln(1 + 6 alpha).
-const ROW: [[f64; 6]; 6] = [
-    [-0.569, -0.487, 0.224, 0.489, -0.222, 0.099],
-    [-0.736, -0.104, 0.179, -0.190, 0.232, -0.115],
-    [-0.659, -0.263, -0.160, -0.887, -0.357, 0.078],
-    [0.015, 0.835, 0.001, -0.154, -0.002, 0.051],
-    [0.243, 0.152, 0.098, 0.212, -0.370, 0.018],
-    [0.298, 0.229, 0.029, 0.000, -0.034, 0.075],
-];
 
 /// Where control point `at` of `count` stands.
 fn place(at: usize, count: usize) -> f64 {
@@ -54,25 +43,11 @@ fn alpha(across: usize) -> f64 {
     roughness_of(place(across, CONTROLS[0])).powi(2)
 }
 
-/// The row at a control point.
-fn row(control: usize) -> [f64; NUMBERS] {
-    let up = place(control / CONTROLS[0], CONTROLS[1]);
-    let (x, y) = (0.05_f64.ln() * (1.0 - up), (6.0 * alpha(control % CONTROLS[0])).ln_1p());
-    let sum = |[a, b, c, d, e, f]: [f64; 6]| a + (b + c * x + e * y) * x + (d + f * y) * y;
-    let [shift, step, bend, width, growth, alternation] = ROW.map(sum);
-    std::array::from_fn(|k| {
-        let read = k % READS;
-        let slope = (width + step - bend).exp() * (bend.exp() * (read as f64 - 4.0 + shift)).sinh();
-        let wider = if read.is_multiple_of(2) { alternation } else { -alternation };
-        if k < READS { slope } else { wider + width + 0.5 * (growth.exp() * slope).powi(2).ln_1p() }
-    })
-}
-
 /// A control point's numbers, and what they become.
 type Controls = Vec<[f64; NUMBERS]>;
 
 fn main() {
-    let steps = descent::steps(1500);
+    let steps = descent::steps(400);
     let levels = Levels::over(512).expect("a size");
     let fits: Vec<(Fit, f64, f64)> = (0..VIEWS[0] * VIEWS[1])
         .into_par_iter()
@@ -88,7 +63,8 @@ fn main() {
     let errors =
         fits.par_iter().map(|(fit, roughness, cosine)| fit.slopes(&places(*roughness, *cosine)).0.ln());
     println!("the table so far: {:.4}", errors.sum::<f64>() / fits.len() as f64);
-    let mut controls: Controls = (0..CONTROLS[0] * CONTROLS[1]).map(row).collect();
+    let mut controls: Controls =
+        TABLE.iter().map(|own| own.map(|number| f64::from(number) / UNITS)).collect();
     let mut descent = Descent::new(controls.as_flattened().len(), steps, 0.02);
     for step in 1..=steps {
         let slopes: Vec<(f64, [f64; NUMBERS])> = fits

@@ -8,7 +8,8 @@ use octagloss_core::light::environment::{Environment, Layout};
 use octagloss_core::pyramid::albedo::albedo_at;
 use octagloss_core::pyramid::anisotropic;
 use octagloss_core::pyramid::brdf::{Brdf, alphas};
-use octagloss_core::pyramid::reads::{NODES, node_at, table};
+use octagloss_core::pyramid::places::READS;
+use octagloss_core::pyramid::reads::{LAYERS, NODES, node_at, table};
 use octagloss_core::pyramid::{Levels, Pyramid};
 use octagloss_fixtures::common::{Look, Random, environment, texels};
 use std::f64::consts::PI;
@@ -222,10 +223,11 @@ fn white_worlds_give_the_albedo() {
             let found = albedo_at(roughness as f32, nv as f32).map(f64::from);
             let off = [0, 1].map(|k| (found[k] - expected[k]).abs());
             assert!(off.iter().all(|off| *off < 9e-4), "r {roughness} n.v {nv}: off by {off:?}");
-            // The weights of reads, of the cosine and of the first harmonic sum to it nearly.
+            // The weights of reads, of the first harmonic and of the cosine sum to it nearly.
             let node = node_at(levels, roughness as f32, nv as f32);
-            let reads = node[..9].iter().map(|[.., a, b]| [*a, *b]);
-            let all = reads.chain([9, 10].map(|layer| [node[layer][0], node[layer][1]]));
+            let reads = node[..READS].iter().map(|[.., a, b]| [*a, *b]);
+            let ([mean, grazing, ..], [.., a, b]) = (node[READS], node[LAYERS - 1]);
+            let all = reads.chain([[mean, grazing], [a, b]]);
             let sums = all.fold([0.0; 2], |sums, own| [0, 1].map(|k| sums[k] + f64::from(own[k])));
             let off = [0, 1].map(|k| (sums[k] - expected[k]).abs());
             assert!(off.iter().all(|off| *off < 3e-3), "r {roughness} n.v {nv}: weights off by {off:?}");

@@ -6,7 +6,7 @@ use super::anisotropic::{self, ASIDE, MIDDLE, PAIRS, Row, aside};
 use super::brdf::{Brdf, alphas};
 use super::fit::smooth;
 use super::places::READS;
-use super::reads::{AROUND, HARMONICS, level_of, node_at};
+use super::reads::{AROUND, COSINE_FROM, HARMONICS, LAYERS, level_of, node_at};
 use crate::common::frame::{Frame, LEAST_COSINE};
 use crate::light::environment::Rgb;
 use crate::light::sh::basis;
@@ -79,8 +79,9 @@ impl Pyramid {
         let albedo = albedo_at(roughness, frame.view.z as f32);
         // Of a white world the weights give their sum; of the harmonics, the first. Where nothing is
         // reflected, shares mean nothing.
+        let ([mean, grazing, ..], [.., a, b]) = (node[READS], node[LAYERS - 1]);
         let reads = node[..READS].iter().map(|[.., a, b]| [*a, *b]);
-        let white = sum_of(reads.chain([0, 1].map(|layer| [node[READS + layer][0], node[READS + layer][1]])));
+        let white = sum_of(reads.chain([[mean, grazing], [a, b]]));
         let [scale, bias] = [0, 1].map(|k| (albedo[k] + 1e-4) / (white[k].max(0.0) + 1e-4));
         let sunlit = (f0, f90);
         let (f0, f90) = (f0 * scale, f90 * bias);
@@ -88,16 +89,19 @@ impl Pyramid {
         let (view, normal) = (frame.axes * frame.view, frame.axes.z_axis);
         let along = frame.axes * frame.view.with_z(0.0);
         let mut sum = Vec3A::ZERO;
+        let mut reads = READS;
+        if roughness > COSINE_FROM {
+            sum += coloured([a, b]) * self.cosine_around(normal);
+            reads -= 1;
+        }
         let mut in_mirror = 0.0;
-        for [slope, level, a, b] in node[..READS].iter().copied() {
+        for [slope, level, a, b] in node[..reads].iter().copied() {
             let half = (normal + f64::from(slope) * along).normalize();
             let direction = half * (2.0 * view.dot(half)) - view;
             sum += coloured([a, b]) * self.between_levels(direction, level);
             in_mirror += (a + b) * (1.0 - level).max(0.0);
         }
-        let [a, b, ..] = node[READS];
-        sum += coloured([a, b]) * self.cosine_around(normal);
-        sum += self.harmonics_reflected(frame, &node[READS + 1..], f0, f90);
+        sum += self.harmonics_reflected(frame, &node[READS..], f0, f90);
         let sum = self.unscaled(sum.max(Vec3A::ZERO));
         let alpha = DVec2::splat(f64::from(roughness).powi(2));
         let share = (1.0 - in_mirror / (white[0] + white[1])).max(0.0);
