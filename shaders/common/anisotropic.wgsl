@@ -286,8 +286,7 @@ fn reflect_in_row(
     let beyond = row_more(alpha, surface.cosine, tangent).xy;
     let albedo = row_albedo(alpha, surface.cosine, tangent.x * tangent.x, beyond);
     let shares = albedo / white;
-    let lit = max(f0 * shares.x * sum[0] + f90 * shares.y * sum[1], vec3<f32>())
-        * octagloss_lights[probe].unscale;
+    let lit = lit_of(probe, sum, f0 * shares.x, f90 * shares.y);
     let share = max(1.0 - dot(shares, in_mirror) / (albedo.x + albedo.y), 0.0);
     return lit + share * suns_reflected(probe, surface, tangent, alpha, f0, f90);
 }

@@ -186,6 +186,11 @@ fn albedo_share(albedo: vec2<f32>, sums: vec2<f32>) -> vec2<f32> {
     return (albedo + 1e-4) / (max(sums, vec2<f32>()) + 1e-4);
 }
 
+// Radiance of what f0 and f90 multiply.
+fn lit_of(probe: u32, sum: mat2x3<f32>, f0: vec3<f32>, f90: f32) -> vec3<f32> {
+    return max(f0 * sum[0] + f90 * sum[1], vec3<f32>()) * octagloss_lights[probe].unscale;
+}
+
 // Radiance reflected without a tangent.
 fn reflected_isotropic(
     probe: u32,
@@ -223,8 +228,7 @@ fn reflected_isotropic(
         in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
     }
     let shares = albedo_share(round_albedo(cosine, roughness), white);
-    let lit = max(f0 * shares.x * sum[0] + f90 * shares.y * sum[1], vec3<f32>())
-        * octagloss_lights[probe].unscale;
+    let lit = lit_of(probe, sum, f0 * shares.x, f90 * shares.y);
     let share = max(1.0 - in_mirror / (white.x + white.y), 0.0);
     let alpha = vec2<f32>(roughness * roughness);
     return lit + share * suns_reflected(probe, surface, vec2<f32>(1.0, 0.0), alpha, f0, f90);

@@ -7,9 +7,9 @@
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
 // reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 491291534a480053.
+// Translated from pyramid_cube.wgsl, FNV-1a c6286b2441f66815.
 #else
-// Translated from pyramid.wgsl, FNV-1a c5fa0f11cd1f6993.
+// Translated from pyramid.wgsl, FNV-1a 8398d1655d0971eb.
 #endif
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
@@ -924,6 +924,20 @@ float2 octagloss_albedo_share(float2 albedo, float2 sums)
     return ((albedo + (0.0001).xx) / (max(sums, ZeroValuefloat2()) + (0.0001).xx));
 }
 
+#ifdef OCTAGLOSS_CUBE
+float3 octagloss_lit_of(uint probe_13, float2x3 sum_3, float3 f0_1, float f90_1)
+#else
+float3 octagloss_lit_of(uint probe_14, float2x3 sum_3, float3 f0_1, float f90_1)
+#endif
+{
+#ifdef OCTAGLOSS_CUBE
+    float _e14 = octagloss_lights[probe_13].unscale;
+#else
+    float _e14 = octagloss_lights[probe_14].unscale;
+#endif
+    return (max(((f0_1 * sum_3[0]) + (f90_1 * sum_3[1])), ZeroValuefloat3()) * _e14);
+}
+
 typedef float4 ret_Constructarray8_float4_[8];
 ret_Constructarray8_float4_ Constructarray8_float4_(float4 arg0, float4 arg1, float4 arg2, float4 arg3, float4 arg4, float4 arg5, float4 arg6, float4 arg7) {
     float4 ret[8] = { arg0, arg1, arg2, arg3, arg4, arg5, arg6, arg7 };
@@ -931,12 +945,12 @@ ret_Constructarray8_float4_ Constructarray8_float4_(float4 arg0, float4 arg1, fl
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_reflected_isotropic(uint probe_13, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_1, float f90_1)
+float3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_2, float f90_2)
 #else
-float3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_1, float f90_1)
+float3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface_2, float roughness_4, float3 f0_2, float f90_2)
 #endif
 {
-    float2x3 sum_3 = (float2x3)0;
+    float2x3 sum_4 = (float2x3)0;
     float2 white = (float2)0;
     uint reads = octagloss_READS;
     float in_mirror = 0.0;
@@ -956,21 +970,21 @@ float3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surfa
     const float4 _e27 = octagloss_reflection_node(17u, roughness_4, cosine_12);
     float4 pairs_1[8] = Constructarray8_float4_(_e13, _e15, _e17, _e19, _e21, _e23, _e25, _e27);
 #ifdef OCTAGLOSS_CUBE
-    const float2x3 _e29 = octagloss_harmonics_reflected(probe_13, surface_2, pairs_1);
-#else
     const float2x3 _e29 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1);
+#else
+    const float2x3 _e29 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1);
 #endif
-    sum_3 = _e29;
+    sum_4 = _e29;
     white = (pairs_1[0].xy + pairs_1[7].zw);
     if ((roughness_4 > octagloss_COSINE_FROM)) {
-        float2x3 _e41 = sum_3;
+        float2x3 _e41 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-        const float3 _e42 = octagloss_cosine_light(probe_13, n_2);
-#else
         const float3 _e42 = octagloss_cosine_light(probe_14, n_2);
+#else
+        const float3 _e42 = octagloss_cosine_light(probe_15, n_2);
 #endif
         const float2x3 _e45 = octagloss_weighed(_e42, pairs_1[7].zw);
-        sum_3 = (_e41 + _e45);
+        sum_4 = (_e41 + _e45);
         uint _e47 = reads;
         reads = (_e47 - 1u);
     }
@@ -992,14 +1006,14 @@ float3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surfa
             const float4 _e58 = octagloss_reflection_node(_e57, roughness_4, cosine_12);
             float3 half_vector = normalize((n_2 + (_e58.x * along_3)));
             float3 direction_5 = ((half_vector * (2.0 * dot(v_1, half_vector))) - v_1);
-            float2x3 _e68 = sum_3;
+            float2x3 _e68 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-            const float3 _e70 = octagloss_between_levels(probe_13, direction_5, _e58.y);
-#else
             const float3 _e70 = octagloss_between_levels(probe_14, direction_5, _e58.y);
+#else
+            const float3 _e70 = octagloss_between_levels(probe_15, direction_5, _e58.y);
 #endif
             const float2x3 _e72 = octagloss_weighed(_e70, _e58.zw);
-            sum_3 = (_e68 + _e72);
+            sum_4 = (_e68 + _e72);
             float2 _e74 = white;
             white = (_e74 + _e58.zw);
             float _e77 = in_mirror;
@@ -1009,25 +1023,23 @@ float3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surfa
     const float2 _e91 = octagloss_round_albedo(cosine_12, roughness_4);
     float2 _e92 = white;
     const float2 _e93 = octagloss_albedo_share(_e91, _e92);
-    float3 _e97 = sum_3[0];
-    float3 _e102 = sum_3[1];
+    float2x3 _e94 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-    float _e110 = octagloss_lights[probe_13].unscale;
+    const float3 _e99 = octagloss_lit_of(probe_14, _e94, (f0_2 * _e93.x), (f90_2 * _e93.y));
 #else
-    float _e110 = octagloss_lights[probe_14].unscale;
+    const float3 _e99 = octagloss_lit_of(probe_15, _e94, (f0_2 * _e93.x), (f90_2 * _e93.y));
 #endif
-    float3 lit_1 = (max((((f0_1 * _e93.x) * _e97) + ((f90_1 * _e93.y) * _e102)), ZeroValuefloat3()) * _e110);
-    float _e112 = in_mirror;
-    float _e114 = white.x;
-    float _e116 = white.y;
-    float share_4 = max((1.0 - (_e112 / (_e114 + _e116))), 0.0);
+    float _e100 = in_mirror;
+    float _e102 = white.x;
+    float _e104 = white.y;
+    float share_4 = max((1.0 - (_e100 / (_e102 + _e104))), 0.0);
     float2 alpha_11 = ((roughness_4 * roughness_4)).xx;
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e128 = octagloss_suns_reflected(probe_13, surface_2, float2(1.0, 0.0), alpha_11, f0_1, f90_1);
+    const float3 _e116 = octagloss_suns_reflected(probe_14, surface_2, float2(1.0, 0.0), alpha_11, f0_2, f90_2);
 #else
-    const float3 _e128 = octagloss_suns_reflected(probe_14, surface_2, float2(1.0, 0.0), alpha_11, f0_1, f90_1);
+    const float3 _e116 = octagloss_suns_reflected(probe_15, surface_2, float2(1.0, 0.0), alpha_11, f0_2, f90_2);
 #endif
-    return (lit_1 + (share_4 * _e128));
+    return (_e99 + (share_4 * _e116));
 }
 
 octagloss_SurfaceFrame Constructoctagloss_SurfaceFrame(float3 arg0, float3 arg1, float arg2, float arg3) {
@@ -1040,19 +1052,19 @@ octagloss_SurfaceFrame Constructoctagloss_SurfaceFrame(float3 arg0, float3 arg1,
 }
 
 #ifdef OCTAGLOSS_CUBE
-octagloss_SurfaceFrame octagloss_surface_of(uint probe_14, float3 normal_2, float3 view_1)
-#else
 octagloss_SurfaceFrame octagloss_surface_of(uint probe_15, float3 normal_2, float3 view_1)
+#else
+octagloss_SurfaceFrame octagloss_surface_of(uint probe_16, float3 normal_2, float3 view_1)
 #endif
 {
     float3 level_view = (float3)0;
 
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e3 = octagloss_source_from_world(probe_14, normal_2);
-    const float3 _e4 = octagloss_source_from_world(probe_14, view_1);
-#else
     const float3 _e3 = octagloss_source_from_world(probe_15, normal_2);
     const float3 _e4 = octagloss_source_from_world(probe_15, view_1);
+#else
+    const float3 _e3 = octagloss_source_from_world(probe_16, normal_2);
+    const float3 _e4 = octagloss_source_from_world(probe_16, view_1);
 #endif
     float cosine_13 = clamp(dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = (_e4 - (_e3 * dot(_e3, _e4)));
@@ -1068,10 +1080,10 @@ octagloss_SurfaceFrame octagloss_surface_of(uint probe_15, float3 normal_2, floa
     return octagloss_surfaceframe;
 }
 
-float3 octagloss_reflect_isotropic(float3 normal_3, float3 view_2, float roughness_5, float3 f0_2, float f90_2)
+float3 octagloss_reflect_isotropic(float3 normal_3, float3 view_2, float roughness_5, float3 f0_3, float f90_3)
 {
     const octagloss_SurfaceFrame _e7 = octagloss_surface_of(0u, normal_3, view_2);
-    const float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_5, f0_2, f90_2);
+    const float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_5, f0_3, f90_3);
     return _e8;
 }
 
@@ -1288,9 +1300,9 @@ float2 octagloss_row_read(octagloss_Row row_1, uint read)
 
 typedef float3 ret_octagloss_orders_aside[5];
 #ifdef OCTAGLOSS_CUBE
-ret_octagloss_orders_aside octagloss_orders_aside(uint probe_15, octagloss_SurfaceFrame surface_3, float3 across, float3 d_2)
-#else
 ret_octagloss_orders_aside octagloss_orders_aside(uint probe_16, octagloss_SurfaceFrame surface_3, float3 across, float3 d_2)
+#else
+ret_octagloss_orders_aside octagloss_orders_aside(uint probe_17, octagloss_SurfaceFrame surface_3, float3 across, float3 d_2)
 #endif
 {
     float3 level_2 = ((surface_3.towards * d_2.x) + (surface_3.normal * d_2.z));
@@ -1298,29 +1310,29 @@ ret_octagloss_orders_aside octagloss_orders_aside(uint probe_16, octagloss_Surfa
     const float _e18[25] = octagloss_harmonic_basis((level_2 - (across * d_2.y)));
     float difference_1[25] = Constructarray25_float_((_e14[0] - _e18[0]), (_e14[1] - _e18[1]), (_e14[2] - _e18[2]), (_e14[3] - _e18[3]), (_e14[4] - _e18[4]), (_e14[5] - _e18[5]), (_e14[6] - _e18[6]), (_e14[7] - _e18[7]), (_e14[8] - _e18[8]), (_e14[9] - _e18[9]), (_e14[10] - _e18[10]), (_e14[11] - _e18[11]), (_e14[12] - _e18[12]), (_e14[13] - _e18[13]), (_e14[14] - _e18[14]), (_e14[15] - _e18[15]), (_e14[16] - _e18[16]), (_e14[17] - _e18[17]), (_e14[18] - _e18[18]), (_e14[19] - _e18[19]), (_e14[20] - _e18[20]), (_e14[21] - _e18[21]), (_e14[22] - _e18[22]), (_e14[23] - _e18[23]), (_e14[24] - _e18[24]));
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e95[5] = octagloss_orders_of(probe_15, difference_1);
-#else
     const float3 _e95[5] = octagloss_orders_of(probe_16, difference_1);
+#else
+    const float3 _e95[5] = octagloss_orders_of(probe_17, difference_1);
 #endif
     return _e95;
 }
 
 #ifdef OCTAGLOSS_CUBE
-float2x3 octagloss_harmonics_aside(uint probe_16, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
-#else
 float2x3 octagloss_harmonics_aside(uint probe_17, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
+#else
+float2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
 #endif
 {
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e9[5] = octagloss_orders_aside(probe_16, surface_4, across_1, float3(0.4620342, 0.54655075, -0.6984316));
-    const float3 _e14[5] = octagloss_orders_aside(probe_16, surface_4, across_1, float3(0.8966183, 0.38650447, 0.21607853));
-    const float3 _e19[5] = octagloss_orders_aside(probe_16, surface_4, across_1, float3(0.11814805, 0.3835753, 0.91592085));
-    const float3 _e24[5] = octagloss_orders_aside(probe_16, surface_4, across_1, float3(0.14011177, 0.8172301, -0.5590202));
-#else
     const float3 _e9[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.4620342, 0.54655075, -0.6984316));
     const float3 _e14[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.8966183, 0.38650447, 0.21607853));
     const float3 _e19[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.11814805, 0.3835753, 0.91592085));
     const float3 _e24[5] = octagloss_orders_aside(probe_17, surface_4, across_1, float3(0.14011177, 0.8172301, -0.5590202));
+#else
+    const float3 _e9[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.4620342, 0.54655075, -0.6984316));
+    const float3 _e14[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.8966183, 0.38650447, 0.21607853));
+    const float3 _e19[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.11814805, 0.3835753, 0.91592085));
+    const float3 _e24[5] = octagloss_orders_aside(probe_18, surface_4, across_1, float3(0.14011177, 0.8172301, -0.5590202));
 #endif
     const float4 _e26 = octagloss_row_node(16u, place_2);
     const float4 _e28 = octagloss_row_node(17u, place_2);
@@ -1345,12 +1357,12 @@ float2x3 ZeroValuefloat2x3() {
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_reflect_in_row(uint probe_17, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_3, float f90_3)
+float3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_4, float f90_4)
 #else
-float3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_3, float f90_3)
+float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_9, float3 f0_4, float f90_4)
 #endif
 {
-    float2x3 sum_4 = ZeroValuefloat2x3();
+    float2x3 sum_5 = ZeroValuefloat2x3();
     float2 in_mirror_1 = ZeroValuefloat2();
     float2 white_1 = ZeroValuefloat2();
     uint distance_ = 0u;
@@ -1383,14 +1395,14 @@ float3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5,
             skew = ZeroValuefloat2();
             uint _e44 = distance_;
             if ((_e44 == 0u)) {
-                float2x3 _e47 = sum_4;
+                float2x3 _e47 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-                const float3 _e48 = octagloss_cosine_light(probe_17, n_3);
-#else
                 const float3 _e48 = octagloss_cosine_light(probe_18, n_3);
+#else
+                const float3 _e48 = octagloss_cosine_light(probe_19, n_3);
 #endif
                 const float2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
-                sum_4 = (_e47 + _e50);
+                sum_5 = (_e47 + _e50);
                 float2 _e52 = white_1;
                 white_1 = (_e52 + _e39.zw);
             } else {
@@ -1424,14 +1436,14 @@ float3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5,
                     const float2 _e96 = octagloss_row_read(_e18, ((_e92 == 0u) ? (octagloss_ROW_MIDDLE + _e90) : (octagloss_ROW_MIDDLE - _e87)));
                     float3 half_vector_1 = normalize((n_3 + (_e96.x * axis_2)));
                     float3 direction_6 = ((half_vector_1 * (2.0 * dot(v_2, half_vector_1))) - v_2);
-                    float2x3 _e106 = sum_4;
+                    float2x3 _e106 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-                    const float3 _e108 = octagloss_between_levels(probe_17, direction_6, _e96.y);
-#else
                     const float3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y);
+#else
+                    const float3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y);
 #endif
                     const float2x3 _e109 = octagloss_weighed(_e108, weights_3);
-                    sum_4 = (_e106 + _e109);
+                    sum_5 = (_e106 + _e109);
                     float2 _e111 = white_1;
                     white_1 = (_e111 + weights_3);
                     float2 _e113 = in_mirror_1;
@@ -1449,59 +1461,57 @@ float3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5,
     const float4 _e140 = octagloss_row_node(14u, _e16);
     const float4 _e142 = octagloss_row_node(15u, _e16);
     float4 pairs_2[8] = Constructarray8_float4_(_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142);
-    float2x3 _e144 = sum_4;
+    float2x3 _e144 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-    const float2x3 _e145 = octagloss_harmonics_reflected(probe_17, surface_5, pairs_2);
-#else
     const float2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2);
+#else
+    const float2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2);
 #endif
-    sum_4 = (_e144 + _e145);
+    sum_5 = (_e144 + _e145);
     float2 _e147 = white_1;
     white_1 = (_e147 + pairs_2[0].xy);
     float3 mirrored = (across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
-    float2x3 _e160 = sum_4;
+    float2x3 _e160 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-    const float2x3 _e163 = octagloss_harmonics_aside(probe_17, surface_5, mirrored, _e16, pairs_2[7].zw);
-#else
     const float2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2[7].zw);
+#else
+    const float2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2[7].zw);
 #endif
-    sum_4 = (_e160 + _e163);
+    sum_5 = (_e160 + _e163);
     const float4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5);
     float2 beyond = _e166.xy;
     const float2 _e172 = octagloss_row_albedo(alpha_9, surface_5.cosine, (tangent_5.x * tangent_5.x), beyond);
     float2 _e173 = white_1;
     float2 shares = (_e172 / _e173);
-    float3 _e178 = sum_4[0];
-    float3 _e183 = sum_4[1];
+    float2x3 _e175 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-    float _e191 = octagloss_lights[probe_17].unscale;
+    const float3 _e180 = octagloss_lit_of(probe_18, _e175, (f0_4 * shares.x), (f90_4 * shares.y));
 #else
-    float _e191 = octagloss_lights[probe_18].unscale;
+    const float3 _e180 = octagloss_lit_of(probe_19, _e175, (f0_4 * shares.x), (f90_4 * shares.y));
 #endif
-    float3 lit_2 = (max((((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183)), ZeroValuefloat3()) * _e191);
-    float2 _e193 = in_mirror_1;
-    float share_5 = max((1.0 - (dot(shares, _e193) / (_e172.x + _e172.y))), 0.0);
+    float2 _e181 = in_mirror_1;
+    float share_5 = max((1.0 - (dot(shares, _e181) / (_e172.x + _e172.y))), 0.0);
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e203 = octagloss_suns_reflected(probe_17, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+    const float3 _e191 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_4, f90_4);
 #else
-    const float3 _e203 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_3, f90_3);
+    const float3 _e191 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_4, f90_4);
 #endif
-    return (lit_2 + (share_5 * _e203));
+    return (_e180 + (share_5 * _e191));
 }
 
 #ifdef OCTAGLOSS_CUBE
-float3 octagloss_reflect_of(uint probe_18, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_4, float f90_4)
+float3 octagloss_reflect_of(uint probe_19, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_5, float f90_5)
 #else
-float3 octagloss_reflect_of(uint probe_19, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_4, float f90_4)
+float3 octagloss_reflect_of(uint probe_20, float3 normal_4, float3 view_3, float3 tangent_6, float roughness_7, float anisotropy_1, float3 f0_5, float f90_5)
 #endif
 {
     float2 level_1 = ZeroValuefloat2();
     bool local = (bool)0;
 
 #ifdef OCTAGLOSS_CUBE
-    const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_18, normal_4, view_3);
-#else
     const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_19, normal_4, view_3);
+#else
+    const octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_20, normal_4, view_3);
 #endif
     if ((anisotropy_1 > 0.0)) {
         local = (dot(tangent_6, tangent_6) > 0.0);
@@ -1511,9 +1521,9 @@ float3 octagloss_reflect_of(uint probe_19, float3 normal_4, float3 view_3, float
     bool _e19 = local;
     if (_e19) {
 #ifdef OCTAGLOSS_CUBE
-        const float3 _e20 = octagloss_source_from_world(probe_18, tangent_6);
-#else
         const float3 _e20 = octagloss_source_from_world(probe_19, tangent_6);
+#else
+        const float3 _e20 = octagloss_source_from_world(probe_20, tangent_6);
 #endif
         float3 across_5 = cross(_e8.normal, _e8.towards);
         level_1 = float2(dot(_e20, _e8.towards), dot(_e20, across_5));
@@ -1522,9 +1532,9 @@ float3 octagloss_reflect_of(uint probe_19, float3 normal_4, float3 view_3, float
     float2 _e29 = level_1;
     if ((dot(_e28, _e29) < 1e-10)) {
 #ifdef OCTAGLOSS_CUBE
-        const float3 _e33 = octagloss_reflected_isotropic(probe_18, _e8, roughness_7, f0_4, f90_4);
+        const float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_5, f90_5);
 #else
-        const float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_4, f90_4);
+        const float3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_5, f90_5);
 #endif
         return _e33;
     }
@@ -1532,26 +1542,26 @@ float3 octagloss_reflect_of(uint probe_19, float3 normal_4, float3 view_3, float
     const float _e37 = octagloss_row_share(_e36);
     float2 _e38 = level_1;
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e40 = octagloss_reflect_in_row(probe_18, _e8, normalize(_e38), _e36, f0_4, f90_4);
+    const float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, normalize(_e38), _e36, f0_5, f90_5);
 #else
-    const float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, normalize(_e38), _e36, f0_4, f90_4);
+    const float3 _e40 = octagloss_reflect_in_row(probe_20, _e8, normalize(_e38), _e36, f0_5, f90_5);
 #endif
-    float3 sum_5 = (_e37 * _e40);
+    float3 sum_6 = (_e37 * _e40);
     if ((_e37 == 1.0)) {
-        return sum_5;
+        return sum_6;
     }
     float round_ = sqrt(sqrt((_e36.x * _e36.y)));
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e51 = octagloss_reflected_isotropic(probe_18, _e8, round_, f0_4, f90_4);
+    const float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round_, f0_5, f90_5);
 #else
-    const float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round_, f0_4, f90_4);
+    const float3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round_, f0_5, f90_5);
 #endif
-    return (sum_5 + ((1.0 - _e37) * _e51));
+    return (sum_6 + ((1.0 - _e37) * _e51));
 }
 
-float3 octagloss_reflect(float3 normal_5, float3 view_4, float3 tangent_7, float roughness_8, float anisotropy_2, float3 f0_5, float f90_5)
+float3 octagloss_reflect(float3 normal_5, float3 view_4, float3 tangent_7, float roughness_8, float anisotropy_2, float3 f0_6, float f90_6)
 {
-    const float3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_7, roughness_8, anisotropy_2, f0_5, f90_5);
+    const float3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_7, roughness_8, anisotropy_2, f0_6, f90_6);
     return _e8;
 }
 

@@ -7,9 +7,9 @@
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
 // reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a 491291534a480053.
+// Translated from pyramid_cube.wgsl, FNV-1a c6286b2441f66815.
 #else
-// Translated from pyramid.wgsl, FNV-1a c5fa0f11cd1f6993.
+// Translated from pyramid.wgsl, FNV-1a 8398d1655d0971eb.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
@@ -1028,16 +1028,35 @@ metal::float2 octagloss_albedo_share(
     return (albedo + metal::float2(0.0001)) / (metal::max(sums, metal::float2 {}) + metal::float2(0.0001));
 }
 
-metal::float3 octagloss_reflected_isotropic(
+metal::float3 octagloss_lit_of(
 #ifdef OCTAGLOSS_CUBE
     uint probe_13,
 #else
     uint probe_14,
 #endif
-    octagloss_SurfaceFrame surface_2,
-    float roughness_4,
+    metal::float2x3 sum_3,
     metal::float3 f0_1,
     float f90_1,
+    constant type_7& octagloss_lights
+) {
+#ifdef OCTAGLOSS_CUBE
+    float _e14 = octagloss_lights.inner[probe_13].unscale;
+#else
+    float _e14 = octagloss_lights.inner[probe_14].unscale;
+#endif
+    return metal::max((f0_1 * sum_3[0]) + (f90_1 * sum_3[1]), metal::float3 {}) * _e14;
+}
+
+metal::float3 octagloss_reflected_isotropic(
+#ifdef OCTAGLOSS_CUBE
+    uint probe_14,
+#else
+    uint probe_15,
+#endif
+    octagloss_SurfaceFrame surface_2,
+    float roughness_4,
+    metal::float3 f0_2,
+    float f90_2,
     constant type_7& octagloss_lights,
 #ifdef OCTAGLOSS_CUBE
     metal::texturecube<float, metal::access::sample> octagloss_maps,
@@ -1047,7 +1066,7 @@ metal::float3 octagloss_reflected_isotropic(
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
-    metal::float2x3 sum_3 = {};
+    metal::float2x3 sum_4 = {};
     metal::float2 white = {};
     uint reads = octagloss_READS;
     float in_mirror = 0.0;
@@ -1066,21 +1085,21 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float4 _e27 = octagloss_reflection_node(17u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
     type_20 pairs_1 = type_20 {{_e13, _e15, _e17, _e19, _e21, _e23, _e25, _e27}};
 #ifdef OCTAGLOSS_CUBE
-    metal::float2x3 _e29 = octagloss_harmonics_reflected(probe_13, surface_2, pairs_1, octagloss_lights);
-#else
     metal::float2x3 _e29 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1, octagloss_lights);
+#else
+    metal::float2x3 _e29 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1, octagloss_lights);
 #endif
-    sum_3 = _e29;
+    sum_4 = _e29;
     white = pairs_1.inner[0].xy + pairs_1.inner[7].zw;
     if (roughness_4 > octagloss_COSINE_FROM) {
-        metal::float2x3 _e41 = sum_3;
+        metal::float2x3 _e41 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e42 = octagloss_cosine_light(probe_13, n_2, octagloss_lights);
+        metal::float3 _e42 = octagloss_cosine_light(probe_14, n_2, octagloss_lights);
 #else
-        metal::float3 _e42 = octagloss_cosine_light(probe_14, n_2, octagloss_maps, octagloss_linear);
+        metal::float3 _e42 = octagloss_cosine_light(probe_15, n_2, octagloss_maps, octagloss_linear);
 #endif
         metal::float2x3 _e45 = octagloss_weighed(_e42, pairs_1.inner[7].zw);
-        sum_3 = _e41 + _e45;
+        sum_4 = _e41 + _e45;
         uint _e47 = reads;
         reads = _e47 - 1u;
     }
@@ -1102,14 +1121,14 @@ metal::float3 octagloss_reflected_isotropic(
             metal::float4 _e58 = octagloss_reflection_node(_e57, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
             metal::float3 half_vector = metal::normalize(n_2 + (_e58.x * along_3));
             metal::float3 direction_5 = (half_vector * (2.0 * metal::dot(v_1, half_vector))) - v_1;
-            metal::float2x3 _e68 = sum_3;
+            metal::float2x3 _e68 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-            metal::float3 _e70 = octagloss_between_levels(probe_13, direction_5, _e58.y, octagloss_maps, octagloss_linear);
-#else
             metal::float3 _e70 = octagloss_between_levels(probe_14, direction_5, _e58.y, octagloss_maps, octagloss_linear);
+#else
+            metal::float3 _e70 = octagloss_between_levels(probe_15, direction_5, _e58.y, octagloss_maps, octagloss_linear);
 #endif
             metal::float2x3 _e72 = octagloss_weighed(_e70, _e58.zw);
-            sum_3 = _e68 + _e72;
+            sum_4 = _e68 + _e72;
             metal::float2 _e74 = white;
             white = _e74 + _e58.zw;
             float _e77 = in_mirror;
@@ -1119,32 +1138,30 @@ metal::float3 octagloss_reflected_isotropic(
     metal::float2 _e91 = octagloss_round_albedo(cosine_12, roughness_4, octagloss_tables);
     metal::float2 _e92 = white;
     metal::float2 _e93 = octagloss_albedo_share(_e91, _e92);
-    metal::float3 _e97 = sum_3[0];
-    metal::float3 _e102 = sum_3[1];
+    metal::float2x3 _e94 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-    float _e110 = octagloss_lights.inner[probe_13].unscale;
+    metal::float3 _e99 = octagloss_lit_of(probe_14, _e94, f0_2 * _e93.x, f90_2 * _e93.y, octagloss_lights);
 #else
-    float _e110 = octagloss_lights.inner[probe_14].unscale;
+    metal::float3 _e99 = octagloss_lit_of(probe_15, _e94, f0_2 * _e93.x, f90_2 * _e93.y, octagloss_lights);
 #endif
-    metal::float3 lit_1 = metal::max(((f0_1 * _e93.x) * _e97) + ((f90_1 * _e93.y) * _e102), metal::float3 {}) * _e110;
-    float _e112 = in_mirror;
-    float _e114 = white.x;
-    float _e116 = white.y;
-    float share_4 = metal::max(1.0 - (_e112 / (_e114 + _e116)), 0.0);
+    float _e100 = in_mirror;
+    float _e102 = white.x;
+    float _e104 = white.y;
+    float share_4 = metal::max(1.0 - (_e100 / (_e102 + _e104)), 0.0);
     metal::float2 alpha_11 = metal::float2(roughness_4 * roughness_4);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e128 = octagloss_suns_reflected(probe_13, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
+    metal::float3 _e116 = octagloss_suns_reflected(probe_14, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_2, f90_2, octagloss_lights, octagloss_maps);
 #else
-    metal::float3 _e128 = octagloss_suns_reflected(probe_14, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_1, f90_1, octagloss_lights, octagloss_maps);
+    metal::float3 _e116 = octagloss_suns_reflected(probe_15, surface_2, metal::float2(1.0, 0.0), alpha_11, f0_2, f90_2, octagloss_lights, octagloss_maps);
 #endif
-    return lit_1 + (share_4 * _e128);
+    return _e99 + (share_4 * _e116);
 }
 
 octagloss_SurfaceFrame octagloss_surface_of(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_14,
-#else
     uint probe_15,
+#else
+    uint probe_16,
 #endif
     metal::float3 normal_2,
     metal::float3 view_1,
@@ -1152,11 +1169,11 @@ octagloss_SurfaceFrame octagloss_surface_of(
 ) {
     metal::float3 level_view = {};
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e3 = octagloss_source_from_world(probe_14, normal_2, octagloss_lights);
-    metal::float3 _e4 = octagloss_source_from_world(probe_14, view_1, octagloss_lights);
-#else
     metal::float3 _e3 = octagloss_source_from_world(probe_15, normal_2, octagloss_lights);
     metal::float3 _e4 = octagloss_source_from_world(probe_15, view_1, octagloss_lights);
+#else
+    metal::float3 _e3 = octagloss_source_from_world(probe_16, normal_2, octagloss_lights);
+    metal::float3 _e4 = octagloss_source_from_world(probe_16, view_1, octagloss_lights);
 #endif
     float cosine_13 = metal::clamp(metal::dot(_e3, _e4), octagloss_LEAST_COSINE, 1.0);
     level_view = _e4 - (_e3 * metal::dot(_e3, _e4));
@@ -1175,8 +1192,8 @@ metal::float3 octagloss_reflect_isotropic(
     metal::float3 normal_3,
     metal::float3 view_2,
     float roughness_5,
-    metal::float3 f0_2,
-    float f90_2,
+    metal::float3 f0_3,
+    float f90_3,
     constant type_7& octagloss_lights,
 #ifdef OCTAGLOSS_CUBE
     metal::texturecube<float, metal::access::sample> octagloss_maps,
@@ -1187,7 +1204,7 @@ metal::float3 octagloss_reflect_isotropic(
     metal::sampler octagloss_linear
 ) {
     octagloss_SurfaceFrame _e7 = octagloss_surface_of(0u, normal_3, view_2, octagloss_lights);
-    metal::float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_5, f0_2, f90_2, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    metal::float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_5, f0_3, f90_3, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
     return _e8;
 }
 
@@ -1422,9 +1439,9 @@ metal::float2 octagloss_row_read(
 
 type_13 octagloss_orders_aside(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_15,
-#else
     uint probe_16,
+#else
+    uint probe_17,
 #endif
     octagloss_SurfaceFrame surface_3,
     metal::float3 across,
@@ -1436,18 +1453,18 @@ type_13 octagloss_orders_aside(
     type_12 _e18 = octagloss_harmonic_basis(level_2 - (across * d_2.y));
     type_12 difference_1 = type_12 {{_e14.inner[0] - _e18.inner[0], _e14.inner[1] - _e18.inner[1], _e14.inner[2] - _e18.inner[2], _e14.inner[3] - _e18.inner[3], _e14.inner[4] - _e18.inner[4], _e14.inner[5] - _e18.inner[5], _e14.inner[6] - _e18.inner[6], _e14.inner[7] - _e18.inner[7], _e14.inner[8] - _e18.inner[8], _e14.inner[9] - _e18.inner[9], _e14.inner[10] - _e18.inner[10], _e14.inner[11] - _e18.inner[11], _e14.inner[12] - _e18.inner[12], _e14.inner[13] - _e18.inner[13], _e14.inner[14] - _e18.inner[14], _e14.inner[15] - _e18.inner[15], _e14.inner[16] - _e18.inner[16], _e14.inner[17] - _e18.inner[17], _e14.inner[18] - _e18.inner[18], _e14.inner[19] - _e18.inner[19], _e14.inner[20] - _e18.inner[20], _e14.inner[21] - _e18.inner[21], _e14.inner[22] - _e18.inner[22], _e14.inner[23] - _e18.inner[23], _e14.inner[24] - _e18.inner[24]}};
 #ifdef OCTAGLOSS_CUBE
-    type_13 _e95 = octagloss_orders_of(probe_15, difference_1, octagloss_lights);
-#else
     type_13 _e95 = octagloss_orders_of(probe_16, difference_1, octagloss_lights);
+#else
+    type_13 _e95 = octagloss_orders_of(probe_17, difference_1, octagloss_lights);
 #endif
     return _e95;
 }
 
 metal::float2x3 octagloss_harmonics_aside(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_16,
-#else
     uint probe_17,
+#else
+    uint probe_18,
 #endif
     octagloss_SurfaceFrame surface_4,
     metal::float3 across_1,
@@ -1458,15 +1475,15 @@ metal::float2x3 octagloss_harmonics_aside(
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
 #ifdef OCTAGLOSS_CUBE
-    type_13 _e9 = octagloss_orders_aside(probe_16, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
-    type_13 _e14 = octagloss_orders_aside(probe_16, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
-    type_13 _e19 = octagloss_orders_aside(probe_16, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
-    type_13 _e24 = octagloss_orders_aside(probe_16, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
-#else
     type_13 _e9 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
     type_13 _e14 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
     type_13 _e19 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
     type_13 _e24 = octagloss_orders_aside(probe_17, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
+#else
+    type_13 _e9 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.4620342, 0.54655075, -0.6984316), octagloss_lights);
+    type_13 _e14 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.8966183, 0.38650447, 0.21607853), octagloss_lights);
+    type_13 _e19 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.11814805, 0.3835753, 0.91592085), octagloss_lights);
+    type_13 _e24 = octagloss_orders_aside(probe_18, surface_4, across_1, metal::float3(0.14011177, 0.8172301, -0.5590202), octagloss_lights);
 #endif
     metal::float4 _e26 = octagloss_row_node(16u, place_2, octagloss_linear, octagloss_rows);
     metal::float4 _e28 = octagloss_row_node(17u, place_2, octagloss_linear, octagloss_rows);
@@ -1488,15 +1505,15 @@ metal::float2x3 octagloss_harmonics_aside(
 
 metal::float3 octagloss_reflect_in_row(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_17,
-#else
     uint probe_18,
+#else
+    uint probe_19,
 #endif
     octagloss_SurfaceFrame surface_5,
     metal::float2 tangent_5,
     metal::float2 alpha_9,
-    metal::float3 f0_3,
-    float f90_3,
+    metal::float3 f0_4,
+    float f90_4,
     constant type_7& octagloss_lights,
 #ifdef OCTAGLOSS_CUBE
     metal::texturecube<float, metal::access::sample> octagloss_maps,
@@ -1507,7 +1524,7 @@ metal::float3 octagloss_reflect_in_row(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float2x3 sum_4 = metal::float2x3 {};
+    metal::float2x3 sum_5 = metal::float2x3 {};
     metal::float2 in_mirror_1 = metal::float2 {};
     metal::float2 white_1 = metal::float2 {};
     uint distance = 0u;
@@ -1539,14 +1556,14 @@ metal::float3 octagloss_reflect_in_row(
             skew = metal::float2 {};
             uint _e44 = distance;
             if (_e44 == 0u) {
-                metal::float2x3 _e47 = sum_4;
+                metal::float2x3 _e47 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-                metal::float3 _e48 = octagloss_cosine_light(probe_17, n_3, octagloss_lights);
+                metal::float3 _e48 = octagloss_cosine_light(probe_18, n_3, octagloss_lights);
 #else
-                metal::float3 _e48 = octagloss_cosine_light(probe_18, n_3, octagloss_maps, octagloss_linear);
+                metal::float3 _e48 = octagloss_cosine_light(probe_19, n_3, octagloss_maps, octagloss_linear);
 #endif
                 metal::float2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
-                sum_4 = _e47 + _e50;
+                sum_5 = _e47 + _e50;
                 metal::float2 _e52 = white_1;
                 white_1 = _e52 + _e39.zw;
             } else {
@@ -1580,14 +1597,14 @@ metal::float3 octagloss_reflect_in_row(
                     metal::float2 _e96 = octagloss_row_read(_e18, (_e92 == 0u) ? (octagloss_ROW_MIDDLE + _e90) : (octagloss_ROW_MIDDLE - _e87), octagloss_maps);
                     metal::float3 half_vector_1 = metal::normalize(n_3 + (_e96.x * axis_2));
                     metal::float3 direction_6 = (half_vector_1 * (2.0 * metal::dot(v_2, half_vector_1))) - v_2;
-                    metal::float2x3 _e106 = sum_4;
+                    metal::float2x3 _e106 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-                    metal::float3 _e108 = octagloss_between_levels(probe_17, direction_6, _e96.y, octagloss_maps, octagloss_linear);
-#else
                     metal::float3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y, octagloss_maps, octagloss_linear);
+#else
+                    metal::float3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y, octagloss_maps, octagloss_linear);
 #endif
                     metal::float2x3 _e109 = octagloss_weighed(_e108, weights_3);
-                    sum_4 = _e106 + _e109;
+                    sum_5 = _e106 + _e109;
                     metal::float2 _e111 = white_1;
                     white_1 = _e111 + weights_3;
                     metal::float2 _e113 = in_mirror_1;
@@ -1605,59 +1622,57 @@ metal::float3 octagloss_reflect_in_row(
     metal::float4 _e140 = octagloss_row_node(14u, _e16, octagloss_linear, octagloss_rows);
     metal::float4 _e142 = octagloss_row_node(15u, _e16, octagloss_linear, octagloss_rows);
     type_20 pairs_2 = type_20 {{_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142}};
-    metal::float2x3 _e144 = sum_4;
+    metal::float2x3 _e144 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_17, surface_5, pairs_2, octagloss_lights);
-#else
     metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2, octagloss_lights);
+#else
+    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2, octagloss_lights);
 #endif
-    sum_4 = _e144 + _e145;
+    sum_5 = _e144 + _e145;
     metal::float2 _e147 = white_1;
     white_1 = _e147 + pairs_2.inner[0].xy;
     metal::float3 mirrored = across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
-    metal::float2x3 _e160 = sum_4;
+    metal::float2x3 _e160 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_17, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
-#else
     metal::float2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
+#else
+    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
 #endif
-    sum_4 = _e160 + _e163;
+    sum_5 = _e160 + _e163;
     metal::float4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5, octagloss_linear, octagloss_rows);
     metal::float2 beyond = _e166.xy;
     metal::float2 _e172 = octagloss_row_albedo(alpha_9, surface_5.cosine, tangent_5.x * tangent_5.x, beyond, octagloss_tables);
     metal::float2 _e173 = white_1;
     metal::float2 shares = _e172 / _e173;
-    metal::float3 _e178 = sum_4[0];
-    metal::float3 _e183 = sum_4[1];
+    metal::float2x3 _e175 = sum_5;
 #ifdef OCTAGLOSS_CUBE
-    float _e191 = octagloss_lights.inner[probe_17].unscale;
+    metal::float3 _e180 = octagloss_lit_of(probe_18, _e175, f0_4 * shares.x, f90_4 * shares.y, octagloss_lights);
 #else
-    float _e191 = octagloss_lights.inner[probe_18].unscale;
+    metal::float3 _e180 = octagloss_lit_of(probe_19, _e175, f0_4 * shares.x, f90_4 * shares.y, octagloss_lights);
 #endif
-    metal::float3 lit_2 = metal::max(((f0_3 * shares.x) * _e178) + ((f90_3 * shares.y) * _e183), metal::float3 {}) * _e191;
-    metal::float2 _e193 = in_mirror_1;
-    float share_5 = metal::max(1.0 - (metal::dot(shares, _e193) / (_e172.x + _e172.y)), 0.0);
+    metal::float2 _e181 = in_mirror_1;
+    float share_5 = metal::max(1.0 - (metal::dot(shares, _e181) / (_e172.x + _e172.y)), 0.0);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e203 = octagloss_suns_reflected(probe_17, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
+    metal::float3 _e191 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_4, f90_4, octagloss_lights, octagloss_maps);
 #else
-    metal::float3 _e203 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_3, f90_3, octagloss_lights, octagloss_maps);
+    metal::float3 _e191 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_4, f90_4, octagloss_lights, octagloss_maps);
 #endif
-    return lit_2 + (share_5 * _e203);
+    return _e180 + (share_5 * _e191);
 }
 
 metal::float3 octagloss_reflect_of(
 #ifdef OCTAGLOSS_CUBE
-    uint probe_18,
-#else
     uint probe_19,
+#else
+    uint probe_20,
 #endif
     metal::float3 normal_4,
     metal::float3 view_3,
     metal::float3 tangent_6,
     float roughness_7,
     float anisotropy_1,
-    metal::float3 f0_4,
-    float f90_4,
+    metal::float3 f0_5,
+    float f90_5,
     constant type_7& octagloss_lights,
 #ifdef OCTAGLOSS_CUBE
     metal::texturecube<float, metal::access::sample> octagloss_maps,
@@ -1671,9 +1686,9 @@ metal::float3 octagloss_reflect_of(
     metal::float2 level_1 = metal::float2 {};
     bool local = {};
 #ifdef OCTAGLOSS_CUBE
-    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_18, normal_4, view_3, octagloss_lights);
-#else
     octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_19, normal_4, view_3, octagloss_lights);
+#else
+    octagloss_SurfaceFrame _e8 = octagloss_surface_of(probe_20, normal_4, view_3, octagloss_lights);
 #endif
     if (anisotropy_1 > 0.0) {
         local = metal::dot(tangent_6, tangent_6) > 0.0;
@@ -1683,9 +1698,9 @@ metal::float3 octagloss_reflect_of(
     bool _e19 = local;
     if (_e19) {
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e20 = octagloss_source_from_world(probe_18, tangent_6, octagloss_lights);
-#else
         metal::float3 _e20 = octagloss_source_from_world(probe_19, tangent_6, octagloss_lights);
+#else
+        metal::float3 _e20 = octagloss_source_from_world(probe_20, tangent_6, octagloss_lights);
 #endif
         metal::float3 across_5 = metal::cross(_e8.normal, _e8.towards);
         level_1 = metal::float2(metal::dot(_e20, _e8.towards), metal::dot(_e20, across_5));
@@ -1694,9 +1709,9 @@ metal::float3 octagloss_reflect_of(
     metal::float2 _e29 = level_1;
     if (metal::dot(_e28, _e29) < 0.0000000001) {
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e33 = octagloss_reflected_isotropic(probe_18, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+        metal::float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #else
-        metal::float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+        metal::float3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #endif
         return _e33;
     }
@@ -1704,21 +1719,21 @@ metal::float3 octagloss_reflect_of(
     float _e37 = octagloss_row_share(_e36);
     metal::float2 _e38 = level_1;
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e40 = octagloss_reflect_in_row(probe_18, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, metal::normalize(_e38), _e36, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
 #else
-    metal::float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, metal::normalize(_e38), _e36, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 _e40 = octagloss_reflect_in_row(probe_20, _e8, metal::normalize(_e38), _e36, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
 #endif
-    metal::float3 sum_5 = _e37 * _e40;
+    metal::float3 sum_6 = _e37 * _e40;
     if (_e37 == 1.0) {
-        return sum_5;
+        return sum_6;
     }
     float round = metal::sqrt(metal::sqrt(_e36.x * _e36.y));
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e51 = octagloss_reflected_isotropic(probe_18, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    metal::float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #else
-    metal::float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round, f0_4, f90_4, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    metal::float3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #endif
-    return sum_5 + ((1.0 - _e37) * _e51);
+    return sum_6 + ((1.0 - _e37) * _e51);
 }
 
 metal::float3 octagloss_reflect(
@@ -1727,8 +1742,8 @@ metal::float3 octagloss_reflect(
     metal::float3 tangent_7,
     float roughness_8,
     float anisotropy_2,
-    metal::float3 f0_5,
-    float f90_5,
+    metal::float3 f0_6,
+    float f90_6,
     constant type_7& octagloss_lights,
 #ifdef OCTAGLOSS_CUBE
     metal::texturecube<float, metal::access::sample> octagloss_maps,
@@ -1739,7 +1754,7 @@ metal::float3 octagloss_reflect(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_7, roughness_8, anisotropy_2, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_7, roughness_8, anisotropy_2, f0_6, f90_6, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
     return _e8;
 }
 

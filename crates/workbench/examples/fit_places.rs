@@ -14,7 +14,9 @@ mod descent;
 
 use descent::Descent;
 use octagloss_core::pyramid::Levels;
-use octagloss_core::pyramid::places::{CONTROLS, NUMBERS, TABLE, UNITS, from_controls, places, shares};
+use octagloss_core::pyramid::places::{
+    CONTROLS, NUMBERS, READS, UNITS, from_controls, numbers, places, shares,
+};
 use octagloss_core::pyramid::reads::Fit;
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -63,8 +65,7 @@ fn main() {
     let errors =
         fits.par_iter().map(|(fit, roughness, cosine)| fit.slopes(&places(*roughness, *cosine)).0.ln());
     println!("the table so far: {:.4}", errors.sum::<f64>() / fits.len() as f64);
-    let mut controls: Controls =
-        TABLE.iter().map(|own| own.map(|number| f64::from(number) / UNITS)).collect();
+    let mut controls: Controls = (0..CONTROLS[0] * CONTROLS[1]).map(numbers).collect();
     let mut descent = Descent::new(controls.as_flattened().len(), steps, 0.02);
     for step in 1..=steps {
         let slopes: Vec<(f64, [f64; NUMBERS])> = fits
@@ -117,11 +118,12 @@ fn text(controls: &Controls) -> String {
          pub const CONTROLS: [usize; 2] = [{across}, {up}];\n\n\
          /// Numbers of the control points, those of the least n.v first, in thousandths.\n\
          #[rustfmt::skip]\n\
-         pub const TABLE: [[i16; NUMBERS]; CONTROLS[0] * CONTROLS[1]] = [\n"
+         pub(super) const TABLE: [[i16; NUMBERS]; CONTROLS[0] * CONTROLS[1]] = [\n"
     );
     for control in controls {
         let numbers = control.map(|number| ((number * UNITS).round() as i16).to_string());
-        writeln!(text, "    [{}],", numbers.join(",")).expect("text");
+        let (slopes, widths) = numbers.split_at(READS);
+        writeln!(text, "    [{},\n     {}],", slopes.join(","), widths.join(",")).expect("text");
     }
     text + "];\n"
 }

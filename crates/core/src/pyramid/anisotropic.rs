@@ -13,7 +13,7 @@ use super::brdf::Brdf;
 use super::fit::smooth;
 use super::reads::{
     AROUND, HARMONICS, HARMONICS_FROM, Lobe, Point, RIDGE, Read, half_vectors, level_of, weights,
-    zonal_harmonics,
+    wide_functions,
 };
 use crate::common::frame::LEAST_COSINE;
 use crate::common::parallel;
@@ -522,9 +522,8 @@ impl Fit {
             for (value, read) in values.iter_mut().zip(reads) {
                 *value = read.at(light);
             }
-            values[READS] = light.z.max(0.0) / PI;
-            let (symmetric, skew) = values[READS + 1..].split_at_mut(HARMONICS);
-            zonal_harmonics(symmetric, &around, light);
+            let (wide, skew) = values[READS..].split_at_mut(1 + HARMONICS);
+            wide_functions(wide, &around, light);
             let mirrored = light * DVec3::new(1.0, -1.0, 1.0);
             let zonal = aside.iter().enumerate().flat_map(|(k, direction)| {
                 let [own, other] = [light, mirrored].map(|light| legendre(direction.dot(light)));
@@ -539,9 +538,7 @@ impl Fit {
 
     /// The weights for f0 and f90 with these `reads`.
     pub(super) fn weights(&self, reads: &[Read; READS]) -> Vec<[f32; 2]> {
-        // The cosine and the first of the harmonics have an integral, too.
-        let has_integral = |k| k < READS + 2;
-        weights(&self.lobe, self.used, &self.ridge, self.albedo, Self::functions(reads), has_integral)
+        weights(&self.lobe, READS, self.used, &self.ridge, self.albedo, Self::functions(reads))
     }
 }
 

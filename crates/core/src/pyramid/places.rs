@@ -6,7 +6,8 @@
 
 mod table;
 
-pub use table::{CONTROLS, TABLE};
+pub use table::CONTROLS;
+use table::TABLE;
 
 /// Reads at places of their own.
 pub const READS: usize = 10;
@@ -52,7 +53,12 @@ pub fn from_controls(
     std::array::from_fn(|read| [sum[read], sum[READS + read].exp()])
 }
 
+/// The numbers of a control point of the table.
+pub fn numbers(control: usize) -> [f64; NUMBERS] {
+    TABLE[control].map(|number| f64::from(number) / UNITS)
+}
+
 /// Slope and width of each read, both over alpha.
 pub fn places(roughness: f64, cosine: f64) -> [[f64; 2]; READS] {
-    from_controls(|control| TABLE[control].map(|number| f64::from(number) / UNITS), roughness, cosine)
+    from_controls(numbers, roughness, cosine)
 }

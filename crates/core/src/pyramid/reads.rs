@@ -39,8 +39,8 @@ pub type Node = [[f32; 4]; LAYERS];
 /// of the view's angle: dense at grazing views, and even in that angle around the normal.
 pub const NODES: [usize; 2] = [46, 26];
 
-/// Functions of the fit: reads, harmonics, cosine.
-const FUNCTIONS: usize = READS + HARMONICS + 1;
+/// Functions of the fit: reads, cosine, harmonics.
+const FUNCTIONS: usize = READS + 1 + HARMONICS;
 
 /// Ridge of reads, and of harmonics; roughness over which those come into use.
 pub(super) const RIDGE: [f64; 2] = [1e-3, 5e-3];
@@ -49,6 +49,9 @@ pub(super) const HARMONICS_FROM: [f64; 2] = [0.02, 0.15];
 /// Roughness over which the last read fades out, and the cosine in.
 const LAST_READ: [f64; 2] = [0.42, 0.36];
 const COSINE: [f64; 2] = [0.45, 0.51];
+
+/// Use of a function that has faded out: its weights are 0 as half floats.
+const LEAST_USE: f64 = 1e-9;
 
 /// Roughness from which on look-ups read the cosine level in place of the last read: between two nodes that
 /// have neither.
@@ -284,26 +287,28 @@ impl Read {
     }
 }
 
-/// Harmonics around each direction of `around`, of orders from its place up.
-pub(super) fn zonal_harmonics(values: &mut [f64], around: &[DVec3; 5], light: DVec3) {
+/// The clamped cosine, and harmonics around each direction of `around`, of orders from its place up.
+pub(super) fn wide_functions(values: &mut [f64], around: &[DVec3; 5], light: DVec3) {
+    values[0] = light.z.max(0.0) / PI;
     let zonal = around
         .iter()
         .enumerate()
         .flat_map(|(k, direction)| legendre(direction.dot(light)).into_iter().zip(0..).skip(k));
-    for (value, (zonal, order)) in values.iter_mut().zip(zonal) {
+    for (value, (zonal, order)) in values[1..].iter_mut().zip(zonal) {
         *value = f64::from(2 * order + 1) / (4.0 * PI) * zonal;
     }
 }
 
 /// The weights for f0 and f90 of the first `used` functions that fit `lobe`, under their `ridge`. Its
-/// integral is held at `albedo`, scale and bias of f0. `functions` have an integral of 1 or none.
+/// integral is held at `albedo`, scale and bias of f0. `functions` are `reads` of integral 1, a cosine and
+/// harmonics.
 pub(super) fn weights<const N: usize>(
     lobe: &Lobe,
+    reads: usize,
     used: usize,
     ridge: &[f64; N],
     albedo: [f64; 2],
     functions: impl Fn(DVec3) -> [f64; N],
-    has_integral: impl Fn(usize) -> bool,
 ) -> Vec<[f32; 2]> {
     let mean = lobe.mean;
     // The normal equations, and a multiplier that holds the lobe's integral at the albedo.
@@ -326,9 +331,11 @@ pub(super) fn weights<const N: usize>(
         }
     });
     let product = |j: usize, k: usize| products[j.max(k)][j.min(k)] + if j == k { ridge[j] } else { 0.0 };
+    // Harmonics of order 0 have an integral, the others none.
+    let has_integral = |j: usize| j <= reads + 1;
     let [scale, bias] = albedo;
     let [all, grazing] = [(0, scale + bias), (1, bias)]
-        .map(|(side, total)| held_at(total / mean, used, product, |j| right[j][side], &has_integral));
+        .map(|(side, total)| held_at(total / mean, used, product, |j| right[j][side], has_integral));
     let pair = |k: usize| [(all[k] - grazing[k]) * mean, grazing[k] * mean].map(|weight| weight as f32);
     (0..used).map(pair).collect()
 }
@@ -353,15 +360,14 @@ impl Fit {
         let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
         // Sharper lobes than the mirror's are served by the mirror.
         let served = (roughness.powi(8) + (0.5 * levels.width(0)).powi(4)).powf(0.125);
-        let [from, to] = HARMONICS_FROM;
-        let use_harmonics = smooth((roughness - from) / (to - from));
-        let faded = |[from, to]: [f64; 2]| smooth((roughness - from) / (to - from)).max(1e-9);
+        let faded = |[from, to]: [f64; 2]| smooth((roughness - from) / (to - from));
+        let use_harmonics = faded(HARMONICS_FROM);
         // Lobes narrower than the mirror's texels are served by equal reads of it.
         let narrow = levels.width(0) / (2.0 * cosine * roughness.max(1e-3).powi(2));
         let mut ridge = [RIDGE[1] / use_harmonics; FUNCTIONS];
         ridge[..READS].fill(RIDGE[0] * (1.0 + narrow.powi(4)));
-        ridge[READS - 1] /= faded(LAST_READ);
-        ridge[READS + HARMONICS] = RIDGE[1] / faded(COSINE);
+        ridge[READS - 1] /= faded(LAST_READ).max(LEAST_USE);
+        ridge[READS] = RIDGE[1] / faded(COSINE).max(LEAST_USE);
         Self {
             levels,
             alpha: roughness * roughness,
@@ -387,26 +393,22 @@ impl Fit {
         (Read::new(self.levels, direction, level), [slope, level])
     }
 
-    /// What the weights multiply, of light from the unit vector `light`: reads, harmonics, the clamped
-    /// cosine.
+    /// What the weights multiply, of light from the unit vector `light`: reads, the clamped cosine,
+    /// harmonics.
     pub(super) fn functions(reads: &[Read; READS], light: DVec3) -> [f64; FUNCTIONS] {
         let around = AROUND.map(|angle| DVec3::new(angle.sin(), 0.0, angle.cos()));
         let mut values = [0.0; FUNCTIONS];
         for (value, read) in values.iter_mut().zip(reads) {
             *value = read.at(light);
         }
-        let (cosine, harmonics) = values[READS..].split_last_mut().expect("functions");
-        zonal_harmonics(harmonics, &around, light);
-        *cosine = light.z.max(0.0) / PI;
+        wide_functions(&mut values[READS..], &around, light);
         values
     }
 
     /// The weights for f0 and f90 with these `reads`.
     pub(super) fn weights(&self, reads: &[Read; READS]) -> Vec<[f32; 2]> {
         let functions = |light| Self::functions(reads, light);
-        // Of the harmonics the first has an integral.
-        let has_integral = |k| k <= READS || k == READS + HARMONICS;
-        weights(&self.lobe, self.used, &self.ridge, self.albedo, functions, has_integral)
+        weights(&self.lobe, READS, self.used, &self.ridge, self.albedo, functions)
     }
 }
 
@@ -419,7 +421,11 @@ pub fn fitted(levels: Levels, roughness: f64, cosine: f64) -> Node {
         *layer = [*slope as f32, *level as f32, 0.0, 0.0];
     }
     for (k, pair) in fit.weights(&reads.map(|(read, _)| read)).into_iter().enumerate() {
-        let (layer, at) = if k < READS { (k, 2) } else { (READS + (k - READS) / 2, 2 * ((k - READS) % 2)) };
+        let (layer, at) = match k {
+            _ if k < READS => (k, 2),
+            READS => (LAYERS - 1, 2),
+            _ => (READS + (k - READS - 1) / 2, 2 * ((k - READS - 1) % 2)),
+        };
         node[layer][at..at + 2].copy_from_slice(&pair);
     }
     node.map(|texel| texel.map(|value| f16::from_f32(value).to_f32()))

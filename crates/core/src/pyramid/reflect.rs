@@ -79,9 +79,10 @@ impl Pyramid {
         let albedo = albedo_at(roughness, frame.view.z as f32);
         // Of a white world the weights give their sum; of the harmonics, the first. Where nothing is
         // reflected, shares mean nothing.
+        let has_cosine = roughness > COSINE_FROM;
+        let reads = &node[..READS - usize::from(has_cosine)];
         let ([mean, grazing, ..], [.., a, b]) = (node[READS], node[LAYERS - 1]);
-        let reads = node[..READS].iter().map(|[.., a, b]| [*a, *b]);
-        let white = sum_of(reads.chain([[mean, grazing], [a, b]]));
+        let white = sum_of(reads.iter().map(|[.., a, b]| [*a, *b]).chain([[mean, grazing], [a, b]]));
         let [scale, bias] = [0, 1].map(|k| (albedo[k] + 1e-4) / (white[k].max(0.0) + 1e-4));
         let sunlit = (f0, f90);
         let (f0, f90) = (f0 * scale, f90 * bias);
@@ -89,13 +90,11 @@ impl Pyramid {
         let (view, normal) = (frame.axes * frame.view, frame.axes.z_axis);
         let along = frame.axes * frame.view.with_z(0.0);
         let mut sum = Vec3A::ZERO;
-        let mut reads = READS;
-        if roughness > COSINE_FROM {
+        if has_cosine {
             sum += coloured([a, b]) * self.cosine_around(normal);
-            reads -= 1;
         }
         let mut in_mirror = 0.0;
-        for [slope, level, a, b] in node[..reads].iter().copied() {
+        for [slope, level, a, b] in reads.iter().copied() {
             let half = (normal + f64::from(slope) * along).normalize();
             let direction = half * (2.0 * view.dot(half)) - view;
             sum += coloured([a, b]) * self.between_levels(direction, level);
