@@ -7,11 +7,17 @@ const ROW_MIDDLE = 7u;
 // Texels of a node with the weights of reads, and all.
 const ROW_PAIRS = 8u;
 const ROW_LAYERS = 21u;
-// Nodes of the albedo, below; anisotropies side by side there.
-const ROW_ALBEDO_NODES = vec4<f32>(16.0, 10.0, 8.0, 13.0);
-const ROW_BLOCKS = 21.0f;
+// Below them, nodes of sixteen lobes' albedos, of their shares, of means over azimuths and of their shares;
+// rows of a block of the first, less 1, and the first columns of shares.
+const BLEND_ALBEDO_NODES = vec2<f32>(84.0, 61.0);
+const BLEND_SHARE_NODES = vec2<f32>(49.0, 11.0);
+const BLEND_MEAN_NODES = vec2<f32>(84.0, 21.0);
+const BLEND_RATIO_NODES = 33.0f;
+const BLEND_STRIP = 20.0f;
+const BLEND_SHARES_AT = 252.0f;
+const BLEND_RATIOS_AT = 302.0f;
 // Texels of the table.
-const ROW_SIZE = vec3<f32>(336.0, 80.0, 8.0);
+const ROW_SIZE = vec3<f32>(336.0, 91.0, 8.0);
 const ROW_SHARP = 0.001f;
 const NARROWEST = 0.05f;
 const BLEND = 0.1f;
@@ -67,33 +73,63 @@ fn row_node(layer: u32, place: RowPlace) -> vec4<f32> {
     return mix(read_rows(at), read_rows(vec3<f32>(at.x, at.y + ROW_NODES.y / ROW_SIZE.y, at.z)), place.share);
 }
 
-// What scale and bias of f0 exceed those of a round lobe by, at the azimuth of `tangent` and in the mean:
-// `more_at` of crates/core/src/pyramid/anisotropic.rs.
-fn row_more(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> vec4<f32> {
-    let place = row_places(alpha, cosine, tangent) * (ROW_ALBEDO_NODES - 1.0);
-    let lower = min(floor(place.w), ROW_ALBEDO_NODES.w - 2.0);
+// Coordinates of a place between some nodes of the albedo, the first of them in `column`, in the first layer.
+fn blend_at(place: vec2<f32>, nodes: vec2<f32>, column: f32) -> vec3<f32> {
+    // Coordinates have eight bits between texels, and what lies beside nodes may be of another kind.
     let inset = 1.0 / 256.0;
-    let inside = vec3<f32>(clamp(place.xy, vec2<f32>(inset), ROW_ALBEDO_NODES.xy - 1.0 - inset), place.z);
-    return mix(row_block(lower, inside), row_block(lower + 1.0, inside), place.w - lower);
+    let inside = clamp(place, vec2<f32>(inset), nodes - 1.0 - inset);
+    return (vec3<f32>(column + inside.x, inside.y + ROW_NODES.y * ROW_NODES.w, 0.0) + 0.5) / ROW_SIZE;
 }
 
-// The nodes of anisotropy `block` at a place among them.
-fn row_block(block: f32, place: vec3<f32>) -> vec4<f32> {
-    let row = floor((block + 0.5) / ROW_BLOCKS);
-    let corner = ROW_ALBEDO_NODES.xy * vec2<f32>(block - ROW_BLOCKS * row, row);
-    let first = vec3<f32>(corner.x, corner.y + ROW_NODES.y * ROW_NODES.w, 0.0);
-    return read_rows((first + place + 0.5) / ROW_SIZE);
+// The texel some layers below a place.
+fn blend_texel(at: vec3<f32>, layer: u32) -> vec4<f32> {
+    return read_rows(at + vec3<f32>(0.0, 0.0, f32(layer) / ROW_SIZE.z));
 }
 
-// Scale and bias of f0, which exceed those of a round lobe by `more`. `along` is the square of the tangent's
-// part in the plane of incidence, a half for the mean over azimuths: `round_roughness` of
-// crates/core/src/pyramid/anisotropic.rs.
-fn row_albedo(alpha: vec2<f32>, cosine: f32, along: f32, more: vec2<f32>) -> vec2<f32> {
+// The place between nodes over alpha, in the plane of incidence or along the tangent, and n.v.
+fn blend_place(alpha: f32, cosine: f32, nodes: vec2<f32>) -> vec2<f32> {
+    // 1 / log2(16), and the fourth root of the least n.v.
+    let x = log2(1.0 + 15.0 * sqrt(alpha)) * 0.25;
+    let y = (sqrt(sqrt(cosine)) - 0.316227766) / 0.683772234;
+    return clamp(vec2<f32>(x, y), vec2<f32>(), vec2<f32>(1.0)) * (nodes - 1.0);
+}
+
+// Scale and bias of f0 of the lobe with `alpha` along a unit `tangent`, along the plane of incidence and
+// across it, and across that: `albedo_along` of crates/core/src/pyramid/anisotropic/blend.rs.
+fn blended_albedo(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> vec2<f32> {
     let squares = alpha * alpha;
-    let mean = sqrt(0.5 * (squares.x + squares.y));
-    let seen = sqrt(mix(squares.y, squares.x, along));
-    let round = round_albedo(cosine, sqrt(mix(seen, mean, cosine)));
-    return max(round + more, vec2<f32>());
+    let seen = sqrt(squares.y + (squares.x - squares.y) * tangent * tangent);
+    let round = min(alpha.x * alpha.y / max(seen.x * seen.y, 1e-12), 1.0);
+    let place = blend_place(seen.x, cosine, BLEND_ALBEDO_NODES);
+    let block = min(floor(place.y / BLEND_STRIP), 2.0);
+    let size = vec2<f32>(BLEND_ALBEDO_NODES.x, BLEND_STRIP + 1.0);
+    let lobes = blend_at(place - vec2<f32>(0.0, BLEND_STRIP * block), size, BLEND_ALBEDO_NODES.x * block);
+    let between = vec2<f32>(sqrt(seen.y), round) * (BLEND_SHARE_NODES - 1.0);
+    let shares = blend_at(between, BLEND_SHARE_NODES, BLEND_SHARES_AT);
+    var sum = vec2<f32>(1.0, 0.0);
+    for (var layer = 0u; layer < 4u; layer++) {
+        let share = blend_texel(shares, layer);
+        let first = blend_texel(lobes, 2u * layer);
+        let second = blend_texel(lobes, 2u * layer + 1u);
+        sum += share.x * first.xy + share.y * first.zw + share.z * second.xy + share.w * second.zw;
+    }
+    return max(sum, vec2<f32>());
+}
+
+// The same in the mean over the tangent's directions: `mean_albedo` there.
+fn blended_mean(alpha: vec2<f32>, cosine: f32) -> vec2<f32> {
+    let means = blend_at(blend_place(alpha.x, cosine, BLEND_MEAN_NODES), BLEND_MEAN_NODES, BLEND_SHARES_AT);
+    let ratio = sqrt(alpha.y / max(alpha.x, 1e-12)) * (BLEND_RATIO_NODES - 1.0);
+    let size = vec2<f32>(BLEND_RATIO_NODES, BLEND_STRIP + 1.0);
+    let shares = blend_at(vec2<f32>(ratio, 0.0), size, BLEND_RATIOS_AT);
+    var sum = round_albedo(cosine, sqrt(alpha.x));
+    for (var layer = 0u; layer < 2u; layer++) {
+        let share = blend_texel(shares, layer);
+        let first = blend_texel(means, 2u * layer + 4u);
+        let second = blend_texel(means, 2u * layer + 5u);
+        sum += share.x * first.xy + share.y * first.zw + share.z * second.xy + share.w * second.zw;
+    }
+    return max(sum, vec2<f32>());
 }
 
 // A row of reads.
@@ -233,13 +269,14 @@ fn harmonics_aside(
         + weighed(c[4], s.zw) + weighed(d[4], row_node(ROW_PAIRS + 12u, place).xy);
 }
 
-// Radiance reflected with `alpha` along `tangent` and across it: the tangent along the plane of incidence and
-// across it.
+// Radiance reflected with `alpha` along `tangent` and across it, where a white world gives `albedo`: the
+// tangent along the plane of incidence and across it.
 fn reflect_in_row(
     probe: u32,
     surface: SurfaceFrame,
     tangent: vec2<f32>,
     alpha: vec2<f32>,
+    albedo: vec2<f32>,
     f0: vec3<f32>,
     f90: f32,
 ) -> vec3<f32> {
@@ -283,8 +320,6 @@ fn reflect_in_row(
     // The table is for tangents on one side of the plane of incidence.
     let mirrored = across * select(1.0, -1.0, tangent.x * tangent.y < 0.0);
     sum += harmonics_aside(probe, surface, mirrored, place, pairs[7].zw);
-    let beyond = row_more(alpha, surface.cosine, tangent).xy;
-    let albedo = row_albedo(alpha, surface.cosine, tangent.x * tangent.x, beyond);
     let shares = albedo / white;
     let lit = lit_of(probe, sum, f0 * shares.x, f90 * shares.y);
     let share = max(1.0 - dot(shares, in_mirror) / (albedo.x + albedo.y), 0.0);
@@ -329,16 +364,19 @@ fn octagloss_reflect_of(
         level = vec2<f32>(dot(unit, surface.towards), dot(unit, across));
     }
     if dot(level, level) < 1e-10 {
-        return reflected_isotropic(probe, surface, roughness, f0, f90);
+        let albedo = round_albedo(surface.cosine, roughness);
+        return reflected_isotropic(probe, surface, roughness, albedo, f0, f90);
     }
     let alpha = row_alphas(roughness, min(anisotropy, 1.0));
     let share = row_share(alpha);
-    let sum = share * reflect_in_row(probe, surface, normalize(level), alpha, f0, f90);
+    let unit_level = normalize(level);
+    let albedo = blended_albedo(alpha, surface.cosine, unit_level);
+    let sum = share * reflect_in_row(probe, surface, unit_level, alpha, albedo, f0, f90);
     if share == 1.0 {
         return sum;
     }
     let round = sqrt(sqrt(alpha.x * alpha.y));
-    return sum + (1.0 - share) * reflected_isotropic(probe, surface, round, f0, f90);
+    return sum + (1.0 - share) * reflected_isotropic(probe, surface, round, albedo, f0, f90);
 }
 
 // What a surface reflects of a white world, f0 times the first plus f90 times the second: for multiple
@@ -348,10 +386,7 @@ fn octagloss_albedo(cosine: f32, roughness: f32, anisotropy: f32) -> vec2<f32> {
     if anisotropy <= 0.0 {
         return round_albedo(cosine, roughness);
     }
-    let alpha = row_alphas(roughness, min(anisotropy, 1.0));
-    let seen = clamp(cosine, LEAST_COSINE, 1.0);
-    let more = row_more(alpha, seen, vec2<f32>(1.0, 0.0)).zw;
-    return faded_albedo(alpha, seen, row_albedo(alpha, seen, 0.5, more));
+    return blended_mean(row_alphas(roughness, min(anisotropy, 1.0)), clamp(cosine, LEAST_COSINE, 1.0));
 }
 
 // The same along a tangent: `along` is t.v, the tangent of length 1 and at right angles to the normal.
@@ -359,14 +394,8 @@ fn octagloss_albedo_along(cosine: f32, along: f32, roughness: f32, anisotropy: f
     if anisotropy <= 0.0 {
         return round_albedo(cosine, roughness);
     }
-    let alpha = row_alphas(roughness, min(anisotropy, 1.0));
     let seen = clamp(cosine, LEAST_COSINE, 1.0);
     let x = min(abs(along) / max(sqrt(1.0 - seen * seen), 1e-4), 1.0);
-    let more = row_more(alpha, seen, vec2<f32>(x, sqrt(1.0 - x * x))).xy;
-    return faded_albedo(alpha, seen, row_albedo(alpha, seen, x * x, more));
-}
-
-// `own` where the row has its whole share, else partly that of a round lobe.
-fn faded_albedo(alpha: vec2<f32>, cosine: f32, own: vec2<f32>) -> vec2<f32> {
-    return mix(round_albedo(cosine, sqrt(sqrt(alpha.x * alpha.y))), own, row_share(alpha));
+    let alpha = row_alphas(roughness, min(anisotropy, 1.0));
+    return blended_albedo(alpha, seen, vec2<f32>(x, sqrt(1.0 - x * x)));
 }

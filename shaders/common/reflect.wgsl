@@ -191,11 +191,12 @@ fn lit_of(probe: u32, sum: mat2x3<f32>, f0: vec3<f32>, f90: f32) -> vec3<f32> {
     return max(f0 * sum[0] + f90 * sum[1], vec3<f32>()) * octagloss_lights[probe].unscale;
 }
 
-// Radiance reflected without a tangent.
+// Radiance reflected without a tangent, where a white world gives `albedo`.
 fn reflected_isotropic(
     probe: u32,
     surface: SurfaceFrame,
     roughness: f32,
+    albedo: vec2<f32>,
     f0: vec3<f32>,
     f90: f32,
 ) -> vec3<f32> {
@@ -227,7 +228,7 @@ fn reflected_isotropic(
         white += read.zw;
         in_mirror += (read.z + read.w) * max(1.0 - read.y, 0.0);
     }
-    let shares = albedo_share(round_albedo(cosine, roughness), white);
+    let shares = albedo_share(albedo, white);
     let lit = lit_of(probe, sum, f0 * shares.x, f90 * shares.y);
     let share = max(1.0 - in_mirror / (white.x + white.y), 0.0);
     let alpha = vec2<f32>(roughness * roughness);
@@ -259,5 +260,6 @@ fn octagloss_reflect_isotropic(
     f0: vec3<f32>,
     f90: f32,
 ) -> vec3<f32> {
-    return reflected_isotropic(0u, surface_of(0u, normal, view), roughness, f0, f90);
+    let surface = surface_of(0u, normal, view);
+    return reflected_isotropic(0u, surface, roughness, round_albedo(surface.cosine, roughness), f0, f90);
 }

@@ -7,9 +7,9 @@
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
 // reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a c6286b2441f66815.
+// Translated from pyramid_cube.wgsl, FNV-1a d42d17e37fa4405b.
 #else
-// Translated from pyramid.wgsl, FNV-1a 8398d1655d0971eb.
+// Translated from pyramid.wgsl, FNV-1a 7d8c62648faae39f.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -64,9 +64,14 @@ const vec4 octagloss_ROW_NODES = vec4(16.0, 10.0, 8.0, 7.0);
 const uint octagloss_ROW_MIDDLE = 7u;
 const uint octagloss_ROW_PAIRS = 8u;
 const uint octagloss_ROW_LAYERS = 21u;
-const vec4 octagloss_ROW_ALBEDO_NODES = vec4(16.0, 10.0, 8.0, 13.0);
-const float octagloss_ROW_BLOCKS = 21.0;
-const vec3 octagloss_ROW_SIZE = vec3(336.0, 80.0, 8.0);
+const vec2 octagloss_BLEND_ALBEDO_NODES = vec2(84.0, 61.0);
+const vec2 octagloss_BLEND_SHARE_NODES = vec2(49.0, 11.0);
+const vec2 octagloss_BLEND_MEAN_NODES = vec2(84.0, 21.0);
+const float octagloss_BLEND_RATIO_NODES = 33.0;
+const float octagloss_BLEND_STRIP = 20.0;
+const float octagloss_BLEND_SHARES_AT = 252.0;
+const float octagloss_BLEND_RATIOS_AT = 302.0;
+const vec3 octagloss_ROW_SIZE = vec3(336.0, 91.0, 8.0);
 const float octagloss_ROW_SHARP = 0.001;
 const float octagloss_NARROWEST = 0.05;
 const float octagloss_BLEND = 0.1;
@@ -468,12 +473,12 @@ vec4 octagloss_reflection_node(uint layer_2, float roughness_2, float cosine) {
     float sine = sqrt(max((1.0 - (cosine * cosine)), 0.0));
 #ifdef OCTAGLOSS_CUBE
     vec2 place_3 = vec2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * inversesqrt((1.0 + sine)))));
-    vec2 at_5 = (((place_3 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
-    vec4 _e31 = octagloss_read_reflections(layer_1, at_5);
+    vec2 at_6 = (((place_3 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
+    vec4 _e31 = octagloss_read_reflections(layer_1, at_6);
 #else
     vec2 place_4 = vec2((log2((1.0 + (10.0 * roughness_2))) * 0.28906482), sqrt((cosine * inversesqrt((1.0 + sine)))));
-    vec2 at_6 = (((place_4 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
-    vec4 _e31 = octagloss_read_reflections(layer_2, at_6);
+    vec2 at_7 = (((place_4 * vec2(45.0, 25.0)) + vec2(0.5)) / octagloss_NODES);
+    vec4 _e31 = octagloss_read_reflections(layer_2, at_7);
 #endif
     return _e31;
 }
@@ -550,14 +555,14 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
     vec3 shape = vec3((alpha_1.y / alpha_1.x), (alpha_1.x / alpha_1.y), (alpha_1.x * alpha_1.y));
     vec3 bent = (shape * h);
     float bend = dot(h, bent);
-    float along_2 = dot(h, l);
+    float along_1 = dot(h, l);
     float size = ((above * (2.0 - above)) / (length2_ * bend));
     float trace = (size * dot(shape, (vec3(1.0) - (l * l))));
     float _e60 = octagloss_squared(cross(l, bent));
     float aside = (trace - ((size * _e60) / bend));
     float _e64 = octagloss_masking_of(l, alpha_1);
     float determinant_ = (((size * size) * _e64) * _e64);
-    float near = (((shape.z * along_2) * along_2) / ((bend * _e64) * _e64));
+    float near = (((shape.z * along_1) * along_1) / ((bend * _e64) * _e64));
     float last = (determinant_ * near);
     float linear = (1.0 - trace);
     x = max((0.5 * (linear + sqrt(((linear * linear) + ((4.0 * trace) * near))))), near);
@@ -609,7 +614,7 @@ vec2 octagloss_brdf_around(vec3 view, vec3 light, vec2 alpha_1, float spread) {
     float _e194 = octagloss_masking_of(lit, alpha_1);
     float visible = (facing_1 / ((facing_1 * _e191) + (view.z * _e194)));
     float _e205 = octagloss_fresnel_of(cosine_11);
-    return vec2(((((((share_3 * 2.0) * along_2) * cosine_11) / length2_) * lobe_1) * visible), _e205);
+    return vec2(((((((share_3 * 2.0) * along_1) * cosine_11) / length2_) * lobe_1) * visible), _e205);
 }
 
 #ifdef OCTAGLOSS_CUBE
@@ -750,14 +755,14 @@ vec3 octagloss_suns_reflected(uint probe_13, octagloss_SurfaceFrame surface_1, v
                 }
                 {
                     uint _e62 = c;
-                    bvec3 own_1 = equal(uvec3(_e62), uvec3(0u, 1u, 2u));
-                    vec4 channel = (own_1.x ? sun_2.red : (own_1.y ? sun_2.green : sun_2.blue));
+                    bvec3 own = equal(uvec3(_e62), uvec3(0u, 1u, 2u));
+                    vec4 channel = (own.x ? sun_2.red : (own.y ? sun_2.green : sun_2.blue));
                     vec3 to_1 = ((nearer_1 * channel.xyz) + _e51);
                     vec3 light_2 = vec3(dot(to_1, x_2), dot(to_1, y_1), dot(to_1, surface_1.normal));
                     vec2 _e85 = octagloss_brdf_around(view_5, light_2, wide, channel.w);
                     vec3 reflected = (((0.5 * sun_2.energy) * _e85.x) * (f0_ + ((vec3(f90_) - f0_) * _e85.y)));
                     vec3 _e97 = sum_2;
-                    sum_2 = (_e97 + mix(vec3(0.0), reflected, own_1));
+                    sum_2 = (_e97 + mix(vec3(0.0), reflected, own));
                 }
             }
         }
@@ -781,9 +786,9 @@ vec3 octagloss_lit_of(uint probe_14, mat2x3 sum_3, vec3 f0_1, float f90_1) {
 }
 
 #ifdef OCTAGLOSS_CUBE
-vec3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_2, float f90_2) {
+vec3 octagloss_reflected_isotropic(uint probe_14, octagloss_SurfaceFrame surface_2, float roughness_4, vec2 albedo_1, vec3 f0_2, float f90_2) {
 #else
-vec3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface_2, float roughness_4, vec3 f0_2, float f90_2) {
+vec3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface_2, float roughness_4, vec2 albedo_1, vec3 f0_2, float f90_2) {
 #endif
     mat2x3 sum_4 = mat2x3(0.0);
     vec2 white = vec2(0.0);
@@ -792,71 +797,70 @@ vec3 octagloss_reflected_isotropic(uint probe_15, octagloss_SurfaceFrame surface
     uint k_2 = 0u;
     vec3 n_2 = surface_2.normal;
     float cosine_12 = surface_2.cosine;
-    vec3 along_3 = (surface_2.towards * surface_2.sine);
-    vec3 v_1 = (along_3 + (n_2 * cosine_12));
-    vec4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12);
-    vec4 _e15 = octagloss_reflection_node(11u, roughness_4, cosine_12);
-    vec4 _e17 = octagloss_reflection_node(12u, roughness_4, cosine_12);
-    vec4 _e19 = octagloss_reflection_node(13u, roughness_4, cosine_12);
-    vec4 _e21 = octagloss_reflection_node(14u, roughness_4, cosine_12);
-    vec4 _e23 = octagloss_reflection_node(15u, roughness_4, cosine_12);
-    vec4 _e25 = octagloss_reflection_node(16u, roughness_4, cosine_12);
-    vec4 _e27 = octagloss_reflection_node(17u, roughness_4, cosine_12);
-    vec4 pairs_1[8] = vec4[8](_e13, _e15, _e17, _e19, _e21, _e23, _e25, _e27);
+    vec3 along_2 = (surface_2.towards * surface_2.sine);
+    vec3 v_1 = (along_2 + (n_2 * cosine_12));
+    vec4 _e14 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12);
+    vec4 _e16 = octagloss_reflection_node(11u, roughness_4, cosine_12);
+    vec4 _e18 = octagloss_reflection_node(12u, roughness_4, cosine_12);
+    vec4 _e20 = octagloss_reflection_node(13u, roughness_4, cosine_12);
+    vec4 _e22 = octagloss_reflection_node(14u, roughness_4, cosine_12);
+    vec4 _e24 = octagloss_reflection_node(15u, roughness_4, cosine_12);
+    vec4 _e26 = octagloss_reflection_node(16u, roughness_4, cosine_12);
+    vec4 _e28 = octagloss_reflection_node(17u, roughness_4, cosine_12);
+    vec4 pairs_1[8] = vec4[8](_e14, _e16, _e18, _e20, _e22, _e24, _e26, _e28);
 #ifdef OCTAGLOSS_CUBE
-    mat2x3 _e29 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1);
+    mat2x3 _e30 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1);
 #else
-    mat2x3 _e29 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1);
+    mat2x3 _e30 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1);
 #endif
-    sum_4 = _e29;
+    sum_4 = _e30;
     white = (pairs_1[0].xy + pairs_1[7].zw);
     if ((roughness_4 > octagloss_COSINE_FROM)) {
-        mat2x3 _e41 = sum_4;
+        mat2x3 _e42 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-        vec3 _e42 = octagloss_cosine_light(probe_14, n_2);
+        vec3 _e43 = octagloss_cosine_light(probe_14, n_2);
 #else
-        vec3 _e42 = octagloss_cosine_light(probe_15, n_2);
+        vec3 _e43 = octagloss_cosine_light(probe_15, n_2);
 #endif
-        mat2x3 _e45 = octagloss_weighed(_e42, pairs_1[7].zw);
-        sum_4 = (_e41 + _e45);
-        uint _e47 = reads;
-        reads = (_e47 - 1u);
+        mat2x3 _e46 = octagloss_weighed(_e43, pairs_1[7].zw);
+        sum_4 = (_e42 + _e46);
+        uint _e48 = reads;
+        reads = (_e48 - 1u);
     }
     bool loop_init_7 = true;
     while(true) {
         if (!loop_init_7) {
-            uint _e89 = k_2;
-            k_2 = (_e89 + 1u);
+            uint _e90 = k_2;
+            k_2 = (_e90 + 1u);
         }
         loop_init_7 = false;
-        uint _e54 = k_2;
-        uint _e55 = reads;
-        if ((_e54 < _e55)) {
+        uint _e55 = k_2;
+        uint _e56 = reads;
+        if ((_e55 < _e56)) {
         } else {
             break;
         }
         {
-            uint _e57 = k_2;
-            vec4 _e58 = octagloss_reflection_node(_e57, roughness_4, cosine_12);
-            vec3 half_vector = normalize((n_2 + (_e58.x * along_3)));
+            uint _e58 = k_2;
+            vec4 _e59 = octagloss_reflection_node(_e58, roughness_4, cosine_12);
+            vec3 half_vector = normalize((n_2 + (_e59.x * along_2)));
             vec3 direction_5 = ((half_vector * (2.0 * dot(v_1, half_vector))) - v_1);
-            mat2x3 _e68 = sum_4;
+            mat2x3 _e69 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-            vec3 _e70 = octagloss_between_levels(probe_14, direction_5, _e58.y);
+            vec3 _e71 = octagloss_between_levels(probe_14, direction_5, _e59.y);
 #else
-            vec3 _e70 = octagloss_between_levels(probe_15, direction_5, _e58.y);
+            vec3 _e71 = octagloss_between_levels(probe_15, direction_5, _e59.y);
 #endif
-            mat2x3 _e72 = octagloss_weighed(_e70, _e58.zw);
-            sum_4 = (_e68 + _e72);
-            vec2 _e74 = white;
-            white = (_e74 + _e58.zw);
-            float _e77 = in_mirror;
-            in_mirror = (_e77 + ((_e58.z + _e58.w) * max((1.0 - _e58.y), 0.0)));
+            mat2x3 _e73 = octagloss_weighed(_e71, _e59.zw);
+            sum_4 = (_e69 + _e73);
+            vec2 _e75 = white;
+            white = (_e75 + _e59.zw);
+            float _e78 = in_mirror;
+            in_mirror = (_e78 + ((_e59.z + _e59.w) * max((1.0 - _e59.y), 0.0)));
         }
     }
-    vec2 _e91 = octagloss_round_albedo(cosine_12, roughness_4);
     vec2 _e92 = white;
-    vec2 _e93 = octagloss_albedo_share(_e91, _e92);
+    vec2 _e93 = octagloss_albedo_share(albedo_1, _e92);
     mat2x3 _e94 = sum_4;
 #ifdef OCTAGLOSS_CUBE
     vec3 _e99 = octagloss_lit_of(probe_14, _e94, (f0_2 * _e93.x), (f90_2 * _e93.y));
@@ -903,9 +907,10 @@ octagloss_SurfaceFrame octagloss_surface_of(uint probe_16, vec3 normal_2, vec3 v
 }
 
 vec3 octagloss_reflect_isotropic(vec3 normal_3, vec3 view_2, float roughness_5, vec3 f0_3, float f90_3) {
-    octagloss_SurfaceFrame _e7 = octagloss_surface_of(0u, normal_3, view_2);
-    vec3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_5, f0_3, f90_3);
-    return _e8;
+    octagloss_SurfaceFrame _e6 = octagloss_surface_of(0u, normal_3, view_2);
+    vec2 _e9 = octagloss_round_albedo(_e6.cosine, roughness_5);
+    vec3 _e10 = octagloss_reflected_isotropic(0u, _e6, roughness_5, _e9, f0_3, f90_3);
+    return _e10;
 }
 
 vec2 octagloss_row_alphas(float roughness_6, float anisotropy) {
@@ -953,80 +958,191 @@ vec4 octagloss_read_rows(vec3 at_5) {
 
 #ifdef OCTAGLOSS_CUBE
 vec4 octagloss_row_node(uint layer_2, octagloss_RowPlace place) {
-    vec3 at_6 = vec3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
-    vec4 _e11 = octagloss_read_rows(at_6);
-    vec4 _e18 = octagloss_read_rows(vec3(at_6.x, (at_6.y + 0.125), at_6.z));
+    vec3 at_7 = vec3((place.at.x + (float(layer_2) / 21.0)), place.at.yz);
+    vec4 _e11 = octagloss_read_rows(at_7);
+    vec4 _e18 = octagloss_read_rows(vec3(at_7.x, (at_7.y + 0.10989011), at_7.z));
 #else
 vec4 octagloss_row_node(uint layer_3, octagloss_RowPlace place) {
-    vec3 at_7 = vec3((place.at.x + (float(layer_3) / 21.0)), place.at.yz);
-    vec4 _e11 = octagloss_read_rows(at_7);
-    vec4 _e18 = octagloss_read_rows(vec3(at_7.x, (at_7.y + 0.125), at_7.z));
+    vec3 at_8 = vec3((place.at.x + (float(layer_3) / 21.0)), place.at.yz);
+    vec4 _e11 = octagloss_read_rows(at_8);
+    vec4 _e18 = octagloss_read_rows(vec3(at_8.x, (at_8.y + 0.10989011), at_8.z));
 #endif
     return mix(_e11, _e18, place.share);
 }
 
-vec4 octagloss_row_block(float block, vec3 place_1) {
-    float row_2 = floor(((block + 0.5) / octagloss_ROW_BLOCKS));
-    vec2 corner_1 = (vec2(16.0, 10.0) * vec2((block - (octagloss_ROW_BLOCKS * row_2)), row_2));
-    vec3 first_2 = vec3(corner_1.x, (corner_1.y + 70.0), 0.0);
-    vec4 _e27 = octagloss_read_rows((((first_2 + place_1) + vec3(0.5)) / octagloss_ROW_SIZE));
-    return _e27;
+vec3 octagloss_blend_at(vec2 place_1, vec2 nodes, float column) {
+    vec2 inside_2 = clamp(place_1, vec2(0.00390625), ((nodes - vec2(1.0)) - vec2(0.00390625)));
+    return ((vec3((column + inside_2.x), (inside_2.y + 70.0), 0.0) + vec3(0.5)) / octagloss_ROW_SIZE);
 }
 
-vec4 octagloss_row_more(vec2 alpha_6, float cosine_5, vec2 tangent_3) {
-    vec4 _e3 = octagloss_row_places(alpha_6, cosine_5, tangent_3);
 #ifdef OCTAGLOSS_CUBE
-    vec4 place_6 = (_e3 * vec4(15.0, 9.0, 7.0, 12.0));
-    float lower_1 = min(floor(place_6.w), 11.0);
-    vec3 inside_2 = vec3(clamp(place_6.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625))), place_6.z);
+vec4 octagloss_blend_texel(vec3 at_5, uint layer_3) {
+    vec4 _e9 = octagloss_read_rows((at_5 + vec3(0.0, 0.0, (float(layer_3) / 8.0))));
 #else
-    vec4 place_7 = (_e3 * vec4(15.0, 9.0, 7.0, 12.0));
-    float lower_1 = min(floor(place_7.w), 11.0);
-    vec3 inside_2 = vec3(clamp(place_7.xy, vec2(0.00390625), (vec2(15.0, 9.0) - vec2(0.00390625))), place_7.z);
+vec4 octagloss_blend_texel(vec3 at_6, uint layer_4) {
+    vec4 _e9 = octagloss_read_rows((at_6 + vec3(0.0, 0.0, (float(layer_4) / 8.0))));
 #endif
-    vec4 _e25 = octagloss_row_block(lower_1, inside_2);
-    vec4 _e28 = octagloss_row_block((lower_1 + 1.0), inside_2);
-#ifdef OCTAGLOSS_CUBE
-    return mix(_e25, _e28, (place_6.w - lower_1));
-#else
-    return mix(_e25, _e28, (place_7.w - lower_1));
-#endif
+    return _e9;
 }
 
-vec2 octagloss_row_albedo(vec2 alpha_7, float cosine_6, float along, vec2 more) {
+vec2 octagloss_blend_place(float alpha_6, float cosine_5, vec2 nodes_1) {
+    float x_3 = (log2((1.0 + (15.0 * sqrt(alpha_6)))) * 0.25);
+    float y_2 = ((sqrt(sqrt(cosine_5)) - 0.31622776) / 0.6837722);
+    return (clamp(vec2(x_3, y_2), vec2(0.0), vec2(1.0)) * (nodes_1 - vec2(1.0)));
+}
+
+vec2 octagloss_blended_albedo(vec2 alpha_7, float cosine_6, vec2 tangent_3) {
+    vec2 sum_5 = vec2(1.0, 0.0);
+#ifdef OCTAGLOSS_CUBE
+    uint layer_4 = 0u;
+#else
+    uint layer_5 = 0u;
+#endif
     vec2 squares = (alpha_7 * alpha_7);
-    float mean_1 = sqrt((0.5 * (squares.x + squares.y)));
-    float seen_1 = sqrt(mix(squares.y, squares.x, along));
-    vec2 _e17 = octagloss_round_albedo(cosine_6, sqrt(mix(seen_1, mean_1, cosine_6)));
-    return max((_e17 + more), vec2(0.0));
+    vec2 seen_1 = sqrt((vec2(squares.y) + (((squares.x - squares.y) * tangent_3) * tangent_3)));
+    float round_ = min(((alpha_7.x * alpha_7.y) / max((seen_1.x * seen_1.y), 1e-12)), 1.0);
+    vec2 _e26 = octagloss_blend_place(seen_1.x, cosine_6, octagloss_BLEND_ALBEDO_NODES);
+    float block = min(floor((_e26.y / octagloss_BLEND_STRIP)), 2.0);
+    vec2 size_1 = vec2(84.0, 21.0);
+    vec3 _e43 = octagloss_blend_at((_e26 - vec2(0.0, (octagloss_BLEND_STRIP * block))), size_1, (84.0 * block));
+    vec2 between = (vec2(sqrt(seen_1.y), round_) * vec2(48.0, 10.0));
+    vec3 _e53 = octagloss_blend_at(between, octagloss_BLEND_SHARE_NODES, octagloss_BLEND_SHARES_AT);
+    bool loop_init_8 = true;
+    while(true) {
+        if (!loop_init_8) {
+#ifdef OCTAGLOSS_CUBE
+            uint _e93 = layer_4;
+            layer_4 = (_e93 + 1u);
+#else
+            uint _e93 = layer_5;
+            layer_5 = (_e93 + 1u);
+#endif
+        }
+        loop_init_8 = false;
+#ifdef OCTAGLOSS_CUBE
+        uint _e60 = layer_4;
+#else
+        uint _e60 = layer_5;
+#endif
+        if ((_e60 < 4u)) {
+        } else {
+            break;
+        }
+        {
+#ifdef OCTAGLOSS_CUBE
+            uint _e63 = layer_4;
+#else
+            uint _e63 = layer_5;
+#endif
+            vec4 _e64 = octagloss_blend_texel(_e53, _e63);
+#ifdef OCTAGLOSS_CUBE
+            uint _e66 = layer_4;
+#else
+            uint _e66 = layer_5;
+#endif
+            vec4 _e68 = octagloss_blend_texel(_e43, (2u * _e66));
+#ifdef OCTAGLOSS_CUBE
+            uint _e70 = layer_4;
+#else
+            uint _e70 = layer_5;
+#endif
+            vec4 _e74 = octagloss_blend_texel(_e43, ((2u * _e70) + 1u));
+            vec2 _e75 = sum_5;
+            sum_5 = (_e75 + ((((_e64.x * _e68.xy) + (_e64.y * _e68.zw)) + (_e64.z * _e74.xy)) + (_e64.w * _e74.zw)));
+        }
+    }
+    vec2 _e95 = sum_5;
+    return max(_e95, vec2(0.0));
+}
+
+vec2 octagloss_blended_mean(vec2 alpha_8, float cosine_7) {
+    vec2 sum_6 = vec2(0.0);
+#ifdef OCTAGLOSS_CUBE
+    uint layer_5 = 0u;
+#else
+    uint layer_6 = 0u;
+#endif
+    vec2 _e4 = octagloss_blend_place(alpha_8.x, cosine_7, octagloss_BLEND_MEAN_NODES);
+    vec3 _e7 = octagloss_blend_at(_e4, octagloss_BLEND_MEAN_NODES, octagloss_BLEND_SHARES_AT);
+    float ratio = (sqrt((alpha_8.y / max(alpha_8.x, 1e-12))) * 32.0);
+    vec2 size_2 = vec2(33.0, 21.0);
+    vec3 _e22 = octagloss_blend_at(vec2(ratio, 0.0), size_2, octagloss_BLEND_RATIOS_AT);
+    vec2 _e25 = octagloss_round_albedo(cosine_7, sqrt(alpha_8.x));
+    sum_6 = _e25;
+    bool loop_init_9 = true;
+    while(true) {
+        if (!loop_init_9) {
+#ifdef OCTAGLOSS_CUBE
+            uint _e64 = layer_5;
+            layer_5 = (_e64 + 1u);
+#else
+            uint _e64 = layer_6;
+            layer_6 = (_e64 + 1u);
+#endif
+        }
+        loop_init_9 = false;
+#ifdef OCTAGLOSS_CUBE
+        uint _e29 = layer_5;
+#else
+        uint _e29 = layer_6;
+#endif
+        if ((_e29 < 2u)) {
+        } else {
+            break;
+        }
+        {
+#ifdef OCTAGLOSS_CUBE
+            uint _e32 = layer_5;
+#else
+            uint _e32 = layer_6;
+#endif
+            vec4 _e33 = octagloss_blend_texel(_e22, _e32);
+#ifdef OCTAGLOSS_CUBE
+            uint _e35 = layer_5;
+#else
+            uint _e35 = layer_6;
+#endif
+            vec4 _e39 = octagloss_blend_texel(_e7, ((2u * _e35) + 4u));
+#ifdef OCTAGLOSS_CUBE
+            uint _e41 = layer_5;
+#else
+            uint _e41 = layer_6;
+#endif
+            vec4 _e45 = octagloss_blend_texel(_e7, ((2u * _e41) + 5u));
+            vec2 _e46 = sum_6;
+            sum_6 = (_e46 + ((((_e33.x * _e39.xy) + (_e33.y * _e39.zw)) + (_e33.z * _e45.xy)) + (_e33.w * _e45.zw)));
+        }
+    }
+    vec2 _e66 = sum_6;
+    return max(_e66, vec2(0.0));
 }
 
 float octagloss_row_number(vec4 terms[3], vec4 a, vec4 b_1, vec4 c_1) {
     return ((dot(terms[0], a) + dot(terms[1], b_1)) + dot(terms[2], c_1));
 }
 
-octagloss_Row octagloss_row_of(vec2 alpha_8, vec2 tangent_4, float cosine_7) {
+octagloss_Row octagloss_row_of(vec2 alpha_9, vec2 tangent_4, float cosine_8) {
     vec2 axis = vec2(1.0, 0.0);
-    vec2 squares_1 = (alpha_8 * alpha_8);
+    vec2 squares_1 = (alpha_9 * alpha_9);
     float difference = (squares_1.x - squares_1.y);
-    float along_4 = (squares_1.y + ((difference * tangent_4.x) * tangent_4.x));
-    float across_3 = (((squares_1.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_7) * cosine_7);
-    float mixed = (((difference * tangent_4.x) * tangent_4.y) * cosine_7);
-    float apart_1 = (0.5 * (along_4 - across_3));
+    float along_3 = (squares_1.y + ((difference * tangent_4.x) * tangent_4.x));
+    float across_3 = (((squares_1.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_8) * cosine_8);
+    float mixed = (((difference * tangent_4.x) * tangent_4.y) * cosine_8);
+    float apart_1 = (0.5 * (along_3 - across_3));
     float root_1 = length(vec2(apart_1, mixed));
-    float greatest = max(((0.5 * (along_4 + across_3)) + root_1), 1e-30);
+    float greatest = max(((0.5 * (along_3 + across_3)) + root_1), 1e-30);
     if ((root_1 > 0.0)) {
         vec2 steep = vec2(abs(mixed), ((root_1 - apart_1) * ((mixed >= 0.0) ? 1.0 : -1.0)));
         axis = normalize((((apart_1 >= 0.0) ? vec2((apart_1 + root_1), mixed) : steep) / vec2(root_1)));
     }
-    float x_3 = log(max((((alpha_8.x * alpha_8.y) * cosine_7) / greatest), octagloss_NARROWEST));
+    float x_4 = log(max((((alpha_9.x * alpha_9.y) * cosine_8) / greatest), octagloss_NARROWEST));
     float extent = sqrt(greatest);
-    float y_2 = log((1.0 + (6.0 * extent)));
+    float y_3 = log((1.0 + (6.0 * extent)));
     float _e75 = axis.x;
-    float tilt = (_e75 * smoothstep(0.0, octagloss_TILTED, sqrt((1.0 - (cosine_7 * cosine_7)))));
+    float tilt = (_e75 * smoothstep(0.0, octagloss_TILTED, sqrt((1.0 - (cosine_8 * cosine_8)))));
     float _e85 = axis.x;
     float e_1 = (_e85 * tilt);
-    vec4 terms_1[3] = vec4[3](vec4(1.0, x_3, (x_3 * x_3), y_2), vec4((x_3 * y_2), (y_2 * y_2), e_1, (e_1 * x_3)), vec4(((x_3 * x_3) * x_3), ((y_2 * y_2) * y_2), ((x_3 * x_3) * y_2), ((x_3 * y_2) * y_2)));
+    vec4 terms_1[3] = vec4[3](vec4(1.0, x_4, (x_4 * x_4), y_3), vec4((x_4 * y_3), (y_3 * y_3), e_1, (e_1 * x_4)), vec4(((x_4 * x_4) * x_4), ((y_3 * y_3) * y_3), ((x_4 * x_4) * y_3), ((x_4 * y_3) * y_3)));
     float _e119 = octagloss_row_number(terms_1, vec4(-0.55, -0.357, -0.024, -0.112), vec4(-0.155, -0.099, 0.179, -0.206), vec4(-0.04, 0.145, -0.024, -0.063));
     float _e135 = octagloss_row_number(terms_1, vec4(-0.554, -0.031, 0.533, -0.071), vec4(0.392, 0.14, -0.295, 0.008), vec4(0.133, 0.121, 0.231, 0.259));
     float _e151 = octagloss_row_number(terms_1, vec4(-0.215, 0.021, 0.069, -0.271), vec4(0.356, 0.057, -0.463, -0.223), vec4(0.047, 0.086, 0.153, 0.094));
@@ -1036,7 +1152,7 @@ octagloss_Row octagloss_row_of(vec2 alpha_8, vec2 tangent_4, float cosine_7) {
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;
-    return octagloss_Row((vec2(_e201, (_e203 / cosine_7)) * sqrt((2.0 * root_1))), extent, (_e119 * tilt), exp(vec4(_e135, _e151, _e167, _e183)), exp(_e199), smoothstep(0.0, octagloss_SKEWED, _e216));
+    return octagloss_Row((vec2(_e201, (_e203 / cosine_8)) * sqrt((2.0 * root_1))), extent, (_e119 * tilt), exp(vec4(_e135, _e151, _e167, _e183)), exp(_e199), smoothstep(0.0, octagloss_SKEWED, _e216));
 }
 
 float octagloss_last_map() {
@@ -1051,11 +1167,11 @@ float octagloss_last_map() {
 
 vec2 octagloss_row_read(octagloss_Row row_1, uint read) {
 #ifdef OCTAGLOSS_CUBE
+    float place_6 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
+    float slope_1 = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_6))) / row_1.steps.y);
+#else
     float place_7 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
     float slope_1 = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_7))) / row_1.steps.y);
-#else
-    float place_8 = (((float(read) - 7.0) * 0.5714286) + row_1.shift);
-    float slope_1 = (((row_1.steps.z * row_1.steps.x) * sinh((row_1.steps.y * place_8))) / row_1.steps.y);
 #endif
     float wider = (((read % 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation));
     float growth = (row_1.steps.w * slope_1);
@@ -1118,11 +1234,11 @@ mat2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4
 }
 
 #ifdef OCTAGLOSS_CUBE
-vec3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5, vec2 tangent_5, vec2 alpha_9, vec3 f0_4, float f90_4) {
+vec3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5, vec2 tangent_5, vec2 alpha_10, vec2 albedo_2, vec3 f0_4, float f90_4) {
 #else
-vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, vec2 tangent_5, vec2 alpha_9, vec3 f0_4, float f90_4) {
+vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, vec2 tangent_5, vec2 alpha_10, vec2 albedo_2, vec3 f0_4, float f90_4) {
 #endif
-    mat2x3 sum_5 = mat2x3(0.0);
+    mat2x3 sum_7 = mat2x3(0.0);
     vec2 in_mirror_1 = vec2(0.0);
     vec2 white_1 = vec2(0.0);
     uint distance_ = 0u;
@@ -1132,130 +1248,127 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
     vec3 n_3 = surface_5.normal;
     vec3 across_4 = cross(n_3, surface_5.towards);
     vec3 v_2 = ((surface_5.towards * surface_5.sine) + (n_3 * surface_5.cosine));
-    octagloss_RowPlace _e16 = octagloss_row_place(alpha_9, surface_5.cosine, tangent_5);
-    octagloss_Row _e18 = octagloss_row_of(alpha_9, tangent_5, surface_5.cosine);
-    vec3 axis_2 = ((surface_5.towards * _e18.axis.x) + (across_4 * _e18.axis.y));
-    bool loop_init_8 = true;
+    octagloss_RowPlace _e17 = octagloss_row_place(alpha_10, surface_5.cosine, tangent_5);
+    octagloss_Row _e19 = octagloss_row_of(alpha_10, tangent_5, surface_5.cosine);
+    vec3 axis_2 = ((surface_5.towards * _e19.axis.x) + (across_4 * _e19.axis.y));
+    bool loop_init_10 = true;
     while(true) {
-        if (!loop_init_8) {
-            uint _e125 = distance_;
-            distance_ = (_e125 + 1u);
+        if (!loop_init_10) {
+            uint _e126 = distance_;
+            distance_ = (_e126 + 1u);
         }
-        loop_init_8 = false;
-        uint _e35 = distance_;
-        if ((_e35 <= octagloss_ROW_MIDDLE)) {
+        loop_init_10 = false;
+        uint _e36 = distance_;
+        if ((_e36 <= octagloss_ROW_MIDDLE)) {
         } else {
             break;
         }
         {
-            uint _e38 = distance_;
-            vec4 _e39 = octagloss_row_node(_e38, _e16);
-            mean = _e39.xy;
+            uint _e39 = distance_;
+            vec4 _e40 = octagloss_row_node(_e39, _e17);
+            mean = _e40.xy;
             skew = vec2(0.0);
-            uint _e44 = distance_;
-            if ((_e44 == 0u)) {
-                mat2x3 _e47 = sum_5;
+            uint _e45 = distance_;
+            if ((_e45 == 0u)) {
+                mat2x3 _e48 = sum_7;
 #ifdef OCTAGLOSS_CUBE
-                vec3 _e48 = octagloss_cosine_light(probe_18, n_3);
+                vec3 _e49 = octagloss_cosine_light(probe_18, n_3);
 #else
-                vec3 _e48 = octagloss_cosine_light(probe_19, n_3);
+                vec3 _e49 = octagloss_cosine_light(probe_19, n_3);
 #endif
-                mat2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
-                sum_5 = (_e47 + _e50);
-                vec2 _e52 = white_1;
-                white_1 = (_e52 + _e39.zw);
+                mat2x3 _e51 = octagloss_weighed(_e49, _e40.zw);
+                sum_7 = (_e48 + _e51);
+                vec2 _e53 = white_1;
+                white_1 = (_e53 + _e40.zw);
             } else {
-                mean = (0.5 * (_e39.xy + _e39.zw));
-                skew = ((0.5 * _e18.skew) * (_e39.xy - _e39.zw));
+                mean = (0.5 * (_e40.xy + _e40.zw));
+                skew = ((0.5 * _e19.skew) * (_e40.xy - _e40.zw));
             }
             side_1 = 0u;
-            bool loop_init_9 = true;
+            bool loop_init_11 = true;
             while(true) {
-                if (!loop_init_9) {
-                    uint _e122 = side_1;
-                    side_1 = (_e122 + 1u);
+                if (!loop_init_11) {
+                    uint _e123 = side_1;
+                    side_1 = (_e123 + 1u);
                 }
-                loop_init_9 = false;
-                uint _e69 = side_1;
-                uint _e70 = distance_;
-                if ((_e69 < min((_e70 + 1u), 2u))) {
+                loop_init_11 = false;
+                uint _e70 = side_1;
+                uint _e71 = distance_;
+                if ((_e70 < min((_e71 + 1u), 2u))) {
                 } else {
                     break;
                 }
                 {
-                    vec2 _e76 = mean;
-                    vec2 _e77 = skew;
-                    vec2 _e79 = mean;
-                    vec2 _e80 = skew;
-                    uint _e82 = side_1;
-                    vec2 weights_3 = ((_e82 == 0u) ? (_e79 + _e80) : (_e76 - _e77));
-                    uint _e87 = distance_;
-                    uint _e90 = distance_;
-                    uint _e92 = side_1;
-                    vec2 _e96 = octagloss_row_read(_e18, ((_e92 == 0u) ? (octagloss_ROW_MIDDLE + _e90) : (octagloss_ROW_MIDDLE - _e87)));
-                    vec3 half_vector_1 = normalize((n_3 + (_e96.x * axis_2)));
+                    vec2 _e77 = mean;
+                    vec2 _e78 = skew;
+                    vec2 _e80 = mean;
+                    vec2 _e81 = skew;
+                    uint _e83 = side_1;
+                    vec2 weights_3 = ((_e83 == 0u) ? (_e80 + _e81) : (_e77 - _e78));
+                    uint _e88 = distance_;
+                    uint _e91 = distance_;
+                    uint _e93 = side_1;
+                    vec2 _e97 = octagloss_row_read(_e19, ((_e93 == 0u) ? (octagloss_ROW_MIDDLE + _e91) : (octagloss_ROW_MIDDLE - _e88)));
+                    vec3 half_vector_1 = normalize((n_3 + (_e97.x * axis_2)));
                     vec3 direction_6 = ((half_vector_1 * (2.0 * dot(v_2, half_vector_1))) - v_2);
-                    mat2x3 _e106 = sum_5;
+                    mat2x3 _e107 = sum_7;
 #ifdef OCTAGLOSS_CUBE
-                    vec3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y);
+                    vec3 _e109 = octagloss_between_levels(probe_18, direction_6, _e97.y);
 #else
-                    vec3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y);
+                    vec3 _e109 = octagloss_between_levels(probe_19, direction_6, _e97.y);
 #endif
-                    mat2x3 _e109 = octagloss_weighed(_e108, weights_3);
-                    sum_5 = (_e106 + _e109);
-                    vec2 _e111 = white_1;
-                    white_1 = (_e111 + weights_3);
-                    vec2 _e113 = in_mirror_1;
-                    in_mirror_1 = (_e113 + (weights_3 * max((1.0 - _e96.y), 0.0)));
+                    mat2x3 _e110 = octagloss_weighed(_e109, weights_3);
+                    sum_7 = (_e107 + _e110);
+                    vec2 _e112 = white_1;
+                    white_1 = (_e112 + weights_3);
+                    vec2 _e114 = in_mirror_1;
+                    in_mirror_1 = (_e114 + (weights_3 * max((1.0 - _e97.y), 0.0)));
                 }
             }
         }
     }
-    vec4 _e128 = octagloss_row_node(octagloss_ROW_PAIRS, _e16);
-    vec4 _e130 = octagloss_row_node(9u, _e16);
-    vec4 _e132 = octagloss_row_node(10u, _e16);
-    vec4 _e134 = octagloss_row_node(11u, _e16);
-    vec4 _e136 = octagloss_row_node(12u, _e16);
-    vec4 _e138 = octagloss_row_node(13u, _e16);
-    vec4 _e140 = octagloss_row_node(14u, _e16);
-    vec4 _e142 = octagloss_row_node(15u, _e16);
-    vec4 pairs_2[8] = vec4[8](_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142);
-    mat2x3 _e144 = sum_5;
+    vec4 _e129 = octagloss_row_node(octagloss_ROW_PAIRS, _e17);
+    vec4 _e131 = octagloss_row_node(9u, _e17);
+    vec4 _e133 = octagloss_row_node(10u, _e17);
+    vec4 _e135 = octagloss_row_node(11u, _e17);
+    vec4 _e137 = octagloss_row_node(12u, _e17);
+    vec4 _e139 = octagloss_row_node(13u, _e17);
+    vec4 _e141 = octagloss_row_node(14u, _e17);
+    vec4 _e143 = octagloss_row_node(15u, _e17);
+    vec4 pairs_2[8] = vec4[8](_e129, _e131, _e133, _e135, _e137, _e139, _e141, _e143);
+    mat2x3 _e145 = sum_7;
 #ifdef OCTAGLOSS_CUBE
-    mat2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2);
+    mat2x3 _e146 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2);
 #else
-    mat2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2);
+    mat2x3 _e146 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2);
 #endif
-    sum_5 = (_e144 + _e145);
-    vec2 _e147 = white_1;
-    white_1 = (_e147 + pairs_2[0].xy);
+    sum_7 = (_e145 + _e146);
+    vec2 _e148 = white_1;
+    white_1 = (_e148 + pairs_2[0].xy);
     vec3 mirrored = (across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
-    mat2x3 _e160 = sum_5;
+    mat2x3 _e161 = sum_7;
 #ifdef OCTAGLOSS_CUBE
-    mat2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2[7].zw);
+    mat2x3 _e164 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e17, pairs_2[7].zw);
 #else
-    mat2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2[7].zw);
+    mat2x3 _e164 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e17, pairs_2[7].zw);
 #endif
-    sum_5 = (_e160 + _e163);
-    vec4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5);
-    vec2 beyond = _e166.xy;
-    vec2 _e172 = octagloss_row_albedo(alpha_9, surface_5.cosine, (tangent_5.x * tangent_5.x), beyond);
-    vec2 _e173 = white_1;
-    vec2 shares = (_e172 / _e173);
-    mat2x3 _e175 = sum_5;
+    sum_7 = (_e161 + _e164);
+    vec2 _e166 = white_1;
+    vec2 shares = (albedo_2 / _e166);
+    mat2x3 _e168 = sum_7;
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e180 = octagloss_lit_of(probe_18, _e175, (f0_4 * shares.x), (f90_4 * shares.y));
+    vec3 _e173 = octagloss_lit_of(probe_18, _e168, (f0_4 * shares.x), (f90_4 * shares.y));
 #else
-    vec3 _e180 = octagloss_lit_of(probe_19, _e175, (f0_4 * shares.x), (f90_4 * shares.y));
+    vec3 _e173 = octagloss_lit_of(probe_19, _e168, (f0_4 * shares.x), (f90_4 * shares.y));
 #endif
-    vec2 _e181 = in_mirror_1;
-    float share_5 = max((1.0 - (dot(shares, _e181) / (_e172.x + _e172.y))), 0.0);
+    vec2 _e174 = in_mirror_1;
+    float share_5 = max((1.0 - (dot(shares, _e174) / (albedo_2.x + albedo_2.y))), 0.0);
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e191 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_4, f90_4);
+    vec3 _e184 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_10, f0_4, f90_4);
 #else
-    vec3 _e191 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_4, f90_4);
+    vec3 _e184 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_10, f0_4, f90_4);
 #endif
-    return (_e180 + (share_5 * _e191));
+    return (_e173 + (share_5 * _e184));
 }
 
 #ifdef OCTAGLOSS_CUBE
@@ -1288,43 +1401,40 @@ vec3 octagloss_reflect_of(uint probe_20, vec3 normal_4, vec3 view_3, vec3 tangen
     vec2 _e28 = level_1;
     vec2 _e29 = level_1;
     if ((dot(_e28, _e29) < 1e-10)) {
+        vec2 _e34 = octagloss_round_albedo(_e8.cosine, roughness_7);
 #ifdef OCTAGLOSS_CUBE
-        vec3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_5, f90_5);
+        vec3 _e35 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, _e34, f0_5, f90_5);
 #else
-        vec3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_5, f90_5);
+        vec3 _e35 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, _e34, f0_5, f90_5);
 #endif
-        return _e33;
+        return _e35;
     }
-    vec2 _e36 = octagloss_row_alphas(roughness_7, min(anisotropy_1, 1.0));
-    float _e37 = octagloss_row_share(_e36);
-    vec2 _e38 = level_1;
+    vec2 _e38 = octagloss_row_alphas(roughness_7, min(anisotropy_1, 1.0));
+    float _e39 = octagloss_row_share(_e38);
+    vec2 _e40 = level_1;
+    vec2 unit_level = normalize(_e40);
+    vec2 _e43 = octagloss_blended_albedo(_e38, _e8.cosine, unit_level);
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e40 = octagloss_reflect_in_row(probe_19, _e8, normalize(_e38), _e36, f0_5, f90_5);
+    vec3 _e44 = octagloss_reflect_in_row(probe_19, _e8, unit_level, _e38, _e43, f0_5, f90_5);
 #else
-    vec3 _e40 = octagloss_reflect_in_row(probe_20, _e8, normalize(_e38), _e36, f0_5, f90_5);
+    vec3 _e44 = octagloss_reflect_in_row(probe_20, _e8, unit_level, _e38, _e43, f0_5, f90_5);
 #endif
-    vec3 sum_6 = (_e37 * _e40);
-    if ((_e37 == 1.0)) {
-        return sum_6;
+    vec3 sum_8 = (_e39 * _e44);
+    if ((_e39 == 1.0)) {
+        return sum_8;
     }
-    float round_ = sqrt(sqrt((_e36.x * _e36.y)));
+    float round_1 = sqrt(sqrt((_e38.x * _e38.y)));
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round_, f0_5, f90_5);
+    vec3 _e55 = octagloss_reflected_isotropic(probe_19, _e8, round_1, _e43, f0_5, f90_5);
 #else
-    vec3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round_, f0_5, f90_5);
+    vec3 _e55 = octagloss_reflected_isotropic(probe_20, _e8, round_1, _e43, f0_5, f90_5);
 #endif
-    return (sum_6 + ((1.0 - _e37) * _e51));
+    return (sum_8 + ((1.0 - _e39) * _e55));
 }
 
 vec3 octagloss_reflect(vec3 normal_5, vec3 view_4, vec3 tangent_7, float roughness_8, float anisotropy_2, vec3 f0_6, float f90_6) {
     vec3 _e8 = octagloss_reflect_of(0u, normal_5, view_4, tangent_7, roughness_8, anisotropy_2, f0_6, f90_6);
     return _e8;
-}
-
-vec2 octagloss_faded_albedo(vec2 alpha_10, float cosine_8, vec2 own) {
-    vec2 _e8 = octagloss_round_albedo(cosine_8, sqrt(sqrt((alpha_10.x * alpha_10.y))));
-    float _e9 = octagloss_row_share(alpha_10);
-    return mix(_e8, own, _e9);
 }
 
 vec2 octagloss_albedo(float cosine_9, float roughness_9, float anisotropy_3) {
@@ -1333,25 +1443,18 @@ vec2 octagloss_albedo(float cosine_9, float roughness_9, float anisotropy_3) {
         return _e5;
     }
     vec2 _e8 = octagloss_row_alphas(roughness_9, min(anisotropy_3, 1.0));
-    float seen_2 = clamp(cosine_9, octagloss_LEAST_COSINE, 1.0);
-    vec4 _e15 = octagloss_row_more(_e8, seen_2, vec2(1.0, 0.0));
-    vec2 more_1 = _e15.zw;
-    vec2 _e18 = octagloss_row_albedo(_e8, seen_2, 0.5, more_1);
-    vec2 _e19 = octagloss_faded_albedo(_e8, seen_2, _e18);
-    return _e19;
+    vec2 _e12 = octagloss_blended_mean(_e8, clamp(cosine_9, octagloss_LEAST_COSINE, 1.0));
+    return _e12;
 }
 
-vec2 octagloss_albedo_along(float cosine_10, float along_1, float roughness_10, float anisotropy_4) {
+vec2 octagloss_albedo_along(float cosine_10, float along, float roughness_10, float anisotropy_4) {
     if ((anisotropy_4 <= 0.0)) {
         vec2 _e6 = octagloss_round_albedo(cosine_10, roughness_10);
         return _e6;
     }
-    vec2 _e9 = octagloss_row_alphas(roughness_10, min(anisotropy_4, 1.0));
-    float seen_3 = clamp(cosine_10, octagloss_LEAST_COSINE, 1.0);
-    float x_4 = min((abs(along_1) / max(sqrt((1.0 - (seen_3 * seen_3))), 0.0001)), 1.0);
-    vec4 _e28 = octagloss_row_more(_e9, seen_3, vec2(x_4, sqrt((1.0 - (x_4 * x_4)))));
-    vec2 more_2 = _e28.xy;
-    vec2 _e31 = octagloss_row_albedo(_e9, seen_3, (x_4 * x_4), more_2);
-    vec2 _e32 = octagloss_faded_albedo(_e9, seen_3, _e31);
-    return _e32;
+    float seen_2 = clamp(cosine_10, octagloss_LEAST_COSINE, 1.0);
+    float x_5 = min((abs(along) / max(sqrt((1.0 - (seen_2 * seen_2))), 0.0001)), 1.0);
+    vec2 _e22 = octagloss_row_alphas(roughness_10, min(anisotropy_4, 1.0));
+    vec2 _e28 = octagloss_blended_albedo(_e22, seen_2, vec2(x_5, sqrt((1.0 - (x_5 * x_5)))));
+    return _e28;
 }

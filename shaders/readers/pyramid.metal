@@ -7,9 +7,9 @@
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
 // reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a c6286b2441f66815.
+// Translated from pyramid_cube.wgsl, FNV-1a d42d17e37fa4405b.
 #else
-// Translated from pyramid.wgsl, FNV-1a 8398d1655d0971eb.
+// Translated from pyramid.wgsl, FNV-1a 7d8c62648faae39f.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
@@ -108,9 +108,14 @@ constant metal::float4 octagloss_ROW_NODES = metal::float4(16.0, 10.0, 8.0, 7.0)
 constant uint octagloss_ROW_MIDDLE = 7u;
 constant uint octagloss_ROW_PAIRS = 8u;
 constant uint octagloss_ROW_LAYERS = 21u;
-constant metal::float4 octagloss_ROW_ALBEDO_NODES = metal::float4(16.0, 10.0, 8.0, 13.0);
-constant float octagloss_ROW_BLOCKS = 21.0;
-constant metal::float3 octagloss_ROW_SIZE = metal::float3(336.0, 80.0, 8.0);
+constant metal::float2 octagloss_BLEND_ALBEDO_NODES = metal::float2(84.0, 61.0);
+constant metal::float2 octagloss_BLEND_SHARE_NODES = metal::float2(49.0, 11.0);
+constant metal::float2 octagloss_BLEND_MEAN_NODES = metal::float2(84.0, 21.0);
+constant float octagloss_BLEND_RATIO_NODES = 33.0;
+constant float octagloss_BLEND_STRIP = 20.0;
+constant float octagloss_BLEND_SHARES_AT = 252.0;
+constant float octagloss_BLEND_RATIOS_AT = 302.0;
+constant metal::float3 octagloss_ROW_SIZE = metal::float3(336.0, 91.0, 8.0);
 constant float octagloss_ROW_SHARP = 0.001;
 constant float octagloss_NARROWEST = 0.05;
 constant float octagloss_BLEND = 0.1;
@@ -660,12 +665,12 @@ metal::float4 octagloss_reflection_node(
     float sine = metal::sqrt(metal::max(1.0 - (cosine * cosine), 0.0));
 #ifdef OCTAGLOSS_CUBE
     metal::float2 place_3 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
-    metal::float2 at_4 = ((place_3 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
-    metal::float4 _e31 = octagloss_read_reflections(layer_1, at_4, octagloss_tables, octagloss_linear);
+    metal::float2 at_5 = ((place_3 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
+    metal::float4 _e31 = octagloss_read_reflections(layer_1, at_5, octagloss_tables, octagloss_linear);
 #else
     metal::float2 place_4 = metal::float2(metal::log2(1.0 + (10.0 * roughness_2)) * 0.28906482, metal::sqrt(cosine * metal::rsqrt(1.0 + sine)));
-    metal::float2 at_5 = ((place_4 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
-    metal::float4 _e31 = octagloss_read_reflections(layer_2, at_5, octagloss_tables, octagloss_linear);
+    metal::float2 at_6 = ((place_4 * metal::float2(45.0, 25.0)) + metal::float2(0.5)) / octagloss_NODES;
+    metal::float4 _e31 = octagloss_read_reflections(layer_2, at_6, octagloss_tables, octagloss_linear);
 #endif
     return _e31;
 }
@@ -769,14 +774,14 @@ metal::float2 octagloss_brdf_around(
     metal::float3 shape = metal::float3(alpha_1.y / alpha_1.x, alpha_1.x / alpha_1.y, alpha_1.x * alpha_1.y);
     metal::float3 bent = shape * h;
     float bend = metal::dot(h, bent);
-    float along_2 = metal::dot(h, l);
+    float along_1 = metal::dot(h, l);
     float size = (above * (2.0 - above)) / (length2_ * bend);
     float trace = size * metal::dot(shape, metal::float3(1.0) - (l * l));
     float _e60 = octagloss_squared(metal::cross(l, bent));
     float aside = trace - ((size * _e60) / bend);
     float _e64 = octagloss_masking_of(l, alpha_1);
     float determinant = ((size * size) * _e64) * _e64;
-    float near = ((shape.z * along_2) * along_2) / ((bend * _e64) * _e64);
+    float near = ((shape.z * along_1) * along_1) / ((bend * _e64) * _e64);
     float last = determinant * near;
     float linear = 1.0 - trace;
     x = metal::max(0.5 * (linear + metal::sqrt((linear * linear) + ((4.0 * trace) * near))), near);
@@ -828,7 +833,7 @@ metal::float2 octagloss_brdf_around(
     float _e194 = octagloss_masking_of(lit, alpha_1);
     float visible = facing_1 / ((facing_1 * _e191) + (view.z * _e194));
     float _e205 = octagloss_fresnel_of(cosine_11);
-    return metal::float2((((((share_3 * 2.0) * along_2) * cosine_11) / length2_) * lobe_1) * visible, _e205);
+    return metal::float2((((((share_3 * 2.0) * along_1) * cosine_11) / length2_) * lobe_1) * visible, _e205);
 }
 
 metal::float3 octagloss_cosine_light(
@@ -1005,14 +1010,14 @@ metal::float3 octagloss_suns_reflected(
                 }
                 {
                     uint _e62 = c;
-                    metal::bool3 own_1 = metal::uint3(_e62) == metal::uint3(0u, 1u, 2u);
-                    metal::float4 channel = own_1.x ? sun_2.red : (own_1.y ? sun_2.green : sun_2.blue);
+                    metal::bool3 own = metal::uint3(_e62) == metal::uint3(0u, 1u, 2u);
+                    metal::float4 channel = own.x ? sun_2.red : (own.y ? sun_2.green : sun_2.blue);
                     metal::float3 to_1 = (nearer_1 * channel.xyz) + _e51;
                     metal::float3 light_2 = metal::float3(metal::dot(to_1, x_2), metal::dot(to_1, y_1), metal::dot(to_1, surface_1.normal));
                     metal::float2 _e85 = octagloss_brdf_around(view_5, light_2, wide, channel.w);
                     metal::float3 reflected = ((0.5 * sun_2.energy) * _e85.x) * (f0_ + ((metal::float3(f90_) - f0_) * _e85.y));
                     metal::float3 _e97 = sum_2;
-                    sum_2 = _e97 + metal::select(metal::float3 {}, reflected, own_1);
+                    sum_2 = _e97 + metal::select(metal::float3 {}, reflected, own);
                 }
             }
         }
@@ -1055,6 +1060,7 @@ metal::float3 octagloss_reflected_isotropic(
 #endif
     octagloss_SurfaceFrame surface_2,
     float roughness_4,
+    metal::float2 albedo_1,
     metal::float3 f0_2,
     float f90_2,
     constant type_7& octagloss_lights,
@@ -1073,71 +1079,70 @@ metal::float3 octagloss_reflected_isotropic(
     uint k_2 = 0u;
     metal::float3 n_2 = surface_2.normal;
     float cosine_12 = surface_2.cosine;
-    metal::float3 along_3 = surface_2.towards * surface_2.sine;
-    metal::float3 v_1 = along_3 + (n_2 * cosine_12);
-    metal::float4 _e13 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
-    metal::float4 _e15 = octagloss_reflection_node(11u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
-    metal::float4 _e17 = octagloss_reflection_node(12u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
-    metal::float4 _e19 = octagloss_reflection_node(13u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
-    metal::float4 _e21 = octagloss_reflection_node(14u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
-    metal::float4 _e23 = octagloss_reflection_node(15u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
-    metal::float4 _e25 = octagloss_reflection_node(16u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
-    metal::float4 _e27 = octagloss_reflection_node(17u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
-    type_20 pairs_1 = type_20 {{_e13, _e15, _e17, _e19, _e21, _e23, _e25, _e27}};
+    metal::float3 along_2 = surface_2.towards * surface_2.sine;
+    metal::float3 v_1 = along_2 + (n_2 * cosine_12);
+    metal::float4 _e14 = octagloss_reflection_node(octagloss_READS, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
+    metal::float4 _e16 = octagloss_reflection_node(11u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
+    metal::float4 _e18 = octagloss_reflection_node(12u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
+    metal::float4 _e20 = octagloss_reflection_node(13u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
+    metal::float4 _e22 = octagloss_reflection_node(14u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
+    metal::float4 _e24 = octagloss_reflection_node(15u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
+    metal::float4 _e26 = octagloss_reflection_node(16u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
+    metal::float4 _e28 = octagloss_reflection_node(17u, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
+    type_20 pairs_1 = type_20 {{_e14, _e16, _e18, _e20, _e22, _e24, _e26, _e28}};
 #ifdef OCTAGLOSS_CUBE
-    metal::float2x3 _e29 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1, octagloss_lights);
+    metal::float2x3 _e30 = octagloss_harmonics_reflected(probe_14, surface_2, pairs_1, octagloss_lights);
 #else
-    metal::float2x3 _e29 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1, octagloss_lights);
+    metal::float2x3 _e30 = octagloss_harmonics_reflected(probe_15, surface_2, pairs_1, octagloss_lights);
 #endif
-    sum_4 = _e29;
+    sum_4 = _e30;
     white = pairs_1.inner[0].xy + pairs_1.inner[7].zw;
     if (roughness_4 > octagloss_COSINE_FROM) {
-        metal::float2x3 _e41 = sum_4;
+        metal::float2x3 _e42 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e42 = octagloss_cosine_light(probe_14, n_2, octagloss_lights);
+        metal::float3 _e43 = octagloss_cosine_light(probe_14, n_2, octagloss_lights);
 #else
-        metal::float3 _e42 = octagloss_cosine_light(probe_15, n_2, octagloss_maps, octagloss_linear);
+        metal::float3 _e43 = octagloss_cosine_light(probe_15, n_2, octagloss_maps, octagloss_linear);
 #endif
-        metal::float2x3 _e45 = octagloss_weighed(_e42, pairs_1.inner[7].zw);
-        sum_4 = _e41 + _e45;
-        uint _e47 = reads;
-        reads = _e47 - 1u;
+        metal::float2x3 _e46 = octagloss_weighed(_e43, pairs_1.inner[7].zw);
+        sum_4 = _e42 + _e46;
+        uint _e48 = reads;
+        reads = _e48 - 1u;
     }
     bool loop_init_7 = true;
     while(true) {
         if (!loop_init_7) {
-            uint _e89 = k_2;
-            k_2 = _e89 + 1u;
+            uint _e90 = k_2;
+            k_2 = _e90 + 1u;
         }
         loop_init_7 = false;
-        uint _e54 = k_2;
-        uint _e55 = reads;
-        if (_e54 < _e55) {
+        uint _e55 = k_2;
+        uint _e56 = reads;
+        if (_e55 < _e56) {
         } else {
             break;
         }
         {
-            uint _e57 = k_2;
-            metal::float4 _e58 = octagloss_reflection_node(_e57, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
-            metal::float3 half_vector = metal::normalize(n_2 + (_e58.x * along_3));
+            uint _e58 = k_2;
+            metal::float4 _e59 = octagloss_reflection_node(_e58, roughness_4, cosine_12, octagloss_tables, octagloss_linear);
+            metal::float3 half_vector = metal::normalize(n_2 + (_e59.x * along_2));
             metal::float3 direction_5 = (half_vector * (2.0 * metal::dot(v_1, half_vector))) - v_1;
-            metal::float2x3 _e68 = sum_4;
+            metal::float2x3 _e69 = sum_4;
 #ifdef OCTAGLOSS_CUBE
-            metal::float3 _e70 = octagloss_between_levels(probe_14, direction_5, _e58.y, octagloss_maps, octagloss_linear);
+            metal::float3 _e71 = octagloss_between_levels(probe_14, direction_5, _e59.y, octagloss_maps, octagloss_linear);
 #else
-            metal::float3 _e70 = octagloss_between_levels(probe_15, direction_5, _e58.y, octagloss_maps, octagloss_linear);
+            metal::float3 _e71 = octagloss_between_levels(probe_15, direction_5, _e59.y, octagloss_maps, octagloss_linear);
 #endif
-            metal::float2x3 _e72 = octagloss_weighed(_e70, _e58.zw);
-            sum_4 = _e68 + _e72;
-            metal::float2 _e74 = white;
-            white = _e74 + _e58.zw;
-            float _e77 = in_mirror;
-            in_mirror = _e77 + ((_e58.z + _e58.w) * metal::max(1.0 - _e58.y, 0.0));
+            metal::float2x3 _e73 = octagloss_weighed(_e71, _e59.zw);
+            sum_4 = _e69 + _e73;
+            metal::float2 _e75 = white;
+            white = _e75 + _e59.zw;
+            float _e78 = in_mirror;
+            in_mirror = _e78 + ((_e59.z + _e59.w) * metal::max(1.0 - _e59.y, 0.0));
         }
     }
-    metal::float2 _e91 = octagloss_round_albedo(cosine_12, roughness_4, octagloss_tables);
     metal::float2 _e92 = white;
-    metal::float2 _e93 = octagloss_albedo_share(_e91, _e92);
+    metal::float2 _e93 = octagloss_albedo_share(albedo_1, _e92);
     metal::float2x3 _e94 = sum_4;
 #ifdef OCTAGLOSS_CUBE
     metal::float3 _e99 = octagloss_lit_of(probe_14, _e94, f0_2 * _e93.x, f90_2 * _e93.y, octagloss_lights);
@@ -1203,9 +1208,10 @@ metal::float3 octagloss_reflect_isotropic(
     metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear
 ) {
-    octagloss_SurfaceFrame _e7 = octagloss_surface_of(0u, normal_3, view_2, octagloss_lights);
-    metal::float3 _e8 = octagloss_reflected_isotropic(0u, _e7, roughness_5, f0_3, f90_3, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
-    return _e8;
+    octagloss_SurfaceFrame _e6 = octagloss_surface_of(0u, normal_3, view_2, octagloss_lights);
+    metal::float2 _e9 = octagloss_round_albedo(_e6.cosine, roughness_5, octagloss_tables);
+    metal::float3 _e10 = octagloss_reflected_isotropic(0u, _e6, roughness_5, _e9, f0_3, f90_3, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    return _e10;
 }
 
 metal::float2 octagloss_row_alphas(
@@ -1282,68 +1288,191 @@ metal::float4 octagloss_row_node(
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 at_5 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
-    metal::float4 _e11 = octagloss_read_rows(at_5, octagloss_linear, octagloss_rows);
-    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_5.x, at_5.y + 0.125, at_5.z), octagloss_linear, octagloss_rows);
-#else
-    metal::float3 at_6 = metal::float3(place.at[0] + (static_cast<float>(layer_3) / 21.0), metal::float3(place.at).yz);
+    metal::float3 at_6 = metal::float3(place.at[0] + (static_cast<float>(layer_2) / 21.0), metal::float3(place.at).yz);
     metal::float4 _e11 = octagloss_read_rows(at_6, octagloss_linear, octagloss_rows);
-    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_6.x, at_6.y + 0.125, at_6.z), octagloss_linear, octagloss_rows);
+    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_6.x, at_6.y + 0.10989011, at_6.z), octagloss_linear, octagloss_rows);
+#else
+    metal::float3 at_7 = metal::float3(place.at[0] + (static_cast<float>(layer_3) / 21.0), metal::float3(place.at).yz);
+    metal::float4 _e11 = octagloss_read_rows(at_7, octagloss_linear, octagloss_rows);
+    metal::float4 _e18 = octagloss_read_rows(metal::float3(at_7.x, at_7.y + 0.10989011, at_7.z), octagloss_linear, octagloss_rows);
 #endif
     return metal::mix(_e11, _e18, place.share);
 }
 
-metal::float4 octagloss_row_block(
-    float block,
-    metal::float3 place_1,
+metal::float3 octagloss_blend_at(
+    metal::float2 place_1,
+    metal::float2 nodes,
+    float column
+) {
+    metal::float2 inside_2 = metal::clamp(place_1, metal::float2(0.00390625), (nodes - metal::float2(1.0)) - metal::float2(0.00390625));
+    return (metal::float3(column + inside_2.x, inside_2.y + 70.0, 0.0) + metal::float3(0.5)) / octagloss_ROW_SIZE;
+}
+
+metal::float4 octagloss_blend_texel(
+#ifdef OCTAGLOSS_CUBE
+    metal::float3 at_4,
+    uint layer_3,
+#else
+    metal::float3 at_5,
+    uint layer_4,
+#endif
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    float row_2 = metal::floor((block + 0.5) / octagloss_ROW_BLOCKS);
-    metal::float2 corner_1 = metal::float2(16.0, 10.0) * metal::float2(block - (octagloss_ROW_BLOCKS * row_2), row_2);
-    metal::float3 first_2 = metal::float3(corner_1.x, corner_1.y + 70.0, 0.0);
-    metal::float4 _e27 = octagloss_read_rows(((first_2 + place_1) + metal::float3(0.5)) / octagloss_ROW_SIZE, octagloss_linear, octagloss_rows);
-    return _e27;
+#ifdef OCTAGLOSS_CUBE
+    metal::float4 _e9 = octagloss_read_rows(at_4 + metal::float3(0.0, 0.0, static_cast<float>(layer_3) / 8.0), octagloss_linear, octagloss_rows);
+#else
+    metal::float4 _e9 = octagloss_read_rows(at_5 + metal::float3(0.0, 0.0, static_cast<float>(layer_4) / 8.0), octagloss_linear, octagloss_rows);
+#endif
+    return _e9;
 }
 
-metal::float4 octagloss_row_more(
-    metal::float2 alpha_6,
+metal::float2 octagloss_blend_place(
+    float alpha_6,
     float cosine_5,
+    metal::float2 nodes_1
+) {
+    float x_3 = metal::log2(1.0 + (15.0 * metal::sqrt(alpha_6))) * 0.25;
+    float y_2 = (metal::sqrt(metal::sqrt(cosine_5)) - 0.31622776) / 0.6837722;
+    return metal::clamp(metal::float2(x_3, y_2), metal::float2 {}, metal::float2(1.0)) * (nodes_1 - metal::float2(1.0));
+}
+
+metal::float2 octagloss_blended_albedo(
+    metal::float2 alpha_7,
+    float cosine_6,
     metal::float2 tangent_3,
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float4 _e3 = octagloss_row_places(alpha_6, cosine_5, tangent_3);
+    metal::float2 sum_5 = metal::float2(1.0, 0.0);
 #ifdef OCTAGLOSS_CUBE
-    metal::float4 place_6 = _e3 * metal::float4(15.0, 9.0, 7.0, 12.0);
-    float lower_1 = metal::min(metal::floor(place_6.w), 11.0);
-    metal::float3 inside_2 = metal::float3(metal::clamp(place_6.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625)), place_6.z);
+    uint layer_4 = 0u;
 #else
-    metal::float4 place_7 = _e3 * metal::float4(15.0, 9.0, 7.0, 12.0);
-    float lower_1 = metal::min(metal::floor(place_7.w), 11.0);
-    metal::float3 inside_2 = metal::float3(metal::clamp(place_7.xy, metal::float2(0.00390625), metal::float2(15.0, 9.0) - metal::float2(0.00390625)), place_7.z);
+    uint layer_5 = 0u;
 #endif
-    metal::float4 _e25 = octagloss_row_block(lower_1, inside_2, octagloss_linear, octagloss_rows);
-    metal::float4 _e28 = octagloss_row_block(lower_1 + 1.0, inside_2, octagloss_linear, octagloss_rows);
+    metal::float2 squares = alpha_7 * alpha_7;
+    metal::float2 seen_1 = metal::sqrt(metal::float2(squares.y) + (((squares.x - squares.y) * tangent_3) * tangent_3));
+    float round = metal::min((alpha_7.x * alpha_7.y) / metal::max(seen_1.x * seen_1.y, 0.000000000001), 1.0);
+    metal::float2 _e26 = octagloss_blend_place(seen_1.x, cosine_6, octagloss_BLEND_ALBEDO_NODES);
+    float block = metal::min(metal::floor(_e26.y / octagloss_BLEND_STRIP), 2.0);
+    metal::float2 size_1 = metal::float2(84.0, 21.0);
+    metal::float3 _e43 = octagloss_blend_at(_e26 - metal::float2(0.0, octagloss_BLEND_STRIP * block), size_1, 84.0 * block);
+    metal::float2 between = metal::float2(metal::sqrt(seen_1.y), round) * metal::float2(48.0, 10.0);
+    metal::float3 _e53 = octagloss_blend_at(between, octagloss_BLEND_SHARE_NODES, octagloss_BLEND_SHARES_AT);
+    bool loop_init_8 = true;
+    while(true) {
+        if (!loop_init_8) {
 #ifdef OCTAGLOSS_CUBE
-    return metal::mix(_e25, _e28, place_6.w - lower_1);
+            uint _e93 = layer_4;
+            layer_4 = _e93 + 1u;
 #else
-    return metal::mix(_e25, _e28, place_7.w - lower_1);
+            uint _e93 = layer_5;
+            layer_5 = _e93 + 1u;
 #endif
+        }
+        loop_init_8 = false;
+#ifdef OCTAGLOSS_CUBE
+        uint _e60 = layer_4;
+#else
+        uint _e60 = layer_5;
+#endif
+        if (_e60 < 4u) {
+        } else {
+            break;
+        }
+        {
+#ifdef OCTAGLOSS_CUBE
+            uint _e63 = layer_4;
+#else
+            uint _e63 = layer_5;
+#endif
+            metal::float4 _e64 = octagloss_blend_texel(_e53, _e63, octagloss_linear, octagloss_rows);
+#ifdef OCTAGLOSS_CUBE
+            uint _e66 = layer_4;
+#else
+            uint _e66 = layer_5;
+#endif
+            metal::float4 _e68 = octagloss_blend_texel(_e43, 2u * _e66, octagloss_linear, octagloss_rows);
+#ifdef OCTAGLOSS_CUBE
+            uint _e70 = layer_4;
+#else
+            uint _e70 = layer_5;
+#endif
+            metal::float4 _e74 = octagloss_blend_texel(_e43, (2u * _e70) + 1u, octagloss_linear, octagloss_rows);
+            metal::float2 _e75 = sum_5;
+            sum_5 = _e75 + ((((_e64.x * _e68.xy) + (_e64.y * _e68.zw)) + (_e64.z * _e74.xy)) + (_e64.w * _e74.zw));
+        }
+    }
+    metal::float2 _e95 = sum_5;
+    return metal::max(_e95, metal::float2 {});
 }
 
-metal::float2 octagloss_row_albedo(
-    metal::float2 alpha_7,
-    float cosine_6,
-    float along,
-    metal::float2 more,
-    metal::texture2d<float, metal::access::sample> octagloss_tables
+metal::float2 octagloss_blended_mean(
+    metal::float2 alpha_8,
+    float cosine_7,
+    metal::texture2d<float, metal::access::sample> octagloss_tables,
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float2 squares = alpha_7 * alpha_7;
-    float mean_1 = metal::sqrt(0.5 * (squares.x + squares.y));
-    float seen_1 = metal::sqrt(metal::mix(squares.y, squares.x, along));
-    metal::float2 _e17 = octagloss_round_albedo(cosine_6, metal::sqrt(metal::mix(seen_1, mean_1, cosine_6)), octagloss_tables);
-    return metal::max(_e17 + more, metal::float2 {});
+    metal::float2 sum_6 = {};
+#ifdef OCTAGLOSS_CUBE
+    uint layer_5 = 0u;
+#else
+    uint layer_6 = 0u;
+#endif
+    metal::float2 _e4 = octagloss_blend_place(alpha_8.x, cosine_7, octagloss_BLEND_MEAN_NODES);
+    metal::float3 _e7 = octagloss_blend_at(_e4, octagloss_BLEND_MEAN_NODES, octagloss_BLEND_SHARES_AT);
+    float ratio = metal::sqrt(alpha_8.y / metal::max(alpha_8.x, 0.000000000001)) * 32.0;
+    metal::float2 size_2 = metal::float2(33.0, 21.0);
+    metal::float3 _e22 = octagloss_blend_at(metal::float2(ratio, 0.0), size_2, octagloss_BLEND_RATIOS_AT);
+    metal::float2 _e25 = octagloss_round_albedo(cosine_7, metal::sqrt(alpha_8.x), octagloss_tables);
+    sum_6 = _e25;
+    bool loop_init_9 = true;
+    while(true) {
+        if (!loop_init_9) {
+#ifdef OCTAGLOSS_CUBE
+            uint _e64 = layer_5;
+            layer_5 = _e64 + 1u;
+#else
+            uint _e64 = layer_6;
+            layer_6 = _e64 + 1u;
+#endif
+        }
+        loop_init_9 = false;
+#ifdef OCTAGLOSS_CUBE
+        uint _e29 = layer_5;
+#else
+        uint _e29 = layer_6;
+#endif
+        if (_e29 < 2u) {
+        } else {
+            break;
+        }
+        {
+#ifdef OCTAGLOSS_CUBE
+            uint _e32 = layer_5;
+#else
+            uint _e32 = layer_6;
+#endif
+            metal::float4 _e33 = octagloss_blend_texel(_e22, _e32, octagloss_linear, octagloss_rows);
+#ifdef OCTAGLOSS_CUBE
+            uint _e35 = layer_5;
+#else
+            uint _e35 = layer_6;
+#endif
+            metal::float4 _e39 = octagloss_blend_texel(_e7, (2u * _e35) + 4u, octagloss_linear, octagloss_rows);
+#ifdef OCTAGLOSS_CUBE
+            uint _e41 = layer_5;
+#else
+            uint _e41 = layer_6;
+#endif
+            metal::float4 _e45 = octagloss_blend_texel(_e7, (2u * _e41) + 5u, octagloss_linear, octagloss_rows);
+            metal::float2 _e46 = sum_6;
+            sum_6 = _e46 + ((((_e33.x * _e39.xy) + (_e33.y * _e39.zw)) + (_e33.z * _e45.xy)) + (_e33.w * _e45.zw));
+        }
+    }
+    metal::float2 _e66 = sum_6;
+    return metal::max(_e66, metal::float2 {});
 }
 
 float octagloss_row_number(
@@ -1356,31 +1485,31 @@ float octagloss_row_number(
 }
 
 octagloss_Row octagloss_row_of(
-    metal::float2 alpha_8,
+    metal::float2 alpha_9,
     metal::float2 tangent_4,
-    float cosine_7
+    float cosine_8
 ) {
     metal::float2 axis = metal::float2(1.0, 0.0);
-    metal::float2 squares_1 = alpha_8 * alpha_8;
+    metal::float2 squares_1 = alpha_9 * alpha_9;
     float difference = squares_1.x - squares_1.y;
-    float along_4 = squares_1.y + ((difference * tangent_4.x) * tangent_4.x);
-    float across_3 = ((squares_1.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_7) * cosine_7;
-    float mixed = ((difference * tangent_4.x) * tangent_4.y) * cosine_7;
-    float apart_1 = 0.5 * (along_4 - across_3);
+    float along_3 = squares_1.y + ((difference * tangent_4.x) * tangent_4.x);
+    float across_3 = ((squares_1.y + ((difference * tangent_4.y) * tangent_4.y)) * cosine_8) * cosine_8;
+    float mixed = ((difference * tangent_4.x) * tangent_4.y) * cosine_8;
+    float apart_1 = 0.5 * (along_3 - across_3);
     float root_1 = metal::length(metal::float2(apart_1, mixed));
-    float greatest = metal::max((0.5 * (along_4 + across_3)) + root_1, 0.000000000000000000000000000001);
+    float greatest = metal::max((0.5 * (along_3 + across_3)) + root_1, 0.000000000000000000000000000001);
     if (root_1 > 0.0) {
         metal::float2 steep = metal::float2(metal::abs(mixed), (root_1 - apart_1) * ((mixed >= 0.0) ? 1.0 : -1.0));
         axis = metal::normalize(((apart_1 >= 0.0) ? metal::float2(apart_1 + root_1, mixed) : steep) / metal::float2(root_1));
     }
-    float x_3 = metal::log(metal::max(((alpha_8.x * alpha_8.y) * cosine_7) / greatest, octagloss_NARROWEST));
+    float x_4 = metal::log(metal::max(((alpha_9.x * alpha_9.y) * cosine_8) / greatest, octagloss_NARROWEST));
     float extent = metal::sqrt(greatest);
-    float y_2 = metal::log(1.0 + (6.0 * extent));
+    float y_3 = metal::log(1.0 + (6.0 * extent));
     float _e75 = axis.x;
-    float tilt = _e75 * metal::smoothstep(0.0, octagloss_TILTED, metal::sqrt(1.0 - (cosine_7 * cosine_7)));
+    float tilt = _e75 * metal::smoothstep(0.0, octagloss_TILTED, metal::sqrt(1.0 - (cosine_8 * cosine_8)));
     float _e85 = axis.x;
     float e_1 = _e85 * tilt;
-    type_22 terms_1 = type_22 {{metal::float4(1.0, x_3, x_3 * x_3, y_2), metal::float4(x_3 * y_2, y_2 * y_2, e_1, e_1 * x_3), metal::float4((x_3 * x_3) * x_3, (y_2 * y_2) * y_2, (x_3 * x_3) * y_2, (x_3 * y_2) * y_2)}};
+    type_22 terms_1 = type_22 {{metal::float4(1.0, x_4, x_4 * x_4, y_3), metal::float4(x_4 * y_3, y_3 * y_3, e_1, e_1 * x_4), metal::float4((x_4 * x_4) * x_4, (y_3 * y_3) * y_3, (x_4 * x_4) * y_3, (x_4 * y_3) * y_3)}};
     float _e119 = octagloss_row_number(terms_1, metal::float4(-0.55, -0.357, -0.024, -0.112), metal::float4(-0.155, -0.099, 0.179, -0.206), metal::float4(-0.04, 0.145, -0.024, -0.063));
     float _e135 = octagloss_row_number(terms_1, metal::float4(-0.554, -0.031, 0.533, -0.071), metal::float4(0.392, 0.14, -0.295, 0.008), metal::float4(0.133, 0.121, 0.231, 0.259));
     float _e151 = octagloss_row_number(terms_1, metal::float4(-0.215, 0.021, 0.069, -0.271), metal::float4(0.356, 0.057, -0.463, -0.223), metal::float4(0.047, 0.086, 0.153, 0.094));
@@ -1390,7 +1519,7 @@ octagloss_Row octagloss_row_of(
     float _e201 = axis.x;
     float _e203 = axis.y;
     float _e216 = axis.x;
-    return octagloss_Row {metal::float2(_e201, _e203 / cosine_7) * metal::sqrt(2.0 * root_1), extent, _e119 * tilt, metal::exp(metal::float4(_e135, _e151, _e167, _e183)), metal::exp(_e199), metal::smoothstep(0.0, octagloss_SKEWED, _e216)};
+    return octagloss_Row {metal::float2(_e201, _e203 / cosine_8) * metal::sqrt(2.0 * root_1), extent, _e119 * tilt, metal::exp(metal::float4(_e135, _e151, _e167, _e183)), metal::exp(_e199), metal::smoothstep(0.0, octagloss_SKEWED, _e216)};
 }
 
 float octagloss_last_map(
@@ -1419,11 +1548,11 @@ metal::float2 octagloss_row_read(
 #endif
 ) {
 #ifdef OCTAGLOSS_CUBE
+    float place_6 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
+    float slope_1 = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_6)) / row_1.steps.y;
+#else
     float place_7 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
     float slope_1 = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_7)) / row_1.steps.y;
-#else
-    float place_8 = ((static_cast<float>(read) - 7.0) * 0.5714286) + row_1.shift;
-    float slope_1 = ((row_1.steps.z * row_1.steps.x) * metal::sinh(row_1.steps.y * place_8)) / row_1.steps.y;
 #endif
     float wider = (naga_mod(read, 2u) == 1u) ? row_1.alternation : (1.0 / row_1.alternation);
     float growth = row_1.steps.w * slope_1;
@@ -1511,7 +1640,8 @@ metal::float3 octagloss_reflect_in_row(
 #endif
     octagloss_SurfaceFrame surface_5,
     metal::float2 tangent_5,
-    metal::float2 alpha_9,
+    metal::float2 alpha_10,
+    metal::float2 albedo_2,
     metal::float3 f0_4,
     float f90_4,
     constant type_7& octagloss_lights,
@@ -1520,11 +1650,10 @@ metal::float3 octagloss_reflect_in_row(
 #else
     metal::texture2d_array<float, metal::access::sample> octagloss_maps,
 #endif
-    metal::texture2d<float, metal::access::sample> octagloss_tables,
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float2x3 sum_5 = metal::float2x3 {};
+    metal::float2x3 sum_7 = metal::float2x3 {};
     metal::float2 in_mirror_1 = metal::float2 {};
     metal::float2 white_1 = metal::float2 {};
     uint distance = 0u;
@@ -1534,130 +1663,127 @@ metal::float3 octagloss_reflect_in_row(
     metal::float3 n_3 = surface_5.normal;
     metal::float3 across_4 = metal::cross(n_3, surface_5.towards);
     metal::float3 v_2 = (surface_5.towards * surface_5.sine) + (n_3 * surface_5.cosine);
-    octagloss_RowPlace _e16 = octagloss_row_place(alpha_9, surface_5.cosine, tangent_5);
-    octagloss_Row _e18 = octagloss_row_of(alpha_9, tangent_5, surface_5.cosine);
-    metal::float3 axis_2 = (surface_5.towards * _e18.axis.x) + (across_4 * _e18.axis.y);
-    bool loop_init_8 = true;
+    octagloss_RowPlace _e17 = octagloss_row_place(alpha_10, surface_5.cosine, tangent_5);
+    octagloss_Row _e19 = octagloss_row_of(alpha_10, tangent_5, surface_5.cosine);
+    metal::float3 axis_2 = (surface_5.towards * _e19.axis.x) + (across_4 * _e19.axis.y);
+    bool loop_init_10 = true;
     while(true) {
-        if (!loop_init_8) {
-            uint _e125 = distance;
-            distance = _e125 + 1u;
+        if (!loop_init_10) {
+            uint _e126 = distance;
+            distance = _e126 + 1u;
         }
-        loop_init_8 = false;
-        uint _e35 = distance;
-        if (_e35 <= octagloss_ROW_MIDDLE) {
+        loop_init_10 = false;
+        uint _e36 = distance;
+        if (_e36 <= octagloss_ROW_MIDDLE) {
         } else {
             break;
         }
         {
-            uint _e38 = distance;
-            metal::float4 _e39 = octagloss_row_node(_e38, _e16, octagloss_linear, octagloss_rows);
-            mean = _e39.xy;
+            uint _e39 = distance;
+            metal::float4 _e40 = octagloss_row_node(_e39, _e17, octagloss_linear, octagloss_rows);
+            mean = _e40.xy;
             skew = metal::float2 {};
-            uint _e44 = distance;
-            if (_e44 == 0u) {
-                metal::float2x3 _e47 = sum_5;
+            uint _e45 = distance;
+            if (_e45 == 0u) {
+                metal::float2x3 _e48 = sum_7;
 #ifdef OCTAGLOSS_CUBE
-                metal::float3 _e48 = octagloss_cosine_light(probe_18, n_3, octagloss_lights);
+                metal::float3 _e49 = octagloss_cosine_light(probe_18, n_3, octagloss_lights);
 #else
-                metal::float3 _e48 = octagloss_cosine_light(probe_19, n_3, octagloss_maps, octagloss_linear);
+                metal::float3 _e49 = octagloss_cosine_light(probe_19, n_3, octagloss_maps, octagloss_linear);
 #endif
-                metal::float2x3 _e50 = octagloss_weighed(_e48, _e39.zw);
-                sum_5 = _e47 + _e50;
-                metal::float2 _e52 = white_1;
-                white_1 = _e52 + _e39.zw;
+                metal::float2x3 _e51 = octagloss_weighed(_e49, _e40.zw);
+                sum_7 = _e48 + _e51;
+                metal::float2 _e53 = white_1;
+                white_1 = _e53 + _e40.zw;
             } else {
-                mean = 0.5 * (_e39.xy + _e39.zw);
-                skew = (0.5 * _e18.skew) * (_e39.xy - _e39.zw);
+                mean = 0.5 * (_e40.xy + _e40.zw);
+                skew = (0.5 * _e19.skew) * (_e40.xy - _e40.zw);
             }
             side_1 = 0u;
-            bool loop_init_9 = true;
+            bool loop_init_11 = true;
             while(true) {
-                if (!loop_init_9) {
-                    uint _e122 = side_1;
-                    side_1 = _e122 + 1u;
+                if (!loop_init_11) {
+                    uint _e123 = side_1;
+                    side_1 = _e123 + 1u;
                 }
-                loop_init_9 = false;
-                uint _e69 = side_1;
-                uint _e70 = distance;
-                if (_e69 < metal::min(_e70 + 1u, 2u)) {
+                loop_init_11 = false;
+                uint _e70 = side_1;
+                uint _e71 = distance;
+                if (_e70 < metal::min(_e71 + 1u, 2u)) {
                 } else {
                     break;
                 }
                 {
-                    metal::float2 _e76 = mean;
-                    metal::float2 _e77 = skew;
-                    metal::float2 _e79 = mean;
-                    metal::float2 _e80 = skew;
-                    uint _e82 = side_1;
-                    metal::float2 weights_3 = (_e82 == 0u) ? (_e79 + _e80) : (_e76 - _e77);
-                    uint _e87 = distance;
-                    uint _e90 = distance;
-                    uint _e92 = side_1;
-                    metal::float2 _e96 = octagloss_row_read(_e18, (_e92 == 0u) ? (octagloss_ROW_MIDDLE + _e90) : (octagloss_ROW_MIDDLE - _e87), octagloss_maps);
-                    metal::float3 half_vector_1 = metal::normalize(n_3 + (_e96.x * axis_2));
+                    metal::float2 _e77 = mean;
+                    metal::float2 _e78 = skew;
+                    metal::float2 _e80 = mean;
+                    metal::float2 _e81 = skew;
+                    uint _e83 = side_1;
+                    metal::float2 weights_3 = (_e83 == 0u) ? (_e80 + _e81) : (_e77 - _e78);
+                    uint _e88 = distance;
+                    uint _e91 = distance;
+                    uint _e93 = side_1;
+                    metal::float2 _e97 = octagloss_row_read(_e19, (_e93 == 0u) ? (octagloss_ROW_MIDDLE + _e91) : (octagloss_ROW_MIDDLE - _e88), octagloss_maps);
+                    metal::float3 half_vector_1 = metal::normalize(n_3 + (_e97.x * axis_2));
                     metal::float3 direction_6 = (half_vector_1 * (2.0 * metal::dot(v_2, half_vector_1))) - v_2;
-                    metal::float2x3 _e106 = sum_5;
+                    metal::float2x3 _e107 = sum_7;
 #ifdef OCTAGLOSS_CUBE
-                    metal::float3 _e108 = octagloss_between_levels(probe_18, direction_6, _e96.y, octagloss_maps, octagloss_linear);
+                    metal::float3 _e109 = octagloss_between_levels(probe_18, direction_6, _e97.y, octagloss_maps, octagloss_linear);
 #else
-                    metal::float3 _e108 = octagloss_between_levels(probe_19, direction_6, _e96.y, octagloss_maps, octagloss_linear);
+                    metal::float3 _e109 = octagloss_between_levels(probe_19, direction_6, _e97.y, octagloss_maps, octagloss_linear);
 #endif
-                    metal::float2x3 _e109 = octagloss_weighed(_e108, weights_3);
-                    sum_5 = _e106 + _e109;
-                    metal::float2 _e111 = white_1;
-                    white_1 = _e111 + weights_3;
-                    metal::float2 _e113 = in_mirror_1;
-                    in_mirror_1 = _e113 + (weights_3 * metal::max(1.0 - _e96.y, 0.0));
+                    metal::float2x3 _e110 = octagloss_weighed(_e109, weights_3);
+                    sum_7 = _e107 + _e110;
+                    metal::float2 _e112 = white_1;
+                    white_1 = _e112 + weights_3;
+                    metal::float2 _e114 = in_mirror_1;
+                    in_mirror_1 = _e114 + (weights_3 * metal::max(1.0 - _e97.y, 0.0));
                 }
             }
         }
     }
-    metal::float4 _e128 = octagloss_row_node(octagloss_ROW_PAIRS, _e16, octagloss_linear, octagloss_rows);
-    metal::float4 _e130 = octagloss_row_node(9u, _e16, octagloss_linear, octagloss_rows);
-    metal::float4 _e132 = octagloss_row_node(10u, _e16, octagloss_linear, octagloss_rows);
-    metal::float4 _e134 = octagloss_row_node(11u, _e16, octagloss_linear, octagloss_rows);
-    metal::float4 _e136 = octagloss_row_node(12u, _e16, octagloss_linear, octagloss_rows);
-    metal::float4 _e138 = octagloss_row_node(13u, _e16, octagloss_linear, octagloss_rows);
-    metal::float4 _e140 = octagloss_row_node(14u, _e16, octagloss_linear, octagloss_rows);
-    metal::float4 _e142 = octagloss_row_node(15u, _e16, octagloss_linear, octagloss_rows);
-    type_20 pairs_2 = type_20 {{_e128, _e130, _e132, _e134, _e136, _e138, _e140, _e142}};
-    metal::float2x3 _e144 = sum_5;
+    metal::float4 _e129 = octagloss_row_node(octagloss_ROW_PAIRS, _e17, octagloss_linear, octagloss_rows);
+    metal::float4 _e131 = octagloss_row_node(9u, _e17, octagloss_linear, octagloss_rows);
+    metal::float4 _e133 = octagloss_row_node(10u, _e17, octagloss_linear, octagloss_rows);
+    metal::float4 _e135 = octagloss_row_node(11u, _e17, octagloss_linear, octagloss_rows);
+    metal::float4 _e137 = octagloss_row_node(12u, _e17, octagloss_linear, octagloss_rows);
+    metal::float4 _e139 = octagloss_row_node(13u, _e17, octagloss_linear, octagloss_rows);
+    metal::float4 _e141 = octagloss_row_node(14u, _e17, octagloss_linear, octagloss_rows);
+    metal::float4 _e143 = octagloss_row_node(15u, _e17, octagloss_linear, octagloss_rows);
+    type_20 pairs_2 = type_20 {{_e129, _e131, _e133, _e135, _e137, _e139, _e141, _e143}};
+    metal::float2x3 _e145 = sum_7;
 #ifdef OCTAGLOSS_CUBE
-    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2, octagloss_lights);
+    metal::float2x3 _e146 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2, octagloss_lights);
 #else
-    metal::float2x3 _e145 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2, octagloss_lights);
+    metal::float2x3 _e146 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2, octagloss_lights);
 #endif
-    sum_5 = _e144 + _e145;
-    metal::float2 _e147 = white_1;
-    white_1 = _e147 + pairs_2.inner[0].xy;
+    sum_7 = _e145 + _e146;
+    metal::float2 _e148 = white_1;
+    white_1 = _e148 + pairs_2.inner[0].xy;
     metal::float3 mirrored = across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
-    metal::float2x3 _e160 = sum_5;
+    metal::float2x3 _e161 = sum_7;
 #ifdef OCTAGLOSS_CUBE
-    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
+    metal::float2x3 _e164 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e17, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
 #else
-    metal::float2x3 _e163 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e16, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
+    metal::float2x3 _e164 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e17, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
 #endif
-    sum_5 = _e160 + _e163;
-    metal::float4 _e166 = octagloss_row_more(alpha_9, surface_5.cosine, tangent_5, octagloss_linear, octagloss_rows);
-    metal::float2 beyond = _e166.xy;
-    metal::float2 _e172 = octagloss_row_albedo(alpha_9, surface_5.cosine, tangent_5.x * tangent_5.x, beyond, octagloss_tables);
-    metal::float2 _e173 = white_1;
-    metal::float2 shares = _e172 / _e173;
-    metal::float2x3 _e175 = sum_5;
+    sum_7 = _e161 + _e164;
+    metal::float2 _e166 = white_1;
+    metal::float2 shares = albedo_2 / _e166;
+    metal::float2x3 _e168 = sum_7;
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e180 = octagloss_lit_of(probe_18, _e175, f0_4 * shares.x, f90_4 * shares.y, octagloss_lights);
+    metal::float3 _e173 = octagloss_lit_of(probe_18, _e168, f0_4 * shares.x, f90_4 * shares.y, octagloss_lights);
 #else
-    metal::float3 _e180 = octagloss_lit_of(probe_19, _e175, f0_4 * shares.x, f90_4 * shares.y, octagloss_lights);
+    metal::float3 _e173 = octagloss_lit_of(probe_19, _e168, f0_4 * shares.x, f90_4 * shares.y, octagloss_lights);
 #endif
-    metal::float2 _e181 = in_mirror_1;
-    float share_5 = metal::max(1.0 - (metal::dot(shares, _e181) / (_e172.x + _e172.y)), 0.0);
+    metal::float2 _e174 = in_mirror_1;
+    float share_5 = metal::max(1.0 - (metal::dot(shares, _e174) / (albedo_2.x + albedo_2.y)), 0.0);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e191 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_9, f0_4, f90_4, octagloss_lights, octagloss_maps);
+    metal::float3 _e184 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_10, f0_4, f90_4, octagloss_lights, octagloss_maps);
 #else
-    metal::float3 _e191 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_9, f0_4, f90_4, octagloss_lights, octagloss_maps);
+    metal::float3 _e184 = octagloss_suns_reflected(probe_19, surface_5, tangent_5, alpha_10, f0_4, f90_4, octagloss_lights, octagloss_maps);
 #endif
-    return _e180 + (share_5 * _e191);
+    return _e173 + (share_5 * _e184);
 }
 
 metal::float3 octagloss_reflect_of(
@@ -1708,32 +1834,35 @@ metal::float3 octagloss_reflect_of(
     metal::float2 _e28 = level_1;
     metal::float2 _e29 = level_1;
     if (metal::dot(_e28, _e29) < 0.0000000001) {
+        metal::float2 _e34 = octagloss_round_albedo(_e8.cosine, roughness_7, octagloss_tables);
 #ifdef OCTAGLOSS_CUBE
-        metal::float3 _e33 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+        metal::float3 _e35 = octagloss_reflected_isotropic(probe_19, _e8, roughness_7, _e34, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #else
-        metal::float3 _e33 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+        metal::float3 _e35 = octagloss_reflected_isotropic(probe_20, _e8, roughness_7, _e34, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #endif
-        return _e33;
+        return _e35;
     }
-    metal::float2 _e36 = octagloss_row_alphas(roughness_7, metal::min(anisotropy_1, 1.0));
-    float _e37 = octagloss_row_share(_e36);
-    metal::float2 _e38 = level_1;
+    metal::float2 _e38 = octagloss_row_alphas(roughness_7, metal::min(anisotropy_1, 1.0));
+    float _e39 = octagloss_row_share(_e38);
+    metal::float2 _e40 = level_1;
+    metal::float2 unit_level = metal::normalize(_e40);
+    metal::float2 _e43 = octagloss_blended_albedo(_e38, _e8.cosine, unit_level, octagloss_linear, octagloss_rows);
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e40 = octagloss_reflect_in_row(probe_19, _e8, metal::normalize(_e38), _e36, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 _e44 = octagloss_reflect_in_row(probe_19, _e8, unit_level, _e38, _e43, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_linear, octagloss_rows);
 #else
-    metal::float3 _e40 = octagloss_reflect_in_row(probe_20, _e8, metal::normalize(_e38), _e36, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear, octagloss_rows);
+    metal::float3 _e44 = octagloss_reflect_in_row(probe_20, _e8, unit_level, _e38, _e43, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_linear, octagloss_rows);
 #endif
-    metal::float3 sum_6 = _e37 * _e40;
-    if (_e37 == 1.0) {
-        return sum_6;
+    metal::float3 sum_8 = _e39 * _e44;
+    if (_e39 == 1.0) {
+        return sum_8;
     }
-    float round = metal::sqrt(metal::sqrt(_e36.x * _e36.y));
+    float round_1 = metal::sqrt(metal::sqrt(_e38.x * _e38.y));
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e51 = octagloss_reflected_isotropic(probe_19, _e8, round, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    metal::float3 _e55 = octagloss_reflected_isotropic(probe_19, _e8, round_1, _e43, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #else
-    metal::float3 _e51 = octagloss_reflected_isotropic(probe_20, _e8, round, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
+    metal::float3 _e55 = octagloss_reflected_isotropic(probe_20, _e8, round_1, _e43, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #endif
-    return sum_6 + ((1.0 - _e37) * _e51);
+    return sum_8 + ((1.0 - _e39) * _e55);
 }
 
 metal::float3 octagloss_reflect(
@@ -1758,17 +1887,6 @@ metal::float3 octagloss_reflect(
     return _e8;
 }
 
-metal::float2 octagloss_faded_albedo(
-    metal::float2 alpha_10,
-    float cosine_8,
-    metal::float2 own,
-    metal::texture2d<float, metal::access::sample> octagloss_tables
-) {
-    metal::float2 _e8 = octagloss_round_albedo(cosine_8, metal::sqrt(metal::sqrt(alpha_10.x * alpha_10.y)), octagloss_tables);
-    float _e9 = octagloss_row_share(alpha_10);
-    return metal::mix(_e8, own, _e9);
-}
-
 metal::float2 octagloss_albedo(
     float cosine_9,
     float roughness_9,
@@ -1782,17 +1900,13 @@ metal::float2 octagloss_albedo(
         return _e5;
     }
     metal::float2 _e8 = octagloss_row_alphas(roughness_9, metal::min(anisotropy_3, 1.0));
-    float seen_2 = metal::clamp(cosine_9, octagloss_LEAST_COSINE, 1.0);
-    metal::float4 _e15 = octagloss_row_more(_e8, seen_2, metal::float2(1.0, 0.0), octagloss_linear, octagloss_rows);
-    metal::float2 more_1 = _e15.zw;
-    metal::float2 _e18 = octagloss_row_albedo(_e8, seen_2, 0.5, more_1, octagloss_tables);
-    metal::float2 _e19 = octagloss_faded_albedo(_e8, seen_2, _e18, octagloss_tables);
-    return _e19;
+    metal::float2 _e12 = octagloss_blended_mean(_e8, metal::clamp(cosine_9, octagloss_LEAST_COSINE, 1.0), octagloss_tables, octagloss_linear, octagloss_rows);
+    return _e12;
 }
 
 metal::float2 octagloss_albedo_along(
     float cosine_10,
-    float along_1,
+    float along,
     float roughness_10,
     float anisotropy_4,
     metal::texture2d<float, metal::access::sample> octagloss_tables,
@@ -1803,12 +1917,9 @@ metal::float2 octagloss_albedo_along(
         metal::float2 _e6 = octagloss_round_albedo(cosine_10, roughness_10, octagloss_tables);
         return _e6;
     }
-    metal::float2 _e9 = octagloss_row_alphas(roughness_10, metal::min(anisotropy_4, 1.0));
-    float seen_3 = metal::clamp(cosine_10, octagloss_LEAST_COSINE, 1.0);
-    float x_4 = metal::min(metal::abs(along_1) / metal::max(metal::sqrt(1.0 - (seen_3 * seen_3)), 0.0001), 1.0);
-    metal::float4 _e28 = octagloss_row_more(_e9, seen_3, metal::float2(x_4, metal::sqrt(1.0 - (x_4 * x_4))), octagloss_linear, octagloss_rows);
-    metal::float2 more_2 = _e28.xy;
-    metal::float2 _e31 = octagloss_row_albedo(_e9, seen_3, x_4 * x_4, more_2, octagloss_tables);
-    metal::float2 _e32 = octagloss_faded_albedo(_e9, seen_3, _e31, octagloss_tables);
-    return _e32;
+    float seen_2 = metal::clamp(cosine_10, octagloss_LEAST_COSINE, 1.0);
+    float x_5 = metal::min(metal::abs(along) / metal::max(metal::sqrt(1.0 - (seen_2 * seen_2)), 0.0001), 1.0);
+    metal::float2 _e22 = octagloss_row_alphas(roughness_10, metal::min(anisotropy_4, 1.0));
+    metal::float2 _e28 = octagloss_blended_albedo(_e22, seen_2, metal::float2(x_5, metal::sqrt(1.0 - (x_5 * x_5))), octagloss_linear, octagloss_rows);
+    return _e28;
 }

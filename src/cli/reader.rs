@@ -28,7 +28,7 @@ pub(super) struct ReaderArgs {
     language: Option<Language>,
     /// Write the table of anisotropic reflections to FILE.ktx2
     ///
-    /// A texture of three dimensions, RGBA16F, 1.7 MB, the same for all pyramids of one size and map.
+    /// A texture of three dimensions, RGBA16F, 2.0 MB, the same for all pyramids of one size and map.
     /// Shaders that call octagloss_reflect with anisotropy, or octagloss_albedo_along, bind it as
     /// octagloss_rows.
     #[arg(long, value_name = "FILE", conflicts_with = "language")]

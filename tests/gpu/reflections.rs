@@ -88,7 +88,7 @@ pub(super) fn reflections(context: &Context, cases: &[(u32, Look, f32)], roughne
                 } else {
                     pyramid.albedo_along(cosine, frame.view.x as f32, roughness, *anisotropy)
                 };
-                assert!((albedo - found[3]).abs() < 4e-3, "albedo {albedo}, not {}: {frame:?}", found[3]);
+                assert!((albedo - found[3]).abs() < 2e-4, "albedo {albedo}, not {}: {frame:?}", found[3]);
             }
             found[7][1] += 2.0 * most as f32;
             assert!(wrong(&found).is_some(), "{name}: one wrong answer is not detected");

@@ -312,13 +312,12 @@ fn anisotropic_albedos_are_those_of_the_lobes() {
         let [a, b] = pyramid.albedo_along(nv as f32, view.x as f32, roughness as f32, anisotropy as f32);
         let off = [f64::from(a) - (all - grazing), f64::from(b) - grazing];
         assert!(
-            // Between nodes, most at great anisotropy.
-            off.iter().all(|off| off.abs() < 7e-3),
+            off.iter().all(|off| off.abs() < 1e-3),
             "r {roughness} n.v {nv} anisotropy {anisotropy}: off by {off:?}"
         );
         let frame = Frame { axes: glam::DMat3::IDENTITY, view, has_tangent: true };
         let found = pyramid.reflect(&frame, roughness as f32, anisotropy as f32, [1.0; 3], 1.0);
-        assert!((found[0] - a - b).abs() < 4e-3, "a white world: {found:?}, not {}", a + b);
+        assert!((found[0] - a - b).abs() < 1e-3, "a white world: {found:?}, not {}", a + b);
     }
 }
 
@@ -332,14 +331,12 @@ fn brushed_surfaces_in_a_white_world_reflect_their_albedo() {
             let [all, grazing] = albedo(frame.view, roughness, anisotropy);
             let (r, a) = (roughness as f32, anisotropy as f32);
             let found = pyramid.albedo_along(frame.view.z as f32, frame.view.x as f32, r, a);
-            // Exact at a node, to the steps of its quadrature (5e-4) and halves; between nodes, off by up to
-            // 0.003 where n.v > 0.1 and anisotropy is at most 0.8.
             let off = [f64::from(found[0]) - (all - grazing), f64::from(found[1]) - grazing];
             let name = format!("r {roughness} anisotropy {anisotropy} n.v {nv}");
-            assert!(off.iter().all(|off| off.abs() < 3.5e-3), "{name}: off by {off:?}");
+            assert!(off.iter().all(|off| off.abs() < 1e-3), "{name}: off by {off:?}");
             let light = pyramid.reflect(&frame, r, a, [0.7; 3], 0.9)[0];
             let expected = 0.7 * found[0] + 0.9 * found[1];
-            assert!((light - expected).abs() < 2e-3, "{name}: {light}, not {expected}");
+            assert!((light - expected).abs() < 1e-3, "{name}: {light}, not {expected}");
         }
     }
     // The mean over directions of the tangent.
@@ -353,7 +350,7 @@ fn brushed_surfaces_in_a_white_world_reflect_their_albedo() {
         }
         let found = pyramid.albedo(nv as f32, roughness as f32, anisotropy as f32);
         let off = [0, 1].map(|k| (f64::from(found[k]) - mean[k]).abs());
-        assert!(off.iter().all(|off| *off < 2e-3), "r {roughness}: {found:?}, not {mean:?}");
+        assert!(off.iter().all(|off| *off < 1e-3), "r {roughness}: {found:?}, not {mean:?}");
     }
 }
 
@@ -385,7 +382,8 @@ fn tangents_count_by_their_line_and_look_ups_turn_nowhere() {
             for none in [DVec3::ZERO, 2.0 * normal] {
                 assert_eq!(look(normal, view, none, roughness, anisotropy), isotropic);
             }
-            near(look(normal, view, tangent, roughness, 1e-4), isotropic, 1e-4, "almost isotropic");
+            // Albedos along a tangent have a table of their own.
+            near(look(normal, view, tangent, roughness, 1e-4), isotropic, 1e-3, "almost isotropic");
             // A view along the normal has no plane of incidence, and one at right angles to the tangent has
             // two directions along the row: nothing jumps there. The kernel itself changes by 1e-4 over its
             // width; the table's harmonics turn in steps of 18 degrees at most.

@@ -6,6 +6,7 @@
 //! width. Reads stand in a row along the length, by a law. Without anisotropy length is alpha, width alpha
 //! n.v, and the row lies in the plane of incidence.
 
+mod blend;
 mod law;
 
 use super::Levels;
@@ -17,13 +18,13 @@ use super::reads::{
 };
 use crate::common::frame::LEAST_COSINE;
 use crate::common::parallel;
-use crate::lobe::{legendre, reflectance};
-use crate::sphere::quadrature::gauss_legendre;
+use crate::lobe::legendre;
+pub use blend::{albedo, albedo_along, mean_albedo};
 use glam::{DVec2, DVec3};
 use half::f16;
 pub use law::LAW;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::sync::{LazyLock, OnceLock};
+use std::sync::OnceLock;
 
 /// Reads at places of their own.
 pub const READS: usize = 15;
@@ -61,13 +62,6 @@ pub type Node = [[f32; 4]; LAYERS];
 /// anisotropy, evenly in the logarithm of alpha along the tangent, from alpha across it to 1.
 pub const NODES: [usize; 4] = [16, 10, 8, 7];
 
-/// Nodes of the albedo over the same, twice as dense over anisotropy, where it is bent most: what it exceeds
-/// that of a round lobe by, at the azimuth and in the mean.
-pub const ALBEDO_NODES: [usize; 4] = [16, 10, 8, 13];
-
-/// Anisotropies whose nodes of the albedo stand side by side in the texture.
-pub const BLOCKS: usize = 21;
-
 /// How much denser nodes are at roughness 0 than at 1, less 1.
 const CROWDING: f64 = 5.0;
 
@@ -84,12 +78,6 @@ const FUNCTIONS: usize = READS + 1 + HARMONICS + SKEW;
 
 /// Rings and spokes of half vectors.
 const FIT_GRID: [u32; 2] = [36, 28];
-
-/// Rings of the quadrature of the albedo, of twice as many spokes.
-const ALBEDO_STEPS: u32 = 32;
-
-/// Azimuths of the mean albedo, midpoints of a quarter turn.
-const AZIMUTHS: u32 = 8;
 
 /// Places of reads are this far apart for the law.
 const STEP: f64 = 8.0 / 14.0;
@@ -222,8 +210,9 @@ fn azimuth_of(place: f64) -> f64 {
     FRAC_PI_2 * (1.0 - (1.0 - place).powf(1.5))
 }
 
-/// Alphas, n.v and azimuth of node `index` of `nodes`.
-fn lobe_of([across, up, around, deep]: [usize; 4], index: usize) -> (DVec2, f64, f64) {
+/// Alphas, n.v and azimuth of a node.
+fn lobe_of(index: usize) -> (DVec2, f64, f64) {
+    let [across, up, around, deep] = NODES;
     let share = |node: usize, nodes: usize| node as f64 / (nodes - 1) as f64;
     let (x, y) = (index % across, index / across % up);
     let (z, w) = (index / across / up % around, index / across / up / around);
@@ -233,7 +222,7 @@ fn lobe_of([across, up, around, deep]: [usize; 4], index: usize) -> (DVec2, f64,
 
 /// The fit of node `index`, first axes first.
 pub fn fit_of_node(levels: Levels, index: usize) -> Fit {
-    let (alpha, cosine, azimuth) = lobe_of(NODES, index);
+    let (alpha, cosine, azimuth) = lobe_of(index);
     Fit::new(levels, alpha, cosine, azimuth)
 }
 
@@ -243,109 +232,60 @@ pub fn table(levels: Levels) -> Vec<Node> {
 }
 
 /// Width, height and depth of the table as a texture.
-pub const TEXTURE: [u32; 3] = [
-    (NODES[0] * LAYERS) as u32,
-    (NODES[1] * NODES[3] + ALBEDO_NODES[1] * ALBEDO_NODES[3].div_ceil(BLOCKS)) as u32,
-    NODES[2] as u32,
-];
-
-const _: () = assert!(
-    BLOCKS * ALBEDO_NODES[0] <= NODES[0] * LAYERS && ALBEDO_NODES[2] == NODES[2],
-    "blocks of the albedo beside each other"
-);
+pub const TEXTURE: [u32; 3] =
+    [(NODES[0] * LAYERS) as u32, (NODES[1] * NODES[3] + blend::ROWS) as u32, NODES[2] as u32];
 
 /// The table as shaders read it: nodes over roughness side by side, for each texel of a node; below one
-/// another those over n.v, for each anisotropy; azimuths along the third axis. Below them the albedo: of
-/// [`BLOCKS`] anisotropies a row, each a block of nodes over roughness and n.v.
+/// another those over n.v, for each anisotropy; azimuths along the third axis. Below them the albedo.
 pub fn texels(levels: Levels) -> Vec<[f32; 4]> {
     let [across, up, around, deep] = NODES;
     let nodes = table(levels);
     let node = |x, y, z, w| &nodes[x + across * (y + up * (z + around * w))];
-    let [wide, high, _, blocks] = ALBEDO_NODES;
-    let albedo = parallel::map(0..ALBEDO_NODES.iter().product(), more_of_node);
+    let albedo = blend::texels();
     let mut texels = Vec::with_capacity(TEXTURE.iter().product::<u32>() as usize);
-    for z in 0..around {
+    for (z, albedo) in albedo.chunks(albedo.len() / around).enumerate() {
         for (w, y) in (0..deep).flat_map(|w| (0..up).map(move |y| (w, y))) {
             texels.extend((0..LAYERS).flat_map(|layer| (0..across).map(move |x| node(x, y, z, w)[layer])));
         }
-        for (first, y) in (0..blocks).step_by(BLOCKS).flat_map(|first| (0..high).map(move |y| (first, y))) {
-            let row = texels.len() + across * LAYERS;
-            for w in first..(first + BLOCKS).min(blocks) {
-                let from = wide * (y + high * (z + around * w));
-                texels.extend_from_slice(&albedo[from..from + wide]);
-            }
-            texels.resize(row, [0.0; 4]);
-        }
+        texels.extend_from_slice(albedo);
     }
     texels
 }
 
+/// Values of a table's nodes, each made at its first use.
+#[derive(Debug)]
+struct Known<T> {
+    nodes: OnceLock<Vec<OnceLock<T>>>,
+    count: usize,
+}
+
+impl<T> Known<T> {
+    const fn new(count: usize) -> Self {
+        Self { nodes: OnceLock::new(), count }
+    }
+
+    /// The value of node `index`, which `make` makes at its first use, without loops over threads.
+    fn get_or_init(&self, index: usize, make: impl FnOnce() -> T) -> &T {
+        let nodes = self.nodes.get_or_init(|| (0..self.count).map(|_| OnceLock::new()).collect());
+        nodes[index].get_or_init(make)
+    }
+}
+
 /// One node, fitted at the first call.
 fn node(levels: Levels, index: usize) -> &'static Node {
-    static FITTED: [OnceLock<Vec<OnceLock<Node>>>; Levels::ALL] = [const { OnceLock::new() }; Levels::ALL];
-    let [across, up, around, deep] = NODES;
-    let nodes = FITTED[levels.index()]
-        .get_or_init(|| (0..across * up * around * deep).map(|_| OnceLock::new()).collect());
-    nodes[index].get_or_init(|| {
-        let (alpha, cosine, azimuth) = lobe_of(NODES, index);
+    static FITTED: [Known<Node>; Levels::ALL] =
+        [const { Known::new(NODES[0] * NODES[1] * NODES[2] * NODES[3]) }; Levels::ALL];
+    FITTED[levels.index()].get_or_init(index, || {
+        let (alpha, cosine, azimuth) = lobe_of(index);
         fitted(levels, alpha, cosine, azimuth)
     })
-}
-
-/// What a node of [`ALBEDO_NODES`] reflects of a white world less [`round_albedo`], at its azimuth and in the
-/// mean over azimuths, as halves hold it; found at the first call.
-fn more_of_node(index: usize) -> [f32; 4] {
-    const COUNT: usize = ALBEDO_NODES[0] * ALBEDO_NODES[1] * ALBEDO_NODES[2] * ALBEDO_NODES[3];
-    const MEANS: usize = COUNT / ALBEDO_NODES[2];
-    static KNOWN: [OnceLock<[f32; 4]>; COUNT] = [const { OnceLock::new() }; COUNT];
-    static MEAN: [OnceLock<[f32; 2]>; MEANS] = [const { OnceLock::new() }; MEANS];
-    *KNOWN[index].get_or_init(|| {
-        let (alpha, cosine, azimuth) = lobe_of(ALBEDO_NODES, index);
-        let [across, up, around, _] = ALBEDO_NODES;
-        let place = index % (across * up) + across * up * (index / (across * up * around));
-        let [c, d] = *MEAN[place].get_or_init(|| mean_of_azimuths(alpha, cosine));
-        let (y, x) = azimuth.sin_cos();
-        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-        let own = albedo(DVec3::new(sine * x, -sine * y, cosine), alpha);
-        let round = round_albedo(alpha, cosine, x * x);
-        let [a, b] = [0, 1].map(|side| f16::from_f64(own[side] - round[side]).to_f32());
-        [a, b, c, d]
-    })
-}
-
-/// What a lobe reflects of a white world in the mean over azimuths, less [`round_albedo`].
-fn mean_of_azimuths(alpha: DVec2, cosine: f64) -> [f32; 2] {
-    let mut mean = [0.0; 2];
-    for k in 0..AZIMUTHS {
-        let (y, x) = (FRAC_PI_2 * (f64::from(k) + 0.5) / f64::from(AZIMUTHS)).sin_cos();
-        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-        let own = albedo(DVec3::new(sine * x, sine * y, cosine), alpha);
-        mean.iter_mut().zip(own).for_each(|(mean, own)| *mean += own / f64::from(AZIMUTHS));
-    }
-    let round = round_albedo(alpha, cosine, 0.5);
-    [0, 1].map(|k| f16::from_f64(mean[k] - round[k]).to_f32())
-}
-
-/// Roughness of the isotropic lobe whose albedo an anisotropic one's is near: that of the mean alpha seen
-/// along the normal, that of alpha along the view at grazing angles. `along` is the square of the tangent's
-/// part in the plane of incidence, a half for the mean over azimuths.
-pub fn round_roughness(alpha: DVec2, cosine: f64, along: f64) -> f64 {
-    let squares = alpha * alpha;
-    let mean = (0.5 * (squares.x + squares.y)).sqrt();
-    let seen = (squares.y + along * (squares.x - squares.y)).sqrt();
-    (seen + cosine * (mean - seen)).sqrt()
-}
-
-/// What the isotropic lobe of [`round_roughness`] reflects of a white world.
-fn round_albedo(alpha: DVec2, cosine: f64, along: f64) -> [f64; 2] {
-    reflectance::ggx_albedo(cosine, round_roughness(alpha, cosine, along))
 }
 
 /// The node for `alpha` along the tangent and across it, n.v of `cosine`, and the tangent's `azimuth` from
 /// the plane of incidence, between those of [`table`], which are fitted as they are needed.
 pub fn node_at(levels: Levels, alpha: DVec2, cosine: f64, azimuth: f64) -> Node {
     let mut sum = [[0.0; 4]; LAYERS];
-    for (index, weight) in corners(NODES, alpha, cosine, azimuth) {
+    for (index, weight) in corners(alpha, cosine, azimuth) {
         for (texel, own) in sum.iter_mut().zip(node(levels, index)) {
             texel.iter_mut().zip(own).for_each(|(value, own)| *value += weight * own);
         }
@@ -353,25 +293,8 @@ pub fn node_at(levels: Levels, alpha: DVec2, cosine: f64, azimuth: f64) -> Node 
     sum
 }
 
-/// What scale and bias of f0 exceed those of the round lobe of [`round_roughness`] by, likewise: at the
-/// azimuth, and in the mean over azimuths.
-#[must_use]
-pub fn more_at(alpha: DVec2, cosine: f64, azimuth: f64) -> [[f32; 2]; 2] {
-    let mut sum = [0.0; 4];
-    for (index, weight) in corners(ALBEDO_NODES, alpha, cosine, azimuth) {
-        sum.iter_mut().zip(more_of_node(index)).for_each(|(value, own)| *value += weight * own);
-    }
-    let [a, b, c, d] = sum;
-    [[a, b], [c, d]]
-}
-
 /// The nodes around a lobe and their weights, those of none left out.
-fn corners(
-    counts: [usize; 4],
-    alpha: DVec2,
-    cosine: f64,
-    azimuth: f64,
-) -> impl Iterator<Item = (usize, f32)> {
+fn corners(alpha: DVec2, cosine: f64, azimuth: f64) -> impl Iterator<Item = (usize, f32)> {
     let sharp = alpha.y.max(SHARP);
     let places = [
         (1.0 + CROWDING * alpha.y.sqrt()).ln() / (1.0 + CROWDING).ln(),
@@ -379,10 +302,19 @@ fn corners(
         1.0 - (1.0 - azimuth / FRAC_PI_2).max(0.0).powf(2.0 / 3.0),
         (alpha.x.max(sharp) / sharp).ln() / -(sharp.min(1.0 - 1e-6).ln()),
     ];
-    let mut corners = [(0, 1.0_f32); 16];
+    nodes_around::<4, 16>(NODES, places)
+}
+
+/// The nodes of a table around `places`, between the first node and the last of each axis, and their weights,
+/// those of none left out. First axes come first; there are `CORNERS`, two to the power of the axes.
+fn nodes_around<const AXES: usize, const CORNERS: usize>(
+    nodes: [usize; AXES],
+    places: [f64; AXES],
+) -> impl Iterator<Item = (usize, f32)> {
+    let mut corners = [(0, 1.0_f32); CORNERS];
     let mut stride = 1;
-    for (axis, nodes) in counts.into_iter().enumerate() {
-        let place = places[axis].clamp(0.0, 1.0) * (nodes - 1) as f64;
+    for (axis, (nodes, place)) in nodes.into_iter().zip(places).enumerate() {
+        let place = place.clamp(0.0, 1.0) * (nodes - 1) as f64;
         let whole = (place as usize).min(nodes - 2);
         let share = (place - whole as f64) as f32;
         for (k, (index, weight)) in corners.iter_mut().enumerate() {
@@ -393,50 +325,6 @@ fn corners(
         stride *= nodes;
     }
     corners.into_iter().filter(|(_, weight)| *weight != 0.0)
-}
-
-/// Samples of visible normals: points of the unit disc and their shares. Denser at the rim, where normals are
-/// at right angles to the view.
-static DISC: LazyLock<Vec<(DVec2, f64)>> = LazyLock::new(|| {
-    let spokes = 2 * ALBEDO_STEPS;
-    let rings = gauss_legendre(ALBEDO_STEPS).into_iter().flat_map(|(x, weight)| {
-        let radius = (1.0 - x * x).sqrt();
-        (0..spokes).map(move |k| {
-            let spoke = DVec2::from_angle(TAU * (f64::from(k) + 0.5) / f64::from(spokes));
-            (radius * spoke, 2.0 * weight * x / f64::from(spokes))
-        })
-    });
-    rings.collect()
-});
-
-/// What the lobe reflects of a white world, scale and bias of f0, by the normals that the viewer sees.
-///
-/// `view` is in axes of the tangent. The visible normals of an ellipsoid are those of a disc, half of it
-/// squeezed (Heitz 2018).
-pub fn albedo(view: DVec3, alpha: DVec2) -> [f64; 2] {
-    let stretched = (view * alpha.extend(1.0)).normalize();
-    let level = DVec2::new(stretched.x, stretched.y);
-    let first = DVec2::new(-level.y, level.x).normalize_or(DVec2::X).extend(0.0);
-    let second = stretched.cross(first);
-    let squeeze = f64::midpoint(1.0, stretched.z);
-    let masking = |w: DVec3| (alpha.extend(1.0) * w).length();
-    let seen = masking(view);
-    let mut sums = [0.0; 2];
-    for (point, share) in DISC.iter() {
-        let y = (1.0 - squeeze) * (1.0 - point.x * point.x).max(0.0).sqrt() + squeeze * point.y;
-        let height = (1.0 - point.x * point.x - y * y).max(0.0).sqrt();
-        let normal = first * point.x + second * y + stretched * height;
-        let half = (normal * alpha.extend(1.0)).normalize_or(DVec3::Z);
-        let towards = view.dot(half);
-        let light = half * (2.0 * towards) - view;
-        if light.z > 0.0 {
-            let share = share * (seen + view.z) * light.z / (seen * light.z + view.z * masking(light));
-            let fresnel = (1.0 - towards).max(0.0).powi(5);
-            sums[0] += share * (1.0 - fresnel);
-            sums[1] += share * fresnel;
-        }
-    }
-    sums
 }
 
 /// A reflection that is fitted.

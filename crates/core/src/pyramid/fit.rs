@@ -251,7 +251,7 @@ fn lobe_points(alpha: f64, finest: f64) -> Vec<LobePoint> {
 }
 
 /// The solution of linear equations, the right sides in the last column, by elimination with pivots.
-fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
+pub(super) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     let count = rows.len();
     for k in 0..count {
         let pivot = (k..count).max_by(|a, b| rows[*a][k].abs().total_cmp(&rows[*b][k].abs()));

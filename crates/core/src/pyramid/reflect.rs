@@ -45,12 +45,10 @@ fn mean_roughness(alpha: DVec2) -> f32 {
     (alpha.x * alpha.y).powf(0.25) as f32
 }
 
-/// Scale and bias of f0 for `alpha` along the tangent and across it, which exceed those of the lobe of
-/// [`anisotropic::round_roughness`] by `more`.
-fn beside_round(alpha: DVec2, cosine: f64, along: f64, more: [f32; 2]) -> [f32; 2] {
-    let roughness = anisotropic::round_roughness(alpha, cosine, along);
-    let [a, b] = albedo_at(roughness as f32, cosine as f32);
-    [(a + more[0]).max(0.0), (b + more[1]).max(0.0)]
+/// The unit tangent along the plane of incidence and across it.
+fn level_tangent(frame: &Frame) -> DVec2 {
+    let level_view = frame.view.truncate().normalize_or(DVec2::X);
+    DVec2::new(level_view.x, -level_view.y)
 }
 
 impl Pyramid {
@@ -63,20 +61,22 @@ impl Pyramid {
     pub fn reflect(&self, frame: &Frame, roughness: f32, anisotropy: f32, f0: Rgb, f90: f32) -> Rgb {
         let f0 = Vec3A::from_array(f0);
         if anisotropy == 0.0 || !frame.has_tangent {
-            return self.isotropic(frame, roughness, f0, f90).to_array();
+            let albedo = albedo_at(roughness, frame.view.z as f32);
+            return self.isotropic(frame, roughness, albedo, f0, f90).to_array();
         }
         let alpha = alphas(f64::from(roughness), f64::from(anisotropy));
         let share = row_share(alpha);
-        let along_tangent = self.anisotropic(frame, alpha, f0, f90);
+        let albedo = anisotropic::albedo_along(alpha, frame.view.z, level_tangent(frame));
+        let along_tangent = self.anisotropic(frame, alpha, albedo, f0, f90);
         if share == 1.0 {
             return along_tangent.to_array();
         }
-        self.isotropic(frame, mean_roughness(alpha), f0, f90).lerp(along_tangent, share).to_array()
+        self.isotropic(frame, mean_roughness(alpha), albedo, f0, f90).lerp(along_tangent, share).to_array()
     }
 
-    fn isotropic(&self, frame: &Frame, roughness: f32, f0: Vec3A, f90: f32) -> Vec3A {
+    /// Without a tangent, where a white world gives `albedo`.
+    fn isotropic(&self, frame: &Frame, roughness: f32, albedo: [f32; 2], f0: Vec3A, f90: f32) -> Vec3A {
         let node = node_at(self.levels, roughness, frame.view.z as f32);
-        let albedo = albedo_at(roughness, frame.view.z as f32);
         // Of a white world the weights give their sum; of the harmonics, the first. Where nothing is
         // reflected, shares mean nothing.
         let has_cosine = roughness > COSINE_FROM;
@@ -107,17 +107,15 @@ impl Pyramid {
         sum + share * self.suns_reflected(frame, alpha, sunlit.0, sunlit.1)
     }
 
-    /// With `alpha` along the tangent and across it.
-    fn anisotropic(&self, frame: &Frame, alpha: DVec2, f0: Vec3A, f90: f32) -> Vec3A {
+    /// With `alpha` along the tangent and across it, where a white world gives `albedo`.
+    fn anisotropic(&self, frame: &Frame, alpha: DVec2, albedo: [f32; 2], f0: Vec3A, f90: f32) -> Vec3A {
         let level_view = frame.view.truncate().normalize_or(DVec2::X);
-        let tangent = DVec2::new(level_view.x, -level_view.y);
+        let tangent = level_tangent(frame);
         let azimuth = tangent.y.abs().atan2(tangent.x.abs());
         let node = anisotropic::node_at(self.levels, alpha, frame.view.z, azimuth);
         let row = Row::new(alpha, tangent, frame.view.z);
         // From axes of the plane of incidence to those of the tangent.
         let axis = level_view * row.axis.x + level_view.perp() * row.axis.y;
-        let [more, _] = anisotropic::more_at(alpha, frame.view.z, azimuth);
-        let albedo = beside_round(alpha, frame.view.z, tangent.x * tangent.x, more);
         let white = sum_of(node[..=PAIRS].iter().zip(0..).flat_map(|([a, b, c, d], texel)| {
             // The harmonics' texels begin with the one that has a mean.
             [[*a, *b], if texel == PAIRS { [0.0; 2] } else { [*c, *d] }]
@@ -212,38 +210,25 @@ impl Pyramid {
     /// scattering, and for what lies under a clear coat. `cosine` is n.v. With anisotropy it is the mean over
     /// the tangent's directions.
     pub fn albedo(&self, cosine: f32, roughness: f32, anisotropy: f32) -> [f32; 2] {
-        Self::albedo_of(cosine, roughness, anisotropy, 0.5, |alpha, cosine| {
-            anisotropic::more_at(alpha, cosine, 0.0)[1]
-        })
+        if anisotropy == 0.0 {
+            return albedo_at(roughness, cosine);
+        }
+        anisotropic::mean_albedo(alphas(f64::from(roughness), f64::from(anisotropy)), seen(cosine))
     }
 
     /// The same along a tangent: `along` is t.v, the tangent of length 1 and at right angles to the normal.
     pub fn albedo_along(&self, cosine: f32, along: f32, roughness: f32, anisotropy: f32) -> [f32; 2] {
-        let sine = (1.0 - f64::from(cosine).powi(2)).max(0.0).sqrt().max(1e-4);
-        let level = (f64::from(along).abs() / sine).min(1.0);
-        Self::albedo_of(cosine, roughness, anisotropy, level * level, |alpha, cosine| {
-            anisotropic::more_at(alpha, cosine, level.acos())[0]
-        })
-    }
-
-    /// The albedo, where `more` of alpha along the tangent and across it, and of n.v, is what an anisotropic
-    /// one exceeds a round one by; `along` is that of [`anisotropic::round_roughness`].
-    fn albedo_of(
-        cosine: f32,
-        roughness: f32,
-        anisotropy: f32,
-        along: f64,
-        more: impl Fn(DVec2, f64) -> [f32; 2],
-    ) -> [f32; 2] {
         if anisotropy == 0.0 {
             return albedo_at(roughness, cosine);
         }
-        let cosine = cosine.max(LEAST_COSINE as f32).min(1.0);
-        let alpha = alphas(f64::from(roughness), f64::from(anisotropy));
-        let share = row_share(alpha);
-        let cosine = f64::from(cosine);
-        let own = beside_round(alpha, cosine, along, more(alpha, cosine));
-        let round = albedo_at(mean_roughness(alpha), cosine as f32);
-        [0, 1].map(|k| round[k] + share * (own[k] - round[k]))
+        let cosine = seen(cosine);
+        let x = (f64::from(along).abs() / (1.0 - cosine * cosine).sqrt().max(1e-4)).min(1.0);
+        let tangent = DVec2::new(x, (1.0 - x * x).sqrt());
+        anisotropic::albedo_along(alphas(f64::from(roughness), f64::from(anisotropy)), cosine, tangent)
     }
+}
+
+/// n.v of a view that is turned up to the horizon.
+fn seen(cosine: f32) -> f64 {
+    f64::from(cosine.max(LEAST_COSINE as f32).min(1.0))
 }
