@@ -4,10 +4,10 @@
 //! that nothing jumps between lobes. `examples/fit_places.rs` finds the numbers: it lowers the error of the
 //! fit of [`super::reads`] at all views together.
 
-mod table;
+use std::sync::LazyLock;
 
-pub use table::CONTROLS;
-use table::TABLE;
+/// Control points over roughness and over n.v.
+pub const CONTROLS: [usize; 2] = [37, 17];
 
 /// Reads at places of their own.
 pub const READS: usize = 10;
@@ -18,8 +18,14 @@ const LEAST: f64 = 0.05;
 /// Numbers of a control point: slopes, then logarithms of widths.
 pub const NUMBERS: usize = 2 * READS;
 
-/// Units of the table.
-pub const UNITS: f64 = 1000.0;
+/// Numbers of the control points, those of the least n.v first.
+static TABLE: LazyLock<Vec<[f64; NUMBERS]>> = LazyLock::new(|| {
+    let row = |line: &str| {
+        let mut numbers = line.split(',').map(|number| number.parse().expect("a number"));
+        std::array::from_fn(|_| numbers.next().expect("a number of each"))
+    };
+    include_str!("places.csv").lines().skip(1).map(row).collect()
+});
 
 /// Control points that count at `roughness` and n.v of `cosine`, and their shares.
 pub fn shares(roughness: f64, cosine: f64) -> [(usize, f64); 16] {
@@ -55,7 +61,7 @@ pub fn from_controls(
 
 /// The numbers of a control point of the table.
 pub fn numbers(control: usize) -> [f64; NUMBERS] {
-    TABLE[control].map(|number| f64::from(number) / UNITS)
+    TABLE[control]
 }
 
 /// Slope and width of each read, both over alpha.
