@@ -115,11 +115,58 @@ const HARMONIC_CELLS = 128u;
 var<workgroup> basis: array<array<f32, BASIS>, HARMONIC_CELLS>;
 var<workgroup> energies: array<array<f32, 3>, HARMONIC_CELLS>;
 
+// A direction on a cell, and the solid angle there over that of the square's middle.
+fn on_cell(uv: vec2<f32>) -> vec4<f32> {
+    let direction = direction_from_oct(uv);
+    let flat = dot(abs(direction), vec3<f32>(1.0));
+    return vec4<f32>(direction, flat * flat * flat);
+}
+
+// Corners of a square around `centre`.
+fn corners(centre: vec2<f32>, offset: f32) -> array<vec4<f32>, 4> {
+    return array<vec4<f32>, 4>(
+        on_cell(centre - offset), on_cell(centre + vec2<f32>(offset, -offset)),
+        on_cell(centre + vec2<f32>(-offset, offset)), on_cell(centre + offset));
+}
+
+// The mean of the basis over cell `k` less what it is in the mean direction of its texels' centres.
+fn spread(k: u32) -> array<f32, BASIS> {
+    let size = 1.0 / f32(side());
+    let centre = (vec2<f32>(vec2<u32>(k % side(), k / side())) + 0.5) * (2.0 * size) - 1.0;
+    let block = f32(table.inner) * size;
+    // Gauss's points, and points that have the second moments of texels' centres.
+    let gauss = size * 0.577350269;
+    let inner = corners(centre, gauss * sqrt(1.0 - 1.0 / (block * block)));
+    let outer = corners(centre, gauss);
+    var mean = vec3<f32>();
+    var all = 0.0;
+    for (var corner = 0u; corner < 4u; corner++) {
+        mean += inner[corner].xyz * inner[corner].w;
+        all += outer[corner].w;
+    }
+    let own = harmonic_basis(normalize(mean));
+    let a = harmonic_basis(outer[0].xyz);
+    let b = harmonic_basis(outer[1].xyz);
+    let c = harmonic_basis(outer[2].xyz);
+    let d = harmonic_basis(outer[3].xyz);
+    let shares = vec4<f32>(outer[0].w, outer[1].w, outer[2].w, outer[3].w) / all;
+    var sums: array<f32, BASIS>;
+    for (var f = 0u; f < BASIS; f++) {
+        sums[f] = dot(shares, vec4<f32>(a[f], b[f], c[f], d[f])) - own[f];
+    }
+    return sums;
+}
+
 // One cell an invocation, then one function of one channel.
 @compute @workgroup_size(HARMONIC_CELLS)
 fn harmonics(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let cell = cells[group.x * HARMONIC_CELLS + lane];
-    basis[lane] = harmonic_basis(direction_of_sum(cell[0].xyz + cell[1].xyz + cell[2].xyz));
+    let k = group.x * HARMONIC_CELLS + lane;
+    let cell = cells[k];
+    let own = harmonic_basis(direction_of_sum(cell[0].xyz + cell[1].xyz + cell[2].xyz));
+    let beside = spread(k);
+    for (var f = 0u; f < BASIS; f++) {
+        basis[lane][f] = own[f] + beside[f];
+    }
     energies[lane] = array<f32, 3>(cell[0].w, cell[1].w, cell[2].w);
     workgroupBarrier();
     if lane < 3u * BASIS {

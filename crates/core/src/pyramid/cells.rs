@@ -10,7 +10,7 @@ use crate::common::vector::{Arch, Extremes as _, Fused as _};
 use crate::light::oem::Oem;
 use crate::light::sh::basis;
 use crate::sphere::octahedral::{direction_from_oct, texel_centre};
-use glam::{DVec3, Vec3A};
+use glam::{DVec2, DVec3, Vec3A};
 use std::f32::consts::FRAC_1_PI;
 
 /// Functions of the basis of harmonics to order 4.
@@ -30,6 +30,9 @@ struct Cell {
 #[derive(Debug)]
 pub struct Cells {
     cells: Vec<Cell>,
+    /// Cells along an edge, and texels along an edge of each.
+    side: u32,
+    block: u32,
 }
 
 impl Cells {
@@ -55,7 +58,7 @@ impl Cells {
             }
             cell
         };
-        Self { cells: parallel::values((side * side) as usize, cell) }
+        Self { cells: parallel::values((side * side) as usize, cell), side, block }
     }
 
     /// Irradiance over pi, in a map of `size` texels along an edge.
@@ -69,19 +72,47 @@ impl Cells {
         })
     }
 
-    /// Harmonics to order 4, the light of a cell in its mean direction.
+    /// Harmonics to order 4: those of the light of a cell in its mean direction, and what even light over the
+    /// cell has beside that, so that a white world has none but the first.
     pub(crate) fn harmonics(&self) -> [Vec3A; BASIS] {
         let mut sums = [Vec3A::ZERO; BASIS];
-        for cell in &self.cells {
+        for (k, cell) in (0..).zip(&self.cells) {
             let mean = DVec3::from_array(cell.moments.map(|moment| f64::from(moment.element_sum())));
             if mean != DVec3::ZERO {
-                for (sum, basis) in sums.iter_mut().zip(basis(mean.normalize())) {
-                    *sum += cell.energy * basis as f32;
+                let (own, spread) = (basis(mean.normalize()), self.spread(k));
+                for (sum, basis) in sums.iter_mut().zip(own.into_iter().zip(spread)) {
+                    *sum += cell.energy * (basis.0 + basis.1) as f32;
                 }
             }
         }
         sums
     }
+
+    /// The mean of the basis over cell `k` less what it is in the mean direction of its texels' centres.
+    fn spread(&self, k: u32) -> [f64; BASIS] {
+        let centre = texel_centre(self.side, k % self.side, k / self.side);
+        // Gauss's points, and points that have the second moments of texels' centres.
+        let gauss = 1.0 / (3.0_f64.sqrt() * f64::from(self.side));
+        let centres = gauss * (1.0 - 1.0 / f64::from(self.block * self.block)).sqrt();
+        let points = |offset: f64| {
+            let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+            corners.map(|(x, y)| sized_direction_from_oct(centre + offset * DVec2::new(x, y)))
+        };
+        let mean: DVec3 = points(centres).map(|(direction, size)| direction * size).into_iter().sum();
+        let all: f64 = points(gauss).iter().map(|(_, size)| size).sum();
+        let mut spread = basis(mean.normalize()).map(|own| -own);
+        for (direction, size) in points(gauss) {
+            spread.iter_mut().zip(basis(direction)).for_each(|(sum, own)| *sum += size / all * own);
+        }
+        spread
+    }
+}
+
+/// The direction at a place of the square, and the solid angle there, over that of the square's middle.
+fn sized_direction_from_oct(uv: DVec2) -> (DVec3, f64) {
+    let direction = direction_from_oct(uv);
+    // The octahedron's faces are flat, as far from the middle as directions are long there.
+    (direction, direction.abs().element_sum().powi(3))
 }
 
 /// Cells that are summed side by side; grids have a multiple of them.
@@ -120,5 +151,24 @@ impl pulp::NullaryFnOnce for Facing<'_> {
             }
         }
         sums.map(|lanes| lanes.iter().sum()).into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::light::environment::{Environment, Layout};
+    use crate::pyramid::Pyramid;
+
+    #[test]
+    fn white_worlds_have_the_first_harmonic_only() {
+        let layout = Layout::Octahedral { size: 64 };
+        let texels = vec![[1.0; 3]; layout.texel_count()];
+        let white = Environment::new(layout, texels).expect("a world");
+        for size in [32, 64, 128, 512] {
+            let pyramid = Pyramid::build(&white, size).expect("a size");
+            let [first, others @ ..] = pyramid.harmonics();
+            let most = others.iter().map(|other| other.abs().max_element()).fold(0.0, f32::max);
+            assert!(most < 2e-4 * first.x, "{size}: {most} beside {first}");
+        }
     }
 }

@@ -182,7 +182,7 @@ fn diffuse(context: &Context, oem: &OemPlanes, maps: &PyramidMaps) -> [Dispatch;
     let of_texels = [&planes[..], &[seeds, stored.clone()]].concat();
     let of_cells =
         [planes[0].clone(), stored.clone(), (7, to_cosine.as_entire_binding()), (8, TextureView(&cosine))];
-    let summed = [stored, (9, maps.passed().harmonics.as_entire_binding())];
+    let summed = [planes[0].clone(), stored, (9, maps.passed().harmonics.as_entire_binding())];
     let groups = size.inner / COSINE_EDGE;
     [
         Dispatch::new(context, (file, "cells_of_texels"), &of_texels, [rows / GROUP_SIZE, 1, 1]),
