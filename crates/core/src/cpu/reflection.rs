@@ -38,8 +38,10 @@ use std::f64::consts::PI;
 const MAX_WIDTH: u32 = 512;
 
 /// A cell's greatest bound, over tolerance times mean radiance. Cells are off by a tenth of their bounds,
-/// with either sign, and sums by less than a hundredth.
+/// with either sign, and sums by less than a hundredth. A lobe whose alphas' ratio is beyond [`LONG`] has more
+/// cells, all off with one sign along its ridge: bounds are less in proportion.
 const SHARE: f64 = 0.03;
+const LONG: f64 = 4.0;
 
 /// Levels of splitting within a texel, at most.
 const DEPTH: u32 = 20;
@@ -214,7 +216,9 @@ impl<'a> ReflectedLight<'a> {
             f0,
         );
         let [scale, bias] = albedo_at(roughness as f32, frame.view.z as f32).map(f64::from);
-        let limit = |c: usize| SHARE * error * (f0[c] * scale + bias).max(1e-3) * self.means[c];
+        let [along, across] = lobe.alpha;
+        let share = SHARE * (LONG * across / along).min(1.0);
+        let limit = |c: usize| share * error * (f0[c] * scale + bias).max(1e-3) * self.means[c];
         let mut sum = Sum { limits: [0, 1, 2].map(limit), light: [0.0; 3], error: [0.0; 3] };
         self.add_cell(&lobe, 0, 0, &mut sum);
         let radiance = sum.light.map(|light| light as f32);

@@ -47,14 +47,16 @@ impl Reflection {
 
     /// The length over which the reflection changes within a cap of chord `radius`.
     ///
-    /// A light that moves by d moves the half vector by up to d / (2 v.h), and that one's slope counts in
-    /// units of alpha.
+    /// A light that moves by d moves the half vector by up to d / (2 v.h), and that one's slopes count in
+    /// units of their alphas: across a ridge the reflection changes over the lesser one, as far out as the
+    /// other says.
     fn reach(&self, centre: DVec3, radius: f64) -> f64 {
         let half = (centre + self.view).normalize_or(self.normal);
         let towards = (self.view.dot(half) - radius / 2.0).max(0.5 * self.view.dot(self.normal));
-        let sine = half.cross(self.normal).length();
-        let slope = (sine - radius / (2.0 * towards)).max(0.0);
-        (2.0 * towards * slope.hypot(self.alpha[0].min(self.alpha[1]))).min(1.0)
+        let least = self.alpha[0].min(self.alpha[1]);
+        let slopes = DVec2::new(half.dot(self.tangent), half.dot(self.bitangent));
+        let slope = (slopes * least / DVec2::from_array(self.alpha)).length() - radius / (2.0 * towards);
+        (2.0 * towards * slope.max(0.0).hypot(least)).min(1.0)
     }
 
     /// The integral over `patch`; pieces that the horizon crosses are split `edge_levels` times until it is
