@@ -5,9 +5,9 @@
 //! cargo run --release -p octagloss-workbench --example fit_places [STEPS]
 //! ```
 //!
-//! 400 steps by default: 2.5 minutes on two cores. It lowers the sum over views of the logarithm of what a node's
-//! fit leaves (`Fit` of `crates/core/src/pyramid/reads.rs`), by Adam (Kingma and Ba 2015), from the table
-//! that is there.
+//! 400 steps by default: 2.5 minutes on two cores. It lowers the sum over views of the logarithm of what a
+//! node's fit leaves (`Fit` of `crates/core/src/pyramid/reads.rs`), by Adam (Kingma and Ba 2015), from the
+//! table that is there.
 
 #[path = "common/descent.rs"]
 mod descent;

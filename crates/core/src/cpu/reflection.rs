@@ -38,8 +38,8 @@ use std::f64::consts::PI;
 const MAX_WIDTH: u32 = 512;
 
 /// A cell's greatest bound, over tolerance times mean radiance. Cells are off by a tenth of their bounds,
-/// with either sign, and sums by less than a hundredth. A lobe whose alphas' ratio is beyond [`LONG`] has more
-/// cells, all off with one sign along its ridge: bounds are less in proportion.
+/// with either sign, and sums by less than a hundredth. Lobes whose alphas' ratio is beyond [`LONG`] have
+/// more cells, which along the ridge are all off with one sign: bounds are less in proportion.
 const SHARE: f64 = 0.03;
 const LONG: f64 = 4.0;
 
