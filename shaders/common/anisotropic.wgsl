@@ -94,6 +94,19 @@ fn blend_place(alpha: f32, cosine: f32, nodes: vec2<f32>) -> vec2<f32> {
     return clamp(vec2<f32>(x, y), vec2<f32>(), vec2<f32>(1.0)) * (nodes - 1.0);
 }
 
+// `first` and the blend, by `texels` of `shares`, of what is in twice as many from `blended`, `layer`
+// layers below.
+fn blend_of(first: vec2<f32>, shares: vec3<f32>, texels: u32, blended: vec3<f32>, layer: u32) -> vec2<f32> {
+    var sum = first;
+    for (var k = 0u; k < texels; k++) {
+        let share = blend_texel(shares, k);
+        let two = blend_texel(blended, layer + 2u * k);
+        let next = blend_texel(blended, layer + 2u * k + 1u);
+        sum += share.x * two.xy + share.y * two.zw + share.z * next.xy + share.w * next.zw;
+    }
+    return max(sum, vec2<f32>());
+}
+
 // Scale and bias of f0 of the lobe with `alpha` along a unit `tangent`, along the plane of incidence and
 // across it, and across that: `albedo_along` of crates/core/src/pyramid/anisotropic/blend.rs.
 fn blended_albedo(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> vec2<f32> {
@@ -106,14 +119,7 @@ fn blended_albedo(alpha: vec2<f32>, cosine: f32, tangent: vec2<f32>) -> vec2<f32
     let lobes = blend_at(place - vec2<f32>(0.0, BLEND_STRIP * block), size, BLEND_ALBEDO_NODES.x * block);
     let between = vec2<f32>(sqrt(seen.y), round) * (BLEND_SHARE_NODES - 1.0);
     let shares = blend_at(between, BLEND_SHARE_NODES, BLEND_SHARES_AT);
-    var sum = vec2<f32>(1.0, 0.0);
-    for (var layer = 0u; layer < 4u; layer++) {
-        let share = blend_texel(shares, layer);
-        let first = blend_texel(lobes, 2u * layer);
-        let second = blend_texel(lobes, 2u * layer + 1u);
-        sum += share.x * first.xy + share.y * first.zw + share.z * second.xy + share.w * second.zw;
-    }
-    return max(sum, vec2<f32>());
+    return blend_of(vec2<f32>(1.0, 0.0), shares, 4u, lobes, 0u);
 }
 
 // The same in the mean over the tangent's directions: `mean_albedo` there.
@@ -122,14 +128,7 @@ fn blended_mean(alpha: vec2<f32>, cosine: f32) -> vec2<f32> {
     let ratio = sqrt(alpha.y / max(alpha.x, 1e-12)) * (BLEND_RATIO_NODES - 1.0);
     let size = vec2<f32>(BLEND_RATIO_NODES, BLEND_STRIP + 1.0);
     let shares = blend_at(vec2<f32>(ratio, 0.0), size, BLEND_RATIOS_AT);
-    var sum = round_albedo(cosine, sqrt(alpha.x));
-    for (var layer = 0u; layer < 2u; layer++) {
-        let share = blend_texel(shares, layer);
-        let first = blend_texel(means, 2u * layer + 4u);
-        let second = blend_texel(means, 2u * layer + 5u);
-        sum += share.x * first.xy + share.y * first.zw + share.z * second.xy + share.w * second.zw;
-    }
-    return max(sum, vec2<f32>());
+    return blend_of(round_albedo(cosine, sqrt(alpha.x)), shares, 2u, means, 4u);
 }
 
 // A row of reads.

@@ -7,9 +7,9 @@
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
 // reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a d42d17e37fa4405b.
+// Translated from pyramid_cube.wgsl, FNV-1a e91d6d689c16b349.
 #else
-// Translated from pyramid.wgsl, FNV-1a 7d8c62648faae39f.
+// Translated from pyramid.wgsl, FNV-1a 46e412c03f6c9571.
 #endif
 // GLSL ES 3.00, GLSL 3.30 and newer, after the version and, in ES, the precision of float and int.
 struct OctaglossSun {
@@ -243,15 +243,15 @@ vec3 octagloss_half_axis_of(uint probe_6, uint disc) {
 #else
 vec3 octagloss_half_axis_of(uint probe_7, uint disc) {
 #endif
-    uint k_3 = (3u * (disc / 2u));
+    uint k_4 = (3u * (disc / 2u));
 #ifdef OCTAGLOSS_CUBE
-    float _e11 = octagloss_lights[probe_6].harmonics[k_3].w;
-    float _e19 = octagloss_lights[probe_6].harmonics[(k_3 + 1u)].w;
-    float _e27 = octagloss_lights[probe_6].harmonics[(k_3 + 2u)].w;
+    float _e11 = octagloss_lights[probe_6].harmonics[k_4].w;
+    float _e19 = octagloss_lights[probe_6].harmonics[(k_4 + 1u)].w;
+    float _e27 = octagloss_lights[probe_6].harmonics[(k_4 + 2u)].w;
 #else
-    float _e11 = octagloss_lights[probe_7].harmonics[k_3].w;
-    float _e19 = octagloss_lights[probe_7].harmonics[(k_3 + 1u)].w;
-    float _e27 = octagloss_lights[probe_7].harmonics[(k_3 + 2u)].w;
+    float _e11 = octagloss_lights[probe_7].harmonics[k_4].w;
+    float _e19 = octagloss_lights[probe_7].harmonics[(k_4 + 1u)].w;
+    float _e27 = octagloss_lights[probe_7].harmonics[(k_4 + 2u)].w;
 #endif
     vec3 half_axis = vec3(_e11, _e19, _e27);
     return (((disc % 2u) == 0u) ? half_axis : -(half_axis));
@@ -278,10 +278,10 @@ vec3 octagloss_radiance_of(uint probe_8, vec3 direction_2, float roughness) {
 #endif
     vec3 _e4 = octagloss_place_of(_e3);
     float node_1 = (log2((1.0 + (30.0 * roughness))) * 173.59021);
-    uint k_4 = min(uint(node_1), 859u);
-    float share = (node_1 - float(k_4));
-    vec4 _e17[5] = octagloss_node_weights(k_4);
-    vec4 _e20[5] = octagloss_node_weights((k_4 + 1u));
+    uint k_5 = min(uint(node_1), 859u);
+    float share = (node_1 - float(k_5));
+    vec4 _e17[5] = octagloss_node_weights(k_5);
+    vec4 _e20[5] = octagloss_node_weights((k_5 + 1u));
     vec4 a_1 = mix(_e17[0], _e20[0], share);
     vec4 b_2 = mix(_e17[1], _e20[1], share);
     vec4 c_2 = mix(_e17[2], _e20[2], share);
@@ -500,9 +500,9 @@ vec2 octagloss_round_albedo(float cosine_1, float roughness_3) {
     vec2 node_2 = min(floor(place_5), vec2(89.0, 73.0));
     vec2 share_1 = (place_5 - node_2);
 #endif
-    uint first_1 = uint((node_2.x + (91.0 * node_2.y)));
-    vec4 _e39 = octagloss_read_albedo(first_1);
-    vec4 _e42 = octagloss_read_albedo((first_1 + 91u));
+    uint first_2 = uint((node_2.x + (91.0 * node_2.y)));
+    vec4 _e39 = octagloss_read_albedo(first_2);
+    vec4 _e42 = octagloss_read_albedo((first_2 + 91u));
     vec4 pair = mix(_e39, _e42, share_1.y);
     float t = (seen / max((roughness_3 * roughness_3), octagloss_LEAST_ALPHA));
     float left = (1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126))))))));
@@ -991,13 +991,50 @@ vec2 octagloss_blend_place(float alpha_6, float cosine_5, vec2 nodes_1) {
     return (clamp(vec2(x_3, y_2), vec2(0.0), vec2(1.0)) * (nodes_1 - vec2(1.0)));
 }
 
-vec2 octagloss_blended_albedo(vec2 alpha_7, float cosine_6, vec2 tangent_3) {
-    vec2 sum_5 = vec2(1.0, 0.0);
 #ifdef OCTAGLOSS_CUBE
-    uint layer_4 = 0u;
+vec2 octagloss_blend_of(vec2 first, vec3 shares, uint texels, vec3 blended, uint layer_4) {
 #else
-    uint layer_5 = 0u;
+vec2 octagloss_blend_of(vec2 first, vec3 shares, uint texels, vec3 blended, uint layer_5) {
 #endif
+    vec2 sum_5 = vec2(0.0);
+    uint k_3 = 0u;
+    sum_5 = first;
+    bool loop_init_8 = true;
+    while(true) {
+        if (!loop_init_8) {
+            uint _e42 = k_3;
+            k_3 = (_e42 + 1u);
+        }
+        loop_init_8 = false;
+        uint _e8 = k_3;
+        if ((_e8 < texels)) {
+        } else {
+            break;
+        }
+        {
+            uint _e10 = k_3;
+            vec4 _e11 = octagloss_blend_texel(shares, _e10);
+            uint _e13 = k_3;
+#ifdef OCTAGLOSS_CUBE
+            vec4 _e16 = octagloss_blend_texel(blended, (layer_4 + (2u * _e13)));
+#else
+            vec4 _e16 = octagloss_blend_texel(blended, (layer_5 + (2u * _e13)));
+#endif
+            uint _e18 = k_3;
+#ifdef OCTAGLOSS_CUBE
+            vec4 _e23 = octagloss_blend_texel(blended, ((layer_4 + (2u * _e18)) + 1u));
+#else
+            vec4 _e23 = octagloss_blend_texel(blended, ((layer_5 + (2u * _e18)) + 1u));
+#endif
+            vec2 _e24 = sum_5;
+            sum_5 = (_e24 + ((((_e11.x * _e16.xy) + (_e11.y * _e16.zw)) + (_e11.z * _e23.xy)) + (_e11.w * _e23.zw)));
+        }
+    }
+    vec2 _e44 = sum_5;
+    return max(_e44, vec2(0.0));
+}
+
+vec2 octagloss_blended_albedo(vec2 alpha_7, float cosine_6, vec2 tangent_3) {
     vec2 squares = (alpha_7 * alpha_7);
     vec2 seen_1 = sqrt((vec2(squares.y) + (((squares.x - squares.y) * tangent_3) * tangent_3)));
     float round_ = min(((alpha_7.x * alpha_7.y) / max((seen_1.x * seen_1.y), 1e-12)), 1.0);
@@ -1007,114 +1044,19 @@ vec2 octagloss_blended_albedo(vec2 alpha_7, float cosine_6, vec2 tangent_3) {
     vec3 _e43 = octagloss_blend_at((_e26 - vec2(0.0, (octagloss_BLEND_STRIP * block))), size_1, (84.0 * block));
     vec2 between = (vec2(sqrt(seen_1.y), round_) * vec2(48.0, 10.0));
     vec3 _e53 = octagloss_blend_at(between, octagloss_BLEND_SHARE_NODES, octagloss_BLEND_SHARES_AT);
-    bool loop_init_8 = true;
-    while(true) {
-        if (!loop_init_8) {
-#ifdef OCTAGLOSS_CUBE
-            uint _e93 = layer_4;
-            layer_4 = (_e93 + 1u);
-#else
-            uint _e93 = layer_5;
-            layer_5 = (_e93 + 1u);
-#endif
-        }
-        loop_init_8 = false;
-#ifdef OCTAGLOSS_CUBE
-        uint _e60 = layer_4;
-#else
-        uint _e60 = layer_5;
-#endif
-        if ((_e60 < 4u)) {
-        } else {
-            break;
-        }
-        {
-#ifdef OCTAGLOSS_CUBE
-            uint _e63 = layer_4;
-#else
-            uint _e63 = layer_5;
-#endif
-            vec4 _e64 = octagloss_blend_texel(_e53, _e63);
-#ifdef OCTAGLOSS_CUBE
-            uint _e66 = layer_4;
-#else
-            uint _e66 = layer_5;
-#endif
-            vec4 _e68 = octagloss_blend_texel(_e43, (2u * _e66));
-#ifdef OCTAGLOSS_CUBE
-            uint _e70 = layer_4;
-#else
-            uint _e70 = layer_5;
-#endif
-            vec4 _e74 = octagloss_blend_texel(_e43, ((2u * _e70) + 1u));
-            vec2 _e75 = sum_5;
-            sum_5 = (_e75 + ((((_e64.x * _e68.xy) + (_e64.y * _e68.zw)) + (_e64.z * _e74.xy)) + (_e64.w * _e74.zw)));
-        }
-    }
-    vec2 _e95 = sum_5;
-    return max(_e95, vec2(0.0));
+    vec2 _e59 = octagloss_blend_of(vec2(1.0, 0.0), _e53, 4u, _e43, 0u);
+    return _e59;
 }
 
 vec2 octagloss_blended_mean(vec2 alpha_8, float cosine_7) {
-    vec2 sum_6 = vec2(0.0);
-#ifdef OCTAGLOSS_CUBE
-    uint layer_5 = 0u;
-#else
-    uint layer_6 = 0u;
-#endif
     vec2 _e4 = octagloss_blend_place(alpha_8.x, cosine_7, octagloss_BLEND_MEAN_NODES);
     vec3 _e7 = octagloss_blend_at(_e4, octagloss_BLEND_MEAN_NODES, octagloss_BLEND_SHARES_AT);
     float ratio = (sqrt((alpha_8.y / max(alpha_8.x, 1e-12))) * 32.0);
     vec2 size_2 = vec2(33.0, 21.0);
     vec3 _e22 = octagloss_blend_at(vec2(ratio, 0.0), size_2, octagloss_BLEND_RATIOS_AT);
     vec2 _e25 = octagloss_round_albedo(cosine_7, sqrt(alpha_8.x));
-    sum_6 = _e25;
-    bool loop_init_9 = true;
-    while(true) {
-        if (!loop_init_9) {
-#ifdef OCTAGLOSS_CUBE
-            uint _e64 = layer_5;
-            layer_5 = (_e64 + 1u);
-#else
-            uint _e64 = layer_6;
-            layer_6 = (_e64 + 1u);
-#endif
-        }
-        loop_init_9 = false;
-#ifdef OCTAGLOSS_CUBE
-        uint _e29 = layer_5;
-#else
-        uint _e29 = layer_6;
-#endif
-        if ((_e29 < 2u)) {
-        } else {
-            break;
-        }
-        {
-#ifdef OCTAGLOSS_CUBE
-            uint _e32 = layer_5;
-#else
-            uint _e32 = layer_6;
-#endif
-            vec4 _e33 = octagloss_blend_texel(_e22, _e32);
-#ifdef OCTAGLOSS_CUBE
-            uint _e35 = layer_5;
-#else
-            uint _e35 = layer_6;
-#endif
-            vec4 _e39 = octagloss_blend_texel(_e7, ((2u * _e35) + 4u));
-#ifdef OCTAGLOSS_CUBE
-            uint _e41 = layer_5;
-#else
-            uint _e41 = layer_6;
-#endif
-            vec4 _e45 = octagloss_blend_texel(_e7, ((2u * _e41) + 5u));
-            vec2 _e46 = sum_6;
-            sum_6 = (_e46 + ((((_e33.x * _e39.xy) + (_e33.y * _e39.zw)) + (_e33.z * _e45.xy)) + (_e33.w * _e45.zw)));
-        }
-    }
-    vec2 _e66 = sum_6;
-    return max(_e66, vec2(0.0));
+    vec2 _e28 = octagloss_blend_of(_e25, _e22, 2u, _e7, 4u);
+    return _e28;
 }
 
 float octagloss_row_number(vec4 terms[3], vec4 a, vec4 b_1, vec4 c_1) {
@@ -1203,13 +1145,13 @@ vec3[5] octagloss_orders_aside(uint probe_17, octagloss_SurfaceFrame surface_3, 
 }
 
 #ifdef OCTAGLOSS_CUBE
-mat2x3 octagloss_harmonics_aside(uint probe_17, octagloss_SurfaceFrame surface_4, vec3 across_1, octagloss_RowPlace place_2, vec2 first) {
+mat2x3 octagloss_harmonics_aside(uint probe_17, octagloss_SurfaceFrame surface_4, vec3 across_1, octagloss_RowPlace place_2, vec2 first_1) {
     vec3 _e9[5] = octagloss_orders_aside(probe_17, surface_4, across_1, vec3(0.4620342, 0.54655075, -0.6984316));
     vec3 _e14[5] = octagloss_orders_aside(probe_17, surface_4, across_1, vec3(0.8966183, 0.38650447, 0.21607853));
     vec3 _e19[5] = octagloss_orders_aside(probe_17, surface_4, across_1, vec3(0.11814805, 0.3835753, 0.91592085));
     vec3 _e24[5] = octagloss_orders_aside(probe_17, surface_4, across_1, vec3(0.14011177, 0.8172301, -0.5590202));
 #else
-mat2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4, vec3 across_1, octagloss_RowPlace place_2, vec2 first) {
+mat2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4, vec3 across_1, octagloss_RowPlace place_2, vec2 first_1) {
     vec3 _e9[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.4620342, 0.54655075, -0.6984316));
     vec3 _e14[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.8966183, 0.38650447, 0.21607853));
     vec3 _e19[5] = octagloss_orders_aside(probe_18, surface_4, across_1, vec3(0.11814805, 0.3835753, 0.91592085));
@@ -1219,7 +1161,7 @@ mat2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4
     vec4 _e28 = octagloss_row_node(17u, place_2);
     vec4 _e30 = octagloss_row_node(18u, place_2);
     vec4 _e32 = octagloss_row_node(19u, place_2);
-    mat2x3 _e34 = octagloss_weighed(_e9[1], first);
+    mat2x3 _e34 = octagloss_weighed(_e9[1], first_1);
     mat2x3 _e37 = octagloss_weighed(_e9[2], _e26.xy);
     mat2x3 _e41 = octagloss_weighed(_e9[3], _e26.zw);
     mat2x3 _e45 = octagloss_weighed(_e9[4], _e28.xy);
@@ -1238,7 +1180,7 @@ vec3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5, v
 #else
 vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, vec2 tangent_5, vec2 alpha_10, vec2 albedo_2, vec3 f0_4, float f90_4) {
 #endif
-    mat2x3 sum_7 = mat2x3(0.0);
+    mat2x3 sum_6 = mat2x3(0.0);
     vec2 in_mirror_1 = vec2(0.0);
     vec2 white_1 = vec2(0.0);
     uint distance_ = 0u;
@@ -1251,13 +1193,13 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
     octagloss_RowPlace _e17 = octagloss_row_place(alpha_10, surface_5.cosine, tangent_5);
     octagloss_Row _e19 = octagloss_row_of(alpha_10, tangent_5, surface_5.cosine);
     vec3 axis_2 = ((surface_5.towards * _e19.axis.x) + (across_4 * _e19.axis.y));
-    bool loop_init_10 = true;
+    bool loop_init_9 = true;
     while(true) {
-        if (!loop_init_10) {
+        if (!loop_init_9) {
             uint _e126 = distance_;
             distance_ = (_e126 + 1u);
         }
-        loop_init_10 = false;
+        loop_init_9 = false;
         uint _e36 = distance_;
         if ((_e36 <= octagloss_ROW_MIDDLE)) {
         } else {
@@ -1270,14 +1212,14 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
             skew = vec2(0.0);
             uint _e45 = distance_;
             if ((_e45 == 0u)) {
-                mat2x3 _e48 = sum_7;
+                mat2x3 _e48 = sum_6;
 #ifdef OCTAGLOSS_CUBE
                 vec3 _e49 = octagloss_cosine_light(probe_18, n_3);
 #else
                 vec3 _e49 = octagloss_cosine_light(probe_19, n_3);
 #endif
                 mat2x3 _e51 = octagloss_weighed(_e49, _e40.zw);
-                sum_7 = (_e48 + _e51);
+                sum_6 = (_e48 + _e51);
                 vec2 _e53 = white_1;
                 white_1 = (_e53 + _e40.zw);
             } else {
@@ -1285,13 +1227,13 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
                 skew = ((0.5 * _e19.skew) * (_e40.xy - _e40.zw));
             }
             side_1 = 0u;
-            bool loop_init_11 = true;
+            bool loop_init_10 = true;
             while(true) {
-                if (!loop_init_11) {
+                if (!loop_init_10) {
                     uint _e123 = side_1;
                     side_1 = (_e123 + 1u);
                 }
-                loop_init_11 = false;
+                loop_init_10 = false;
                 uint _e70 = side_1;
                 uint _e71 = distance_;
                 if ((_e70 < min((_e71 + 1u), 2u))) {
@@ -1311,14 +1253,14 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
                     vec2 _e97 = octagloss_row_read(_e19, ((_e93 == 0u) ? (octagloss_ROW_MIDDLE + _e91) : (octagloss_ROW_MIDDLE - _e88)));
                     vec3 half_vector_1 = normalize((n_3 + (_e97.x * axis_2)));
                     vec3 direction_6 = ((half_vector_1 * (2.0 * dot(v_2, half_vector_1))) - v_2);
-                    mat2x3 _e107 = sum_7;
+                    mat2x3 _e107 = sum_6;
 #ifdef OCTAGLOSS_CUBE
                     vec3 _e109 = octagloss_between_levels(probe_18, direction_6, _e97.y);
 #else
                     vec3 _e109 = octagloss_between_levels(probe_19, direction_6, _e97.y);
 #endif
                     mat2x3 _e110 = octagloss_weighed(_e109, weights_3);
-                    sum_7 = (_e107 + _e110);
+                    sum_6 = (_e107 + _e110);
                     vec2 _e112 = white_1;
                     white_1 = (_e112 + weights_3);
                     vec2 _e114 = in_mirror_1;
@@ -1336,33 +1278,33 @@ vec3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, v
     vec4 _e141 = octagloss_row_node(14u, _e17);
     vec4 _e143 = octagloss_row_node(15u, _e17);
     vec4 pairs_2[8] = vec4[8](_e129, _e131, _e133, _e135, _e137, _e139, _e141, _e143);
-    mat2x3 _e145 = sum_7;
+    mat2x3 _e145 = sum_6;
 #ifdef OCTAGLOSS_CUBE
     mat2x3 _e146 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2);
 #else
     mat2x3 _e146 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2);
 #endif
-    sum_7 = (_e145 + _e146);
+    sum_6 = (_e145 + _e146);
     vec2 _e148 = white_1;
     white_1 = (_e148 + pairs_2[0].xy);
     vec3 mirrored = (across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
-    mat2x3 _e161 = sum_7;
+    mat2x3 _e161 = sum_6;
 #ifdef OCTAGLOSS_CUBE
     mat2x3 _e164 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e17, pairs_2[7].zw);
 #else
     mat2x3 _e164 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e17, pairs_2[7].zw);
 #endif
-    sum_7 = (_e161 + _e164);
+    sum_6 = (_e161 + _e164);
     vec2 _e166 = white_1;
-    vec2 shares = (albedo_2 / _e166);
-    mat2x3 _e168 = sum_7;
+    vec2 shares_1 = (albedo_2 / _e166);
+    mat2x3 _e168 = sum_6;
 #ifdef OCTAGLOSS_CUBE
-    vec3 _e173 = octagloss_lit_of(probe_18, _e168, (f0_4 * shares.x), (f90_4 * shares.y));
+    vec3 _e173 = octagloss_lit_of(probe_18, _e168, (f0_4 * shares_1.x), (f90_4 * shares_1.y));
 #else
-    vec3 _e173 = octagloss_lit_of(probe_19, _e168, (f0_4 * shares.x), (f90_4 * shares.y));
+    vec3 _e173 = octagloss_lit_of(probe_19, _e168, (f0_4 * shares_1.x), (f90_4 * shares_1.y));
 #endif
     vec2 _e174 = in_mirror_1;
-    float share_5 = max((1.0 - (dot(shares, _e174) / (albedo_2.x + albedo_2.y))), 0.0);
+    float share_5 = max((1.0 - (dot(shares_1, _e174) / (albedo_2.x + albedo_2.y))), 0.0);
 #ifdef OCTAGLOSS_CUBE
     vec3 _e184 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_10, f0_4, f90_4);
 #else
@@ -1419,9 +1361,9 @@ vec3 octagloss_reflect_of(uint probe_20, vec3 normal_4, vec3 view_3, vec3 tangen
 #else
     vec3 _e44 = octagloss_reflect_in_row(probe_20, _e8, unit_level, _e38, _e43, f0_5, f90_5);
 #endif
-    vec3 sum_8 = (_e39 * _e44);
+    vec3 sum_7 = (_e39 * _e44);
     if ((_e39 == 1.0)) {
-        return sum_8;
+        return sum_7;
     }
     float round_1 = sqrt(sqrt((_e38.x * _e38.y)));
 #ifdef OCTAGLOSS_CUBE
@@ -1429,7 +1371,7 @@ vec3 octagloss_reflect_of(uint probe_20, vec3 normal_4, vec3 view_3, vec3 tangen
 #else
     vec3 _e55 = octagloss_reflected_isotropic(probe_20, _e8, round_1, _e43, f0_5, f90_5);
 #endif
-    return (sum_8 + ((1.0 - _e39) * _e55));
+    return (sum_7 + ((1.0 - _e39) * _e55));
 }
 
 vec3 octagloss_reflect(vec3 normal_5, vec3 view_4, vec3 tangent_7, float roughness_8, float anisotropy_2, vec3 f0_6, float f90_6) {

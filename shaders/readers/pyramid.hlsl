@@ -7,9 +7,9 @@
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
 // reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a d42d17e37fa4405b.
+// Translated from pyramid_cube.wgsl, FNV-1a e91d6d689c16b349.
 #else
-// Translated from pyramid.wgsl, FNV-1a 7d8c62648faae39f.
+// Translated from pyramid.wgsl, FNV-1a 46e412c03f6c9571.
 #endif
 // HLSL, shader model 5.0 and newer.
 struct OctaglossSun {
@@ -336,15 +336,15 @@ float3 octagloss_half_axis_of(uint probe_6, uint disc)
 float3 octagloss_half_axis_of(uint probe_7, uint disc)
 #endif
 {
-    uint k_3 = (3u * naga_div(disc, 2u));
+    uint k_4 = (3u * naga_div(disc, 2u));
 #ifdef OCTAGLOSS_CUBE
-    float _e11 = octagloss_lights[probe_6].harmonics[k_3].w;
-    float _e19 = octagloss_lights[probe_6].harmonics[(k_3 + 1u)].w;
-    float _e27 = octagloss_lights[probe_6].harmonics[(k_3 + 2u)].w;
+    float _e11 = octagloss_lights[probe_6].harmonics[k_4].w;
+    float _e19 = octagloss_lights[probe_6].harmonics[(k_4 + 1u)].w;
+    float _e27 = octagloss_lights[probe_6].harmonics[(k_4 + 2u)].w;
 #else
-    float _e11 = octagloss_lights[probe_7].harmonics[k_3].w;
-    float _e19 = octagloss_lights[probe_7].harmonics[(k_3 + 1u)].w;
-    float _e27 = octagloss_lights[probe_7].harmonics[(k_3 + 2u)].w;
+    float _e11 = octagloss_lights[probe_7].harmonics[k_4].w;
+    float _e19 = octagloss_lights[probe_7].harmonics[(k_4 + 1u)].w;
+    float _e27 = octagloss_lights[probe_7].harmonics[(k_4 + 2u)].w;
 #endif
     float3 half_axis = float3(_e11, _e19, _e27);
     return ((naga_mod(disc, 2u) == 0u) ? half_axis : -(half_axis));
@@ -396,10 +396,10 @@ float3 octagloss_radiance_of(uint probe_8, float3 direction_2, float roughness)
 #endif
     const float3 _e4 = octagloss_place_of(_e3);
     float node_1 = (log2((1.0 + (30.0 * roughness))) * 173.59021);
-    uint k_4 = min(naga_f2u32(node_1), 859u);
-    float share = (node_1 - float(k_4));
-    const float4 _e17[5] = octagloss_node_weights(k_4);
-    const float4 _e20[5] = octagloss_node_weights((k_4 + 1u));
+    uint k_5 = min(naga_f2u32(node_1), 859u);
+    float share = (node_1 - float(k_5));
+    const float4 _e17[5] = octagloss_node_weights(k_5);
+    const float4 _e20[5] = octagloss_node_weights((k_5 + 1u));
     float4 a_1 = lerp(_e17[0], _e20[0], share);
     float4 b_2 = lerp(_e17[1], _e20[1], share);
     float4 c_2 = lerp(_e17[2], _e20[2], share);
@@ -633,9 +633,9 @@ float2 octagloss_round_albedo(float cosine_1, float roughness_3)
     float2 node_2 = min(floor(place_5), float2(89.0, 73.0));
     float2 share_1 = (place_5 - node_2);
 #endif
-    uint first_1 = naga_f2u32((node_2.x + (91.0 * node_2.y)));
-    const float4 _e39 = octagloss_read_albedo(first_1);
-    const float4 _e42 = octagloss_read_albedo((first_1 + 91u));
+    uint first_2 = naga_f2u32((node_2.x + (91.0 * node_2.y)));
+    const float4 _e39 = octagloss_read_albedo(first_2);
+    const float4 _e42 = octagloss_read_albedo((first_2 + 91u));
     float4 pair = lerp(_e39, _e42, share_1.y);
     float t = (seen / max((roughness_3 * roughness_3), octagloss_LEAST_ALPHA));
     float left = (1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126))))))));
@@ -1200,15 +1200,53 @@ float2 octagloss_blend_place(float alpha_6, float cosine_5, float2 nodes_1)
     return (clamp(float2(x_3, y_2), ZeroValuefloat2(), (1.0).xx) * (nodes_1 - (1.0).xx));
 }
 
+#ifdef OCTAGLOSS_CUBE
+float2 octagloss_blend_of(float2 first, float3 shares, uint texels, float3 blended, uint layer_4)
+#else
+float2 octagloss_blend_of(float2 first, float3 shares, uint texels, float3 blended, uint layer_5)
+#endif
+{
+    float2 sum_5 = (float2)0;
+    uint k_3 = 0u;
+
+    sum_5 = first;
+    bool loop_init_8 = true;
+    while(true) {
+        if (!loop_init_8) {
+            uint _e42 = k_3;
+            k_3 = (_e42 + 1u);
+        }
+        loop_init_8 = false;
+        uint _e8 = k_3;
+        if ((_e8 < texels)) {
+        } else {
+            break;
+        }
+        {
+            uint _e10 = k_3;
+            const float4 _e11 = octagloss_blend_texel(shares, _e10);
+            uint _e13 = k_3;
+#ifdef OCTAGLOSS_CUBE
+            const float4 _e16 = octagloss_blend_texel(blended, (layer_4 + (2u * _e13)));
+#else
+            const float4 _e16 = octagloss_blend_texel(blended, (layer_5 + (2u * _e13)));
+#endif
+            uint _e18 = k_3;
+#ifdef OCTAGLOSS_CUBE
+            const float4 _e23 = octagloss_blend_texel(blended, ((layer_4 + (2u * _e18)) + 1u));
+#else
+            const float4 _e23 = octagloss_blend_texel(blended, ((layer_5 + (2u * _e18)) + 1u));
+#endif
+            float2 _e24 = sum_5;
+            sum_5 = (_e24 + ((((_e11.x * _e16.xy) + (_e11.y * _e16.zw)) + (_e11.z * _e23.xy)) + (_e11.w * _e23.zw)));
+        }
+    }
+    float2 _e44 = sum_5;
+    return max(_e44, ZeroValuefloat2());
+}
+
 float2 octagloss_blended_albedo(float2 alpha_7, float cosine_6, float2 tangent_3)
 {
-    float2 sum_5 = float2(1.0, 0.0);
-#ifdef OCTAGLOSS_CUBE
-    uint layer_4 = 0u;
-#else
-    uint layer_5 = 0u;
-#endif
-
     float2 squares = (alpha_7 * alpha_7);
     float2 seen_1 = sqrt(((squares.y).xx + (((squares.x - squares.y) * tangent_3) * tangent_3)));
     float round_ = min(((alpha_7.x * alpha_7.y) / max((seen_1.x * seen_1.y), 1e-12)), 1.0);
@@ -1218,116 +1256,20 @@ float2 octagloss_blended_albedo(float2 alpha_7, float cosine_6, float2 tangent_3
     const float3 _e43 = octagloss_blend_at((_e26 - float2(0.0, (octagloss_BLEND_STRIP * block))), size_1, (84.0 * block));
     float2 between = (float2(sqrt(seen_1.y), round_) * float2(48.0, 10.0));
     const float3 _e53 = octagloss_blend_at(between, octagloss_BLEND_SHARE_NODES, octagloss_BLEND_SHARES_AT);
-    bool loop_init_8 = true;
-    while(true) {
-        if (!loop_init_8) {
-#ifdef OCTAGLOSS_CUBE
-            uint _e93 = layer_4;
-            layer_4 = (_e93 + 1u);
-#else
-            uint _e93 = layer_5;
-            layer_5 = (_e93 + 1u);
-#endif
-        }
-        loop_init_8 = false;
-#ifdef OCTAGLOSS_CUBE
-        uint _e60 = layer_4;
-#else
-        uint _e60 = layer_5;
-#endif
-        if ((_e60 < 4u)) {
-        } else {
-            break;
-        }
-        {
-#ifdef OCTAGLOSS_CUBE
-            uint _e63 = layer_4;
-#else
-            uint _e63 = layer_5;
-#endif
-            const float4 _e64 = octagloss_blend_texel(_e53, _e63);
-#ifdef OCTAGLOSS_CUBE
-            uint _e66 = layer_4;
-#else
-            uint _e66 = layer_5;
-#endif
-            const float4 _e68 = octagloss_blend_texel(_e43, (2u * _e66));
-#ifdef OCTAGLOSS_CUBE
-            uint _e70 = layer_4;
-#else
-            uint _e70 = layer_5;
-#endif
-            const float4 _e74 = octagloss_blend_texel(_e43, ((2u * _e70) + 1u));
-            float2 _e75 = sum_5;
-            sum_5 = (_e75 + ((((_e64.x * _e68.xy) + (_e64.y * _e68.zw)) + (_e64.z * _e74.xy)) + (_e64.w * _e74.zw)));
-        }
-    }
-    float2 _e95 = sum_5;
-    return max(_e95, ZeroValuefloat2());
+    const float2 _e59 = octagloss_blend_of(float2(1.0, 0.0), _e53, 4u, _e43, 0u);
+    return _e59;
 }
 
 float2 octagloss_blended_mean(float2 alpha_8, float cosine_7)
 {
-    float2 sum_6 = (float2)0;
-#ifdef OCTAGLOSS_CUBE
-    uint layer_5 = 0u;
-#else
-    uint layer_6 = 0u;
-#endif
-
     const float2 _e4 = octagloss_blend_place(alpha_8.x, cosine_7, octagloss_BLEND_MEAN_NODES);
     const float3 _e7 = octagloss_blend_at(_e4, octagloss_BLEND_MEAN_NODES, octagloss_BLEND_SHARES_AT);
     float ratio = (sqrt((alpha_8.y / max(alpha_8.x, 1e-12))) * 32.0);
     float2 size_2 = float2(33.0, 21.0);
     const float3 _e22 = octagloss_blend_at(float2(ratio, 0.0), size_2, octagloss_BLEND_RATIOS_AT);
     const float2 _e25 = octagloss_round_albedo(cosine_7, sqrt(alpha_8.x));
-    sum_6 = _e25;
-    bool loop_init_9 = true;
-    while(true) {
-        if (!loop_init_9) {
-#ifdef OCTAGLOSS_CUBE
-            uint _e64 = layer_5;
-            layer_5 = (_e64 + 1u);
-#else
-            uint _e64 = layer_6;
-            layer_6 = (_e64 + 1u);
-#endif
-        }
-        loop_init_9 = false;
-#ifdef OCTAGLOSS_CUBE
-        uint _e29 = layer_5;
-#else
-        uint _e29 = layer_6;
-#endif
-        if ((_e29 < 2u)) {
-        } else {
-            break;
-        }
-        {
-#ifdef OCTAGLOSS_CUBE
-            uint _e32 = layer_5;
-#else
-            uint _e32 = layer_6;
-#endif
-            const float4 _e33 = octagloss_blend_texel(_e22, _e32);
-#ifdef OCTAGLOSS_CUBE
-            uint _e35 = layer_5;
-#else
-            uint _e35 = layer_6;
-#endif
-            const float4 _e39 = octagloss_blend_texel(_e7, ((2u * _e35) + 4u));
-#ifdef OCTAGLOSS_CUBE
-            uint _e41 = layer_5;
-#else
-            uint _e41 = layer_6;
-#endif
-            const float4 _e45 = octagloss_blend_texel(_e7, ((2u * _e41) + 5u));
-            float2 _e46 = sum_6;
-            sum_6 = (_e46 + ((((_e33.x * _e39.xy) + (_e33.y * _e39.zw)) + (_e33.z * _e45.xy)) + (_e33.w * _e45.zw)));
-        }
-    }
-    float2 _e66 = sum_6;
-    return max(_e66, ZeroValuefloat2());
+    const float2 _e28 = octagloss_blend_of(_e25, _e22, 2u, _e7, 4u);
+    return _e28;
 }
 
 float octagloss_row_number(float4 terms[3], float4 a, float4 b_1, float4 c_1)
@@ -1441,9 +1383,9 @@ ret_octagloss_orders_aside octagloss_orders_aside(uint probe_17, octagloss_Surfa
 }
 
 #ifdef OCTAGLOSS_CUBE
-float2x3 octagloss_harmonics_aside(uint probe_17, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
+float2x3 octagloss_harmonics_aside(uint probe_17, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first_1)
 #else
-float2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first)
+float2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface_4, float3 across_1, octagloss_RowPlace place_2, float2 first_1)
 #endif
 {
 #ifdef OCTAGLOSS_CUBE
@@ -1461,7 +1403,7 @@ float2x3 octagloss_harmonics_aside(uint probe_18, octagloss_SurfaceFrame surface
     const float4 _e28 = octagloss_row_node(17u, place_2);
     const float4 _e30 = octagloss_row_node(18u, place_2);
     const float4 _e32 = octagloss_row_node(19u, place_2);
-    const float2x3 _e34 = octagloss_weighed(_e9[1], first);
+    const float2x3 _e34 = octagloss_weighed(_e9[1], first_1);
     const float2x3 _e37 = octagloss_weighed(_e9[2], _e26.xy);
     const float2x3 _e41 = octagloss_weighed(_e9[3], _e26.zw);
     const float2x3 _e45 = octagloss_weighed(_e9[4], _e28.xy);
@@ -1485,7 +1427,7 @@ float3 octagloss_reflect_in_row(uint probe_18, octagloss_SurfaceFrame surface_5,
 float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5, float2 tangent_5, float2 alpha_10, float2 albedo_2, float3 f0_4, float f90_4)
 #endif
 {
-    float2x3 sum_7 = ZeroValuefloat2x3();
+    float2x3 sum_6 = ZeroValuefloat2x3();
     float2 in_mirror_1 = ZeroValuefloat2();
     float2 white_1 = ZeroValuefloat2();
     uint distance_ = 0u;
@@ -1499,13 +1441,13 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
     const octagloss_RowPlace _e17 = octagloss_row_place(alpha_10, surface_5.cosine, tangent_5);
     const octagloss_Row _e19 = octagloss_row_of(alpha_10, tangent_5, surface_5.cosine);
     float3 axis_2 = ((surface_5.towards * _e19.axis.x) + (across_4 * _e19.axis.y));
-    bool loop_init_10 = true;
+    bool loop_init_9 = true;
     while(true) {
-        if (!loop_init_10) {
+        if (!loop_init_9) {
             uint _e126 = distance_;
             distance_ = (_e126 + 1u);
         }
-        loop_init_10 = false;
+        loop_init_9 = false;
         uint _e36 = distance_;
         if ((_e36 <= octagloss_ROW_MIDDLE)) {
         } else {
@@ -1518,14 +1460,14 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
             skew = ZeroValuefloat2();
             uint _e45 = distance_;
             if ((_e45 == 0u)) {
-                float2x3 _e48 = sum_7;
+                float2x3 _e48 = sum_6;
 #ifdef OCTAGLOSS_CUBE
                 const float3 _e49 = octagloss_cosine_light(probe_18, n_3);
 #else
                 const float3 _e49 = octagloss_cosine_light(probe_19, n_3);
 #endif
                 const float2x3 _e51 = octagloss_weighed(_e49, _e40.zw);
-                sum_7 = (_e48 + _e51);
+                sum_6 = (_e48 + _e51);
                 float2 _e53 = white_1;
                 white_1 = (_e53 + _e40.zw);
             } else {
@@ -1533,13 +1475,13 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
                 skew = ((0.5 * _e19.skew) * (_e40.xy - _e40.zw));
             }
             side_1 = 0u;
-            bool loop_init_11 = true;
+            bool loop_init_10 = true;
             while(true) {
-                if (!loop_init_11) {
+                if (!loop_init_10) {
                     uint _e123 = side_1;
                     side_1 = (_e123 + 1u);
                 }
-                loop_init_11 = false;
+                loop_init_10 = false;
                 uint _e70 = side_1;
                 uint _e71 = distance_;
                 if ((_e70 < min((_e71 + 1u), 2u))) {
@@ -1559,14 +1501,14 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
                     const float2 _e97 = octagloss_row_read(_e19, ((_e93 == 0u) ? (octagloss_ROW_MIDDLE + _e91) : (octagloss_ROW_MIDDLE - _e88)));
                     float3 half_vector_1 = normalize((n_3 + (_e97.x * axis_2)));
                     float3 direction_6 = ((half_vector_1 * (2.0 * dot(v_2, half_vector_1))) - v_2);
-                    float2x3 _e107 = sum_7;
+                    float2x3 _e107 = sum_6;
 #ifdef OCTAGLOSS_CUBE
                     const float3 _e109 = octagloss_between_levels(probe_18, direction_6, _e97.y);
 #else
                     const float3 _e109 = octagloss_between_levels(probe_19, direction_6, _e97.y);
 #endif
                     const float2x3 _e110 = octagloss_weighed(_e109, weights_3);
-                    sum_7 = (_e107 + _e110);
+                    sum_6 = (_e107 + _e110);
                     float2 _e112 = white_1;
                     white_1 = (_e112 + weights_3);
                     float2 _e114 = in_mirror_1;
@@ -1584,33 +1526,33 @@ float3 octagloss_reflect_in_row(uint probe_19, octagloss_SurfaceFrame surface_5,
     const float4 _e141 = octagloss_row_node(14u, _e17);
     const float4 _e143 = octagloss_row_node(15u, _e17);
     float4 pairs_2[8] = Constructarray8_float4_(_e129, _e131, _e133, _e135, _e137, _e139, _e141, _e143);
-    float2x3 _e145 = sum_7;
+    float2x3 _e145 = sum_6;
 #ifdef OCTAGLOSS_CUBE
     const float2x3 _e146 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2);
 #else
     const float2x3 _e146 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2);
 #endif
-    sum_7 = (_e145 + _e146);
+    sum_6 = (_e145 + _e146);
     float2 _e148 = white_1;
     white_1 = (_e148 + pairs_2[0].xy);
     float3 mirrored = (across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0));
-    float2x3 _e161 = sum_7;
+    float2x3 _e161 = sum_6;
 #ifdef OCTAGLOSS_CUBE
     const float2x3 _e164 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e17, pairs_2[7].zw);
 #else
     const float2x3 _e164 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e17, pairs_2[7].zw);
 #endif
-    sum_7 = (_e161 + _e164);
+    sum_6 = (_e161 + _e164);
     float2 _e166 = white_1;
-    float2 shares = (albedo_2 / _e166);
-    float2x3 _e168 = sum_7;
+    float2 shares_1 = (albedo_2 / _e166);
+    float2x3 _e168 = sum_6;
 #ifdef OCTAGLOSS_CUBE
-    const float3 _e173 = octagloss_lit_of(probe_18, _e168, (f0_4 * shares.x), (f90_4 * shares.y));
+    const float3 _e173 = octagloss_lit_of(probe_18, _e168, (f0_4 * shares_1.x), (f90_4 * shares_1.y));
 #else
-    const float3 _e173 = octagloss_lit_of(probe_19, _e168, (f0_4 * shares.x), (f90_4 * shares.y));
+    const float3 _e173 = octagloss_lit_of(probe_19, _e168, (f0_4 * shares_1.x), (f90_4 * shares_1.y));
 #endif
     float2 _e174 = in_mirror_1;
-    float share_5 = max((1.0 - (dot(shares, _e174) / (albedo_2.x + albedo_2.y))), 0.0);
+    float share_5 = max((1.0 - (dot(shares_1, _e174) / (albedo_2.x + albedo_2.y))), 0.0);
 #ifdef OCTAGLOSS_CUBE
     const float3 _e184 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_10, f0_4, f90_4);
 #else
@@ -1669,9 +1611,9 @@ float3 octagloss_reflect_of(uint probe_20, float3 normal_4, float3 view_3, float
 #else
     const float3 _e44 = octagloss_reflect_in_row(probe_20, _e8, unit_level, _e38, _e43, f0_5, f90_5);
 #endif
-    float3 sum_8 = (_e39 * _e44);
+    float3 sum_7 = (_e39 * _e44);
     if ((_e39 == 1.0)) {
-        return sum_8;
+        return sum_7;
     }
     float round_1 = sqrt(sqrt((_e38.x * _e38.y)));
 #ifdef OCTAGLOSS_CUBE
@@ -1679,7 +1621,7 @@ float3 octagloss_reflect_of(uint probe_20, float3 normal_4, float3 view_3, float
 #else
     const float3 _e55 = octagloss_reflected_isotropic(probe_20, _e8, round_1, _e43, f0_5, f90_5);
 #endif
-    return (sum_8 + ((1.0 - _e39) * _e55));
+    return (sum_7 + ((1.0 - _e39) * _e55));
 }
 
 float3 octagloss_reflect(float3 normal_5, float3 view_4, float3 tangent_7, float roughness_8, float anisotropy_2, float3 f0_6, float f90_6)

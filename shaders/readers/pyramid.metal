@@ -7,9 +7,9 @@
 #ifdef OCTAGLOSS_CUBE
 // The maps are one cube, of `--map cube`, the tables pyramid_cube_tables.ktx2, and rows those of `octagloss
 // reader --rows FILE --map cube`; in OpenGL enable GL_TEXTURE_CUBE_MAP_SEAMLESS.
-// Translated from pyramid_cube.wgsl, FNV-1a d42d17e37fa4405b.
+// Translated from pyramid_cube.wgsl, FNV-1a e91d6d689c16b349.
 #else
-// Translated from pyramid.wgsl, FNV-1a 7d8c62648faae39f.
+// Translated from pyramid.wgsl, FNV-1a 46e412c03f6c9571.
 #endif
 // Metal; the resources are arguments of each function.
 // language: metal1.0
@@ -360,15 +360,15 @@ metal::float3 octagloss_half_axis_of(
     uint disc,
     constant type_7& octagloss_lights
 ) {
-    uint k_3 = 3u * naga_div(disc, 2u);
+    uint k_4 = 3u * naga_div(disc, 2u);
 #ifdef OCTAGLOSS_CUBE
-    float _e11 = octagloss_lights.inner[probe_6].harmonics.inner[k_3].w;
-    float _e19 = octagloss_lights.inner[probe_6].harmonics.inner[k_3 + 1u].w;
-    float _e27 = octagloss_lights.inner[probe_6].harmonics.inner[k_3 + 2u].w;
+    float _e11 = octagloss_lights.inner[probe_6].harmonics.inner[k_4].w;
+    float _e19 = octagloss_lights.inner[probe_6].harmonics.inner[k_4 + 1u].w;
+    float _e27 = octagloss_lights.inner[probe_6].harmonics.inner[k_4 + 2u].w;
 #else
-    float _e11 = octagloss_lights.inner[probe_7].harmonics.inner[k_3].w;
-    float _e19 = octagloss_lights.inner[probe_7].harmonics.inner[k_3 + 1u].w;
-    float _e27 = octagloss_lights.inner[probe_7].harmonics.inner[k_3 + 2u].w;
+    float _e11 = octagloss_lights.inner[probe_7].harmonics.inner[k_4].w;
+    float _e19 = octagloss_lights.inner[probe_7].harmonics.inner[k_4 + 1u].w;
+    float _e27 = octagloss_lights.inner[probe_7].harmonics.inner[k_4 + 2u].w;
 #endif
     metal::float3 half_axis = metal::float3(_e11, _e19, _e27);
     return (naga_mod(disc, 2u) == 0u) ? half_axis : -(half_axis);
@@ -417,10 +417,10 @@ metal::float3 octagloss_radiance_of(
 #endif
     octagloss_MapPlace _e4 = octagloss_place_of(_e3);
     float node_1 = metal::log2(1.0 + (30.0 * roughness)) * 173.59021;
-    uint k_4 = metal::min(naga_f2u32(node_1), 859u);
-    float share = node_1 - static_cast<float>(k_4);
-    type_15 _e17 = octagloss_node_weights(k_4, octagloss_tables);
-    type_15 _e20 = octagloss_node_weights(k_4 + 1u, octagloss_tables);
+    uint k_5 = metal::min(naga_f2u32(node_1), 859u);
+    float share = node_1 - static_cast<float>(k_5);
+    type_15 _e17 = octagloss_node_weights(k_5, octagloss_tables);
+    type_15 _e20 = octagloss_node_weights(k_5 + 1u, octagloss_tables);
     metal::float4 a_1 = metal::mix(_e17.inner[0], _e20.inner[0], share);
     metal::float4 b_2 = metal::mix(_e17.inner[1], _e20.inner[1], share);
     metal::float4 c_2 = metal::mix(_e17.inner[2], _e20.inner[2], share);
@@ -699,9 +699,9 @@ metal::float2 octagloss_round_albedo(
     metal::float2 node_2 = metal::min(metal::floor(place_5), metal::float2(89.0, 73.0));
     metal::float2 share_1 = place_5 - node_2;
 #endif
-    uint first_1 = naga_f2u32(node_2.x + (91.0 * node_2.y));
-    metal::float4 _e39 = octagloss_read_albedo(first_1, octagloss_tables);
-    metal::float4 _e42 = octagloss_read_albedo(first_1 + 91u, octagloss_tables);
+    uint first_2 = naga_f2u32(node_2.x + (91.0 * node_2.y));
+    metal::float4 _e39 = octagloss_read_albedo(first_2, octagloss_tables);
+    metal::float4 _e42 = octagloss_read_albedo(first_2 + 91u, octagloss_tables);
     metal::float4 pair = metal::mix(_e39, _e42, share_1.y);
     float t = seen / metal::max(roughness_3 * roughness_3, octagloss_LEAST_ALPHA);
     float left = 1.0 - ((0.222 * t) / (1.0 + (t * (0.634 + (t * (0.098 + (t * 0.3126)))))));
@@ -1337,6 +1337,57 @@ metal::float2 octagloss_blend_place(
     return metal::clamp(metal::float2(x_3, y_2), metal::float2 {}, metal::float2(1.0)) * (nodes_1 - metal::float2(1.0));
 }
 
+metal::float2 octagloss_blend_of(
+    metal::float2 first,
+    metal::float3 shares,
+    uint texels,
+    metal::float3 blended,
+#ifdef OCTAGLOSS_CUBE
+    uint layer_4,
+#else
+    uint layer_5,
+#endif
+    metal::sampler octagloss_linear,
+    metal::texture3d<float, metal::access::sample> octagloss_rows
+) {
+    metal::float2 sum_5 = {};
+    uint k_3 = 0u;
+    sum_5 = first;
+    bool loop_init_8 = true;
+    while(true) {
+        if (!loop_init_8) {
+            uint _e42 = k_3;
+            k_3 = _e42 + 1u;
+        }
+        loop_init_8 = false;
+        uint _e8 = k_3;
+        if (_e8 < texels) {
+        } else {
+            break;
+        }
+        {
+            uint _e10 = k_3;
+            metal::float4 _e11 = octagloss_blend_texel(shares, _e10, octagloss_linear, octagloss_rows);
+            uint _e13 = k_3;
+#ifdef OCTAGLOSS_CUBE
+            metal::float4 _e16 = octagloss_blend_texel(blended, layer_4 + (2u * _e13), octagloss_linear, octagloss_rows);
+#else
+            metal::float4 _e16 = octagloss_blend_texel(blended, layer_5 + (2u * _e13), octagloss_linear, octagloss_rows);
+#endif
+            uint _e18 = k_3;
+#ifdef OCTAGLOSS_CUBE
+            metal::float4 _e23 = octagloss_blend_texel(blended, (layer_4 + (2u * _e18)) + 1u, octagloss_linear, octagloss_rows);
+#else
+            metal::float4 _e23 = octagloss_blend_texel(blended, (layer_5 + (2u * _e18)) + 1u, octagloss_linear, octagloss_rows);
+#endif
+            metal::float2 _e24 = sum_5;
+            sum_5 = _e24 + ((((_e11.x * _e16.xy) + (_e11.y * _e16.zw)) + (_e11.z * _e23.xy)) + (_e11.w * _e23.zw));
+        }
+    }
+    metal::float2 _e44 = sum_5;
+    return metal::max(_e44, metal::float2 {});
+}
+
 metal::float2 octagloss_blended_albedo(
     metal::float2 alpha_7,
     float cosine_6,
@@ -1344,12 +1395,6 @@ metal::float2 octagloss_blended_albedo(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float2 sum_5 = metal::float2(1.0, 0.0);
-#ifdef OCTAGLOSS_CUBE
-    uint layer_4 = 0u;
-#else
-    uint layer_5 = 0u;
-#endif
     metal::float2 squares = alpha_7 * alpha_7;
     metal::float2 seen_1 = metal::sqrt(metal::float2(squares.y) + (((squares.x - squares.y) * tangent_3) * tangent_3));
     float round = metal::min((alpha_7.x * alpha_7.y) / metal::max(seen_1.x * seen_1.y, 0.000000000001), 1.0);
@@ -1359,52 +1404,8 @@ metal::float2 octagloss_blended_albedo(
     metal::float3 _e43 = octagloss_blend_at(_e26 - metal::float2(0.0, octagloss_BLEND_STRIP * block), size_1, 84.0 * block);
     metal::float2 between = metal::float2(metal::sqrt(seen_1.y), round) * metal::float2(48.0, 10.0);
     metal::float3 _e53 = octagloss_blend_at(between, octagloss_BLEND_SHARE_NODES, octagloss_BLEND_SHARES_AT);
-    bool loop_init_8 = true;
-    while(true) {
-        if (!loop_init_8) {
-#ifdef OCTAGLOSS_CUBE
-            uint _e93 = layer_4;
-            layer_4 = _e93 + 1u;
-#else
-            uint _e93 = layer_5;
-            layer_5 = _e93 + 1u;
-#endif
-        }
-        loop_init_8 = false;
-#ifdef OCTAGLOSS_CUBE
-        uint _e60 = layer_4;
-#else
-        uint _e60 = layer_5;
-#endif
-        if (_e60 < 4u) {
-        } else {
-            break;
-        }
-        {
-#ifdef OCTAGLOSS_CUBE
-            uint _e63 = layer_4;
-#else
-            uint _e63 = layer_5;
-#endif
-            metal::float4 _e64 = octagloss_blend_texel(_e53, _e63, octagloss_linear, octagloss_rows);
-#ifdef OCTAGLOSS_CUBE
-            uint _e66 = layer_4;
-#else
-            uint _e66 = layer_5;
-#endif
-            metal::float4 _e68 = octagloss_blend_texel(_e43, 2u * _e66, octagloss_linear, octagloss_rows);
-#ifdef OCTAGLOSS_CUBE
-            uint _e70 = layer_4;
-#else
-            uint _e70 = layer_5;
-#endif
-            metal::float4 _e74 = octagloss_blend_texel(_e43, (2u * _e70) + 1u, octagloss_linear, octagloss_rows);
-            metal::float2 _e75 = sum_5;
-            sum_5 = _e75 + ((((_e64.x * _e68.xy) + (_e64.y * _e68.zw)) + (_e64.z * _e74.xy)) + (_e64.w * _e74.zw));
-        }
-    }
-    metal::float2 _e95 = sum_5;
-    return metal::max(_e95, metal::float2 {});
+    metal::float2 _e59 = octagloss_blend_of(metal::float2(1.0, 0.0), _e53, 4u, _e43, 0u, octagloss_linear, octagloss_rows);
+    return _e59;
 }
 
 metal::float2 octagloss_blended_mean(
@@ -1414,65 +1415,14 @@ metal::float2 octagloss_blended_mean(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float2 sum_6 = {};
-#ifdef OCTAGLOSS_CUBE
-    uint layer_5 = 0u;
-#else
-    uint layer_6 = 0u;
-#endif
     metal::float2 _e4 = octagloss_blend_place(alpha_8.x, cosine_7, octagloss_BLEND_MEAN_NODES);
     metal::float3 _e7 = octagloss_blend_at(_e4, octagloss_BLEND_MEAN_NODES, octagloss_BLEND_SHARES_AT);
     float ratio = metal::sqrt(alpha_8.y / metal::max(alpha_8.x, 0.000000000001)) * 32.0;
     metal::float2 size_2 = metal::float2(33.0, 21.0);
     metal::float3 _e22 = octagloss_blend_at(metal::float2(ratio, 0.0), size_2, octagloss_BLEND_RATIOS_AT);
     metal::float2 _e25 = octagloss_round_albedo(cosine_7, metal::sqrt(alpha_8.x), octagloss_tables);
-    sum_6 = _e25;
-    bool loop_init_9 = true;
-    while(true) {
-        if (!loop_init_9) {
-#ifdef OCTAGLOSS_CUBE
-            uint _e64 = layer_5;
-            layer_5 = _e64 + 1u;
-#else
-            uint _e64 = layer_6;
-            layer_6 = _e64 + 1u;
-#endif
-        }
-        loop_init_9 = false;
-#ifdef OCTAGLOSS_CUBE
-        uint _e29 = layer_5;
-#else
-        uint _e29 = layer_6;
-#endif
-        if (_e29 < 2u) {
-        } else {
-            break;
-        }
-        {
-#ifdef OCTAGLOSS_CUBE
-            uint _e32 = layer_5;
-#else
-            uint _e32 = layer_6;
-#endif
-            metal::float4 _e33 = octagloss_blend_texel(_e22, _e32, octagloss_linear, octagloss_rows);
-#ifdef OCTAGLOSS_CUBE
-            uint _e35 = layer_5;
-#else
-            uint _e35 = layer_6;
-#endif
-            metal::float4 _e39 = octagloss_blend_texel(_e7, (2u * _e35) + 4u, octagloss_linear, octagloss_rows);
-#ifdef OCTAGLOSS_CUBE
-            uint _e41 = layer_5;
-#else
-            uint _e41 = layer_6;
-#endif
-            metal::float4 _e45 = octagloss_blend_texel(_e7, (2u * _e41) + 5u, octagloss_linear, octagloss_rows);
-            metal::float2 _e46 = sum_6;
-            sum_6 = _e46 + ((((_e33.x * _e39.xy) + (_e33.y * _e39.zw)) + (_e33.z * _e45.xy)) + (_e33.w * _e45.zw));
-        }
-    }
-    metal::float2 _e66 = sum_6;
-    return metal::max(_e66, metal::float2 {});
+    metal::float2 _e28 = octagloss_blend_of(_e25, _e22, 2u, _e7, 4u, octagloss_linear, octagloss_rows);
+    return _e28;
 }
 
 float octagloss_row_number(
@@ -1598,7 +1548,7 @@ metal::float2x3 octagloss_harmonics_aside(
     octagloss_SurfaceFrame surface_4,
     metal::float3 across_1,
     octagloss_RowPlace place_2,
-    metal::float2 first,
+    metal::float2 first_1,
     constant type_7& octagloss_lights,
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
@@ -1618,7 +1568,7 @@ metal::float2x3 octagloss_harmonics_aside(
     metal::float4 _e28 = octagloss_row_node(17u, place_2, octagloss_linear, octagloss_rows);
     metal::float4 _e30 = octagloss_row_node(18u, place_2, octagloss_linear, octagloss_rows);
     metal::float4 _e32 = octagloss_row_node(19u, place_2, octagloss_linear, octagloss_rows);
-    metal::float2x3 _e34 = octagloss_weighed(_e9.inner[1], first);
+    metal::float2x3 _e34 = octagloss_weighed(_e9.inner[1], first_1);
     metal::float2x3 _e37 = octagloss_weighed(_e9.inner[2], _e26.xy);
     metal::float2x3 _e41 = octagloss_weighed(_e9.inner[3], _e26.zw);
     metal::float2x3 _e45 = octagloss_weighed(_e9.inner[4], _e28.xy);
@@ -1653,7 +1603,7 @@ metal::float3 octagloss_reflect_in_row(
     metal::sampler octagloss_linear,
     metal::texture3d<float, metal::access::sample> octagloss_rows
 ) {
-    metal::float2x3 sum_7 = metal::float2x3 {};
+    metal::float2x3 sum_6 = metal::float2x3 {};
     metal::float2 in_mirror_1 = metal::float2 {};
     metal::float2 white_1 = metal::float2 {};
     uint distance = 0u;
@@ -1666,13 +1616,13 @@ metal::float3 octagloss_reflect_in_row(
     octagloss_RowPlace _e17 = octagloss_row_place(alpha_10, surface_5.cosine, tangent_5);
     octagloss_Row _e19 = octagloss_row_of(alpha_10, tangent_5, surface_5.cosine);
     metal::float3 axis_2 = (surface_5.towards * _e19.axis.x) + (across_4 * _e19.axis.y);
-    bool loop_init_10 = true;
+    bool loop_init_9 = true;
     while(true) {
-        if (!loop_init_10) {
+        if (!loop_init_9) {
             uint _e126 = distance;
             distance = _e126 + 1u;
         }
-        loop_init_10 = false;
+        loop_init_9 = false;
         uint _e36 = distance;
         if (_e36 <= octagloss_ROW_MIDDLE) {
         } else {
@@ -1685,14 +1635,14 @@ metal::float3 octagloss_reflect_in_row(
             skew = metal::float2 {};
             uint _e45 = distance;
             if (_e45 == 0u) {
-                metal::float2x3 _e48 = sum_7;
+                metal::float2x3 _e48 = sum_6;
 #ifdef OCTAGLOSS_CUBE
                 metal::float3 _e49 = octagloss_cosine_light(probe_18, n_3, octagloss_lights);
 #else
                 metal::float3 _e49 = octagloss_cosine_light(probe_19, n_3, octagloss_maps, octagloss_linear);
 #endif
                 metal::float2x3 _e51 = octagloss_weighed(_e49, _e40.zw);
-                sum_7 = _e48 + _e51;
+                sum_6 = _e48 + _e51;
                 metal::float2 _e53 = white_1;
                 white_1 = _e53 + _e40.zw;
             } else {
@@ -1700,13 +1650,13 @@ metal::float3 octagloss_reflect_in_row(
                 skew = (0.5 * _e19.skew) * (_e40.xy - _e40.zw);
             }
             side_1 = 0u;
-            bool loop_init_11 = true;
+            bool loop_init_10 = true;
             while(true) {
-                if (!loop_init_11) {
+                if (!loop_init_10) {
                     uint _e123 = side_1;
                     side_1 = _e123 + 1u;
                 }
-                loop_init_11 = false;
+                loop_init_10 = false;
                 uint _e70 = side_1;
                 uint _e71 = distance;
                 if (_e70 < metal::min(_e71 + 1u, 2u)) {
@@ -1726,14 +1676,14 @@ metal::float3 octagloss_reflect_in_row(
                     metal::float2 _e97 = octagloss_row_read(_e19, (_e93 == 0u) ? (octagloss_ROW_MIDDLE + _e91) : (octagloss_ROW_MIDDLE - _e88), octagloss_maps);
                     metal::float3 half_vector_1 = metal::normalize(n_3 + (_e97.x * axis_2));
                     metal::float3 direction_6 = (half_vector_1 * (2.0 * metal::dot(v_2, half_vector_1))) - v_2;
-                    metal::float2x3 _e107 = sum_7;
+                    metal::float2x3 _e107 = sum_6;
 #ifdef OCTAGLOSS_CUBE
                     metal::float3 _e109 = octagloss_between_levels(probe_18, direction_6, _e97.y, octagloss_maps, octagloss_linear);
 #else
                     metal::float3 _e109 = octagloss_between_levels(probe_19, direction_6, _e97.y, octagloss_maps, octagloss_linear);
 #endif
                     metal::float2x3 _e110 = octagloss_weighed(_e109, weights_3);
-                    sum_7 = _e107 + _e110;
+                    sum_6 = _e107 + _e110;
                     metal::float2 _e112 = white_1;
                     white_1 = _e112 + weights_3;
                     metal::float2 _e114 = in_mirror_1;
@@ -1751,33 +1701,33 @@ metal::float3 octagloss_reflect_in_row(
     metal::float4 _e141 = octagloss_row_node(14u, _e17, octagloss_linear, octagloss_rows);
     metal::float4 _e143 = octagloss_row_node(15u, _e17, octagloss_linear, octagloss_rows);
     type_20 pairs_2 = type_20 {{_e129, _e131, _e133, _e135, _e137, _e139, _e141, _e143}};
-    metal::float2x3 _e145 = sum_7;
+    metal::float2x3 _e145 = sum_6;
 #ifdef OCTAGLOSS_CUBE
     metal::float2x3 _e146 = octagloss_harmonics_reflected(probe_18, surface_5, pairs_2, octagloss_lights);
 #else
     metal::float2x3 _e146 = octagloss_harmonics_reflected(probe_19, surface_5, pairs_2, octagloss_lights);
 #endif
-    sum_7 = _e145 + _e146;
+    sum_6 = _e145 + _e146;
     metal::float2 _e148 = white_1;
     white_1 = _e148 + pairs_2.inner[0].xy;
     metal::float3 mirrored = across_4 * (((tangent_5.x * tangent_5.y) < 0.0) ? -1.0 : 1.0);
-    metal::float2x3 _e161 = sum_7;
+    metal::float2x3 _e161 = sum_6;
 #ifdef OCTAGLOSS_CUBE
     metal::float2x3 _e164 = octagloss_harmonics_aside(probe_18, surface_5, mirrored, _e17, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
 #else
     metal::float2x3 _e164 = octagloss_harmonics_aside(probe_19, surface_5, mirrored, _e17, pairs_2.inner[7].zw, octagloss_lights, octagloss_linear, octagloss_rows);
 #endif
-    sum_7 = _e161 + _e164;
+    sum_6 = _e161 + _e164;
     metal::float2 _e166 = white_1;
-    metal::float2 shares = albedo_2 / _e166;
-    metal::float2x3 _e168 = sum_7;
+    metal::float2 shares_1 = albedo_2 / _e166;
+    metal::float2x3 _e168 = sum_6;
 #ifdef OCTAGLOSS_CUBE
-    metal::float3 _e173 = octagloss_lit_of(probe_18, _e168, f0_4 * shares.x, f90_4 * shares.y, octagloss_lights);
+    metal::float3 _e173 = octagloss_lit_of(probe_18, _e168, f0_4 * shares_1.x, f90_4 * shares_1.y, octagloss_lights);
 #else
-    metal::float3 _e173 = octagloss_lit_of(probe_19, _e168, f0_4 * shares.x, f90_4 * shares.y, octagloss_lights);
+    metal::float3 _e173 = octagloss_lit_of(probe_19, _e168, f0_4 * shares_1.x, f90_4 * shares_1.y, octagloss_lights);
 #endif
     metal::float2 _e174 = in_mirror_1;
-    float share_5 = metal::max(1.0 - (metal::dot(shares, _e174) / (albedo_2.x + albedo_2.y)), 0.0);
+    float share_5 = metal::max(1.0 - (metal::dot(shares_1, _e174) / (albedo_2.x + albedo_2.y)), 0.0);
 #ifdef OCTAGLOSS_CUBE
     metal::float3 _e184 = octagloss_suns_reflected(probe_18, surface_5, tangent_5, alpha_10, f0_4, f90_4, octagloss_lights, octagloss_maps);
 #else
@@ -1852,9 +1802,9 @@ metal::float3 octagloss_reflect_of(
 #else
     metal::float3 _e44 = octagloss_reflect_in_row(probe_20, _e8, unit_level, _e38, _e43, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_linear, octagloss_rows);
 #endif
-    metal::float3 sum_8 = _e39 * _e44;
+    metal::float3 sum_7 = _e39 * _e44;
     if (_e39 == 1.0) {
-        return sum_8;
+        return sum_7;
     }
     float round_1 = metal::sqrt(metal::sqrt(_e38.x * _e38.y));
 #ifdef OCTAGLOSS_CUBE
@@ -1862,7 +1812,7 @@ metal::float3 octagloss_reflect_of(
 #else
     metal::float3 _e55 = octagloss_reflected_isotropic(probe_20, _e8, round_1, _e43, f0_5, f90_5, octagloss_lights, octagloss_maps, octagloss_tables, octagloss_linear);
 #endif
-    return sum_8 + ((1.0 - _e39) * _e55);
+    return sum_7 + ((1.0 - _e39) * _e55);
 }
 
 metal::float3 octagloss_reflect(

@@ -46,6 +46,26 @@ impl<T> From<T> for Once<T> {
     }
 }
 
+/// Values of a table's nodes, each made at its first use.
+#[derive(Debug)]
+pub(crate) struct Known<T> {
+    nodes: OnceLock<Vec<OnceLock<T>>>,
+    count: usize,
+}
+
+impl<T> Known<T> {
+    /// `count` nodes without values yet.
+    pub(crate) const fn new(count: usize) -> Self {
+        Self { nodes: OnceLock::new(), count }
+    }
+
+    /// The value of node `index`, which `make` makes at its first use, without loops over threads.
+    pub(crate) fn get_or_init(&self, index: usize, make: impl FnOnce() -> T) -> &T {
+        let nodes = self.nodes.get_or_init(|| (0..self.count).map(|_| OnceLock::new()).collect());
+        nodes[index].get_or_init(make)
+    }
+}
+
 /// What `make` makes in a pool as large as the current one, or of one thread where the system refuses more.
 fn in_own_pool<T: Send>(make: impl FnOnce() -> T + Send) -> T {
     let threads = rayon::current_num_threads();

@@ -17,6 +17,7 @@ use super::reads::{
     wide_functions,
 };
 use crate::common::frame::LEAST_COSINE;
+use crate::common::once::Known;
 use crate::common::parallel;
 use crate::lobe::legendre;
 pub use blend::{albedo, albedo_along, mean_albedo};
@@ -24,7 +25,6 @@ use glam::{DVec2, DVec3};
 use half::f16;
 pub use law::LAW;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::sync::OnceLock;
 
 /// Reads at places of their own.
 pub const READS: usize = 15;
@@ -250,25 +250,6 @@ pub fn texels(levels: Levels) -> Vec<[f32; 4]> {
         texels.extend_from_slice(albedo);
     }
     texels
-}
-
-/// Values of a table's nodes, each made at its first use.
-#[derive(Debug)]
-struct Known<T> {
-    nodes: OnceLock<Vec<OnceLock<T>>>,
-    count: usize,
-}
-
-impl<T> Known<T> {
-    const fn new(count: usize) -> Self {
-        Self { nodes: OnceLock::new(), count }
-    }
-
-    /// The value of node `index`, which `make` makes at its first use, without loops over threads.
-    fn get_or_init(&self, index: usize, make: impl FnOnce() -> T) -> &T {
-        let nodes = self.nodes.get_or_init(|| (0..self.count).map(|_| OnceLock::new()).collect());
-        nodes[index].get_or_init(make)
-    }
 }
 
 /// One node, fitted at the first call.

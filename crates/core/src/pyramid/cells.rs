@@ -99,9 +99,10 @@ impl Cells {
             corners.map(|(x, y)| sized_direction_from_oct(centre + offset * DVec2::new(x, y)))
         };
         let mean: DVec3 = points(centres).map(|(direction, size)| direction * size).into_iter().sum();
-        let all: f64 = points(gauss).iter().map(|(_, size)| size).sum();
+        let even = points(gauss);
+        let all: f64 = even.iter().map(|(_, size)| size).sum();
         let mut spread = basis(mean.normalize()).map(|own| -own);
-        for (direction, size) in points(gauss) {
+        for (direction, size) in even {
             spread.iter_mut().zip(basis(direction)).for_each(|(sum, own)| *sum += size / all * own);
         }
         spread

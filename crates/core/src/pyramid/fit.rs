@@ -7,10 +7,10 @@
 //! In between the weights are those of the fits with a level and without it, mixed, so that none jumps.
 
 use super::{Levels, MOST_MAPS, suns};
+use crate::common::once::Known;
 use crate::common::parallel;
 use crate::lobe::{self, Lobe, legendre};
 use std::f64::consts::PI;
-use std::sync::OnceLock;
 
 /// Intervals of the table.
 pub const INTERVALS: u32 = 860;
@@ -74,11 +74,10 @@ pub fn table(levels: Levels) -> Vec<[f32; WEIGHTS]> {
 
 /// Those at one node, fitted at the first call.
 fn node(levels: Levels, index: u32) -> [f32; WEIGHTS] {
-    type Nodes = [OnceLock<[f32; WEIGHTS]>; INTERVALS as usize + 1];
-    static FITTED: [Nodes; Levels::ALL] =
-        [const { [const { OnceLock::new() }; INTERVALS as usize + 1] }; Levels::ALL];
+    static FITTED: [Known<[f32; WEIGHTS]>; Levels::ALL] =
+        [const { Known::new(INTERVALS as usize + 1) }; Levels::ALL];
     let fitted = || fitted(levels, roughness_of(f64::from(index)));
-    *FITTED[levels.index()][index as usize].get_or_init(fitted)
+    *FITTED[levels.index()].get_or_init(index as usize, fitted)
 }
 
 /// Weights at `roughness` in [0, 1], between the two nodes of [`table`] around it.

@@ -45,10 +45,10 @@ fn mean_roughness(alpha: DVec2) -> f32 {
     (alpha.x * alpha.y).powf(0.25) as f32
 }
 
-/// The unit tangent along the plane of incidence and across it.
-fn level_tangent(frame: &Frame) -> DVec2 {
-    let level_view = frame.view.truncate().normalize_or(DVec2::X);
-    DVec2::new(level_view.x, -level_view.y)
+/// The tangent along the plane of incidence and across it, where the view's direction in the surface is
+/// `level_view`.
+fn tangent_of(level_view: DVec2) -> DVec2 {
+    level_view * DVec2::new(1.0, -1.0)
 }
 
 impl Pyramid {
@@ -66,8 +66,9 @@ impl Pyramid {
         }
         let alpha = alphas(f64::from(roughness), f64::from(anisotropy));
         let share = row_share(alpha);
-        let albedo = anisotropic::albedo_along(alpha, frame.view.z, level_tangent(frame));
-        let along_tangent = self.anisotropic(frame, alpha, albedo, f0, f90);
+        let level_view = frame.view.truncate().normalize_or(DVec2::X);
+        let albedo = anisotropic::albedo_along(alpha, frame.view.z, tangent_of(level_view));
+        let along_tangent = self.anisotropic(frame, level_view, alpha, albedo, f0, f90);
         if share == 1.0 {
             return along_tangent.to_array();
         }
@@ -107,10 +108,18 @@ impl Pyramid {
         sum + share * self.suns_reflected(frame, alpha, sunlit.0, sunlit.1)
     }
 
-    /// With `alpha` along the tangent and across it, where a white world gives `albedo`.
-    fn anisotropic(&self, frame: &Frame, alpha: DVec2, albedo: [f32; 2], f0: Vec3A, f90: f32) -> Vec3A {
-        let level_view = frame.view.truncate().normalize_or(DVec2::X);
-        let tangent = level_tangent(frame);
+    /// With `alpha` along the tangent and across it, where a white world gives `albedo`. `level_view` is the
+    /// view's direction in the surface.
+    fn anisotropic(
+        &self,
+        frame: &Frame,
+        level_view: DVec2,
+        alpha: DVec2,
+        albedo: [f32; 2],
+        f0: Vec3A,
+        f90: f32,
+    ) -> Vec3A {
+        let tangent = tangent_of(level_view);
         let azimuth = tangent.y.abs().atan2(tangent.x.abs());
         let node = anisotropic::node_at(self.levels, alpha, frame.view.z, azimuth);
         let row = Row::new(alpha, tangent, frame.view.z);

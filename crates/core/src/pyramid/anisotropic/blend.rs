@@ -5,8 +5,9 @@
 //! varies slowly. So the albedo of any lobe is, within 6e-4, a blend of those of sixteen lobes of the same
 //! alpha in the plane, whose shares go by the other two alone: two tables of two axes stand for one of four.
 
-use super::{Known, LAYERS, NODES as ROW_NODES, nodes_around};
+use super::{LAYERS, NODES as ROW_NODES, nodes_around};
 use crate::common::frame::LEAST_COSINE;
+use crate::common::once::Known;
 use crate::common::parallel;
 use crate::pyramid::albedo::albedo_at;
 use crate::pyramid::fit::solved;
@@ -130,30 +131,42 @@ impl Seen {
 /// of incidence and across it, and across that.
 pub fn albedo_along(alpha: DVec2, cosine: f64, tangent: DVec2) -> [f32; 2] {
     let seen = Seen::new(alpha, tangent);
-    let mut shares = [0.0; LOBES];
-    for (index, weight) in nodes_around::<2, 4>(SHARE_NODES, [seen.alpha.y.sqrt(), seen.round]) {
-        shares.iter_mut().zip(shares_of_node(index)).for_each(|(sum, own)| *sum += weight * own);
-    }
-    let mut sum = [1.0, 0.0];
-    for (index, weight) in nodes_around::<2, 4>(ALBEDO_NODES, places(seen.alpha.x, cosine)) {
-        for (share, lobe) in shares.iter().zip(albedos_of_node(index)) {
-            sum.iter_mut().zip(lobe).for_each(|(sum, own)| *sum += weight * share * own);
-        }
-    }
-    sum.map(|sum| sum.max(0.0))
+    let between = nodes_around::<2, 4>(SHARE_NODES, [seen.alpha.y.sqrt(), seen.round]);
+    let lobes = nodes_around::<2, 4>(ALBEDO_NODES, places(seen.alpha.x, cosine));
+    blend([1.0, 0.0], shares_between(between, shares_of_node), lobes, albedos_of_node)
 }
 
 /// The same in the mean over the tangent's directions.
 pub fn mean_albedo(alpha: DVec2, cosine: f64) -> [f32; 2] {
     let ratio = alpha.y / alpha.x.max(f64::MIN_POSITIVE);
-    let mut shares = [0.0; RATIOS.len()];
-    for (index, weight) in nodes_around::<1, 2>([RATIO_NODES], [ratio.sqrt()]) {
-        shares.iter_mut().zip(shares_of_ratio(index)).for_each(|(sum, own)| *sum += weight * own);
+    let between = nodes_around::<1, 2>([RATIO_NODES], [ratio.sqrt()]);
+    let round = albedo_at(alpha.x.sqrt() as f32, cosine as f32);
+    let means = nodes_around::<2, 4>(MEAN_NODES, places(alpha.x, cosine));
+    blend(round, shares_between(between, shares_of_ratio), means, means_of_node)
+}
+
+/// Shares between those of some nodes, by index and weight.
+fn shares_between<const COUNT: usize>(
+    nodes: impl Iterator<Item = (usize, f32)>,
+    shares_of: impl Fn(usize) -> &'static [f32; COUNT],
+) -> [f32; COUNT] {
+    let mut shares = [0.0; COUNT];
+    for (index, weight) in nodes {
+        shares.iter_mut().zip(shares_of(index)).for_each(|(sum, own)| *sum += weight * own);
     }
-    let mut sum = albedo_at(alpha.x.sqrt() as f32, cosine as f32);
-    for (index, weight) in nodes_around::<2, 4>(MEAN_NODES, places(alpha.x, cosine)) {
-        for (share, mean) in shares.iter().zip(means_of_node(index)) {
-            sum.iter_mut().zip(mean).for_each(|(sum, own)| *sum += weight * share * own);
+    shares
+}
+
+/// `sum` and the blend, by `shares`, of what is between some nodes, by index and weight.
+fn blend<const COUNT: usize>(
+    mut sum: [f32; 2],
+    shares: [f32; COUNT],
+    nodes: impl Iterator<Item = (usize, f32)>,
+    blended_of: impl Fn(usize) -> &'static [[f32; 2]; COUNT],
+) -> [f32; 2] {
+    for (index, weight) in nodes {
+        for (share, blended) in shares.iter().zip(blended_of(index)) {
+            sum.iter_mut().zip(blended).for_each(|(sum, own)| *sum += weight * share * own);
         }
     }
     sum.map(|sum| sum.max(0.0))
