@@ -68,6 +68,9 @@ const SQUARES_A_GROUP = 2u;
 const LANES_A_SQUARE = 64u;
 const_assert SQUARES_A_GROUP * SQUARES_A_GROUP * LANES_A_SQUARE == GROUP_SIZE;
 
+// What a white world's irradiance lacks: crates/core/src/pyramid/cells.rs.
+const LACKING = 1.345f;
+
 // Irradiance over pi.
 @compute @workgroup_size(GROUP_SIZE)
 fn cosine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
@@ -84,7 +87,9 @@ fn cosine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
     }
     sum = reduce_part(sum, lane, LANES_A_SQUARE);
     if own < 4u {
-        store(vec2<i32>(texel_of(square, own)), sum[own] * 0.31830987);
+        let edges = 1.0 / vec2<f32>(f32(side()), f32(table.inner));
+        let share = 0.31830987 * (1.0 + LACKING * (edges.x * edges.x - edges.y * edges.y));
+        store(vec2<i32>(texel_of(square, own)), sum[own] * share);
     }
 }
 
