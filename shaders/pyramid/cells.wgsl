@@ -68,8 +68,8 @@ const SQUARES_A_GROUP = 2u;
 const LANES_A_SQUARE = 64u;
 const_assert SQUARES_A_GROUP * SQUARES_A_GROUP * LANES_A_SQUARE == GROUP_SIZE;
 
-// What a white world's irradiance lacks: crates/core/src/pyramid/cells.rs.
-const LACKING = 1.345f;
+// What a white world's irradiance loses at the horizon: crates/core/src/pyramid/cells.rs.
+const HORIZON_LOSS = 1.345f;
 
 // Irradiance over pi.
 @compute @workgroup_size(GROUP_SIZE)
@@ -88,7 +88,7 @@ fn cosine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
     sum = reduce_part(sum, lane, LANES_A_SQUARE);
     if own < 4u {
         let edges = 1.0 / vec2<f32>(f32(side()), f32(table.inner));
-        let share = 0.31830987 * (1.0 + LACKING * (edges.x * edges.x - edges.y * edges.y));
+        let share = 0.31830987 * (1.0 + HORIZON_LOSS * (edges.x * edges.x - edges.y * edges.y));
         store(vec2<i32>(texel_of(square, own)), sum[own] * share);
     }
 }

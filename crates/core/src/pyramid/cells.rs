@@ -19,9 +19,10 @@ pub const BASIS: usize = 25;
 /// Cells along an edge of the finest grid.
 pub const FINEST: u32 = 64;
 
-/// What a white world's irradiance lacks, in the mean over normals, for what a cell has more of the map's
-/// square than a texel. Grids of 16 to 64 cells, of 2 to 16 texels along an edge, lack 1.33 to 1.35.
-const LACKING: f32 = 1.345;
+/// What a white world's irradiance loses in cells that the horizon crosses: the mean over normals, over the
+/// area of a cell less that of a texel, as shares of the map's square. It is 1.33 to 1.35 for grids of 16 to
+/// 64 cells of 2 to 16 texels along an edge.
+const HORIZON_LOSS: f32 = 1.345;
 
 /// The light of a cell, by channel: the sums of energy times x, y and z of its direction, and of energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,7 +72,7 @@ impl Cells {
         let lanes: Vec<Lanes> = groups.iter().map(Lanes::new).collect();
         let arch = Arch::new();
         let [cell, texel] = [self.side, self.side * self.block].map(|edge| (edge as f32).powi(-2));
-        let share = FRAC_1_PI * (1.0 + LACKING * (cell - texel));
+        let share = FRAC_1_PI * (1.0 + HORIZON_LOSS * (cell - texel));
         Map::new(size, |x, y| {
             let normal = direction_from_oct(texel_centre(size, x, y)).as_vec3().to_array();
             arch.dispatch(Facing { cells: &lanes, normal }) * share
@@ -176,15 +177,15 @@ mod tests {
             let [first, others @ ..] = pyramid.harmonics();
             let most = others.iter().map(|other| other.abs().max_element()).fold(0.0, f32::max);
             assert!(most < 2e-4 * first.x, "{size}: {most} beside {first}");
-            // Every normal lacks between nothing and twice the mean.
-            let lacking = super::LACKING / (size.min(super::FINEST) as f32).powi(2);
+            // Every normal loses between nothing and twice the mean.
+            let loss = super::HORIZON_LOSS / (size.min(super::FINEST) as f32).powi(2);
             let scale = pyramid.unscaled(glam::Vec3A::ONE).x;
             let cosine = pyramid.cosine().expect("a square map").with_border(0);
             let off: Vec<f32> = cosine.iter().map(|own| scale * own[0] - 1.0).collect();
             let most = off.iter().fold(0.0, |most: f32, off| most.max(off.abs()));
-            assert!(most < 1.1 * lacking, "{size}: {most}, where {lacking} was added");
+            assert!(most < 1.1 * loss, "{size}: {most}, where {loss} was added");
             let mean = off.iter().sum::<f32>() / off.len() as f32;
-            assert!(mean.abs() < 0.1 * lacking, "{size}: {mean}, where {lacking} was added");
+            assert!(mean.abs() < 0.1 * loss, "{size}: {mean}, where {loss} was added");
         }
     }
 }
